@@ -21,7 +21,6 @@ from pipeline.cli.next_steps import after_margin, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.scenes import conditions_in, flags_of, opened, values_in
 from pipeline.cli.unknowns import notes, on_risk, samples_of, table_of_intervals
-from pipeline.uncertain.judging import ensemble_under
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -91,19 +90,15 @@ def _of_samples(
             f"conditions are weighed as they were drawn by {flags_of(weighed)}: leave out "
             f"{flags_of([*conditions])}"
         )
-    measured, here = None, dict[str, float]()
-    if conditions:
-        ensemble, here = ensemble_under(ds, **conditions)
-    else:
-        ensemble, measured = samples_of(options, ds)
+    ensemble, measured = samples_of(options, ds, **conditions)
     draws = measured.draws if measured else None
     if options.points is None:
-        answer = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws, here)
+        answer = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)
         table = table_of_intervals(answer)
         text = [on_risk(answer.risk), *table.lines()]
         document: dict[str, Any] = {"intervals": answer.as_dict()}
     else:
-        table = pipeline.risk_table(ensemble, options.points, draws, here)
+        table = pipeline.risk_table(ensemble, options.points, draws)
         document, text = _on_points(options, table)
     document["given_measured"] = measured is not None
     return Result(document, [*text, *notes(ensemble, measured)], pipeline.warned(ds), [table])

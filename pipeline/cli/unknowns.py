@@ -21,16 +21,16 @@ from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, values_in
 from pipeline.sweep.warned import NO_WARNING
-from pipeline.uncertain.answers import probabilities_at_loads, table_of_lines
-from pipeline.uncertain.judging import ensemble_under, posterior_if_given
+from pipeline.uncertain.answers import table_of_lines
+from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.sweep.unknown import Unknown
-    from pipeline.uncertain.answers import MarginIntervals, Risk
     from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.points import MarginIntervals, Risk
     from pipeline.uncertain.sensitivity import Sensitivity
     from pipeline.uncertain.weigh import Judged, Posterior
 
@@ -66,7 +66,7 @@ def risk(options: argparse.Namespace) -> Result:
         return Result(document, text, warned)
     with working("finding probabilities over the plane"):
         plane = pipeline.probabilities(ensemble, draws)
-        lines = table_of_lines(probabilities_at_loads(ensemble, draws))
+        lines = table_of_lines(ensemble, draws)
     return Result(
         document | _document(lines),
         text if place else [*text, *_on_lines(lines)],
@@ -87,7 +87,7 @@ def on_risk(here: Risk) -> str:
 
 def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iterator[str]:
     """Line on the probability that the scene's own tests would give."""
-    if weighed is not None or not (ensemble.measured or ensemble.tested):
+    if weighed is not None or not ensemble.tests:
         return
     with suppress(InputError), working("weighing the inputs by the tests"):
         after = pipeline.posterior(ensemble)
@@ -99,7 +99,7 @@ def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iter
 def _cells(plane: xr.DataArray) -> Table:
     """Probability over the plane, a row for each load and velocity."""
     columns = _LOAD, Column("velocity", "velocity", "m/s"), Column("probability", "probability")
-    frame = plane.rename("probability").to_dataframe().reset_index()
+    frame = plane.to_dataframe().reset_index()
     return Table(columns, tuple(frame.itertuples(index=False, name=None)))
 
 
@@ -116,9 +116,9 @@ def _on_lines(lines: Table) -> Iterator[str]:
 
 def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
-    ensemble, here = ensemble_under(ds, **conditions)
+    ensemble = pipeline.Ensemble.of(ds, **conditions)
     with working("finding probabilities at each load"):
-        lines = table_of_lines(probabilities_at_loads(ensemble, conditions=here))
+        lines = table_of_lines(ensemble)
     text = [*_on_lines(lines), *notes(ensemble, None)]
     return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
 
@@ -173,15 +173,10 @@ def sensitivity(options: argparse.Namespace) -> Result:
 
 def _indices(indices: Sensitivity) -> Table:
     """Sobol' indices with the ends of their 90 % intervals, a row for each load and input."""
-    heads = ("low", "high")
-    columns = (
-        _LOAD,
-        Column("input", "input"),
-        Column("first", "first"),
-        *(Column(f"first_{end}", f"first, {end}") for end in heads),
-        Column("total", "total"),
-        *(Column(f"total_{end}", f"total, {end}") for end in heads),
-    )
+    columns = [_LOAD, Column("input", "input")]
+    for kind in ("first", "total"):
+        ends = (Column(f"{kind}_{end}", f"{kind}, {end}") for end in ("low", "high"))
+        columns += [Column(kind, kind), *ends]
     parts = (indices.first, *indices.first_interval, indices.total, *indices.total_interval)
     values = np.stack(parts, axis=-1).tolist()
     rows = [
@@ -189,7 +184,7 @@ def _indices(indices: Sensitivity) -> Table:
         for place, load in enumerate(indices.loads)
         for number in np.argsort(-indices.first.mean(axis=0))
     ]
-    return Table(columns, tuple(rows))
+    return Table(tuple(columns), tuple(rows))
 
 
 def _on_indices(indices: Sensitivity, table: Table) -> Iterator[str]:
@@ -207,13 +202,9 @@ def _on_indices(indices: Sensitivity, table: Table) -> Iterator[str]:
         given_measured = "given the measurements"
         reason = given_measured if indices.given_measured else "as the scene correlates them,"
         yield f"no total index: {reason} the inputs depend on one another"
-    errors = zip(indices.loads, indices.spread, indices.velocity_error, strict=True)
-    columns = (
-        _LOAD,
-        Column("spread", "spread of velocity", "%", 2),
-        Column("error", "emulator errs by", "%", 2),
-    )
-    rows = tuple(errors)
+    rows = tuple(zip(indices.loads, indices.spread, indices.velocity_error, strict=True))
+    spreads = Column("spread", "spread of velocity", "%", 2)
+    columns = _LOAD, spreads, Column("error", "emulator errs by", "%", 2)
     yield from Table(columns, rows).lines()
     for load, spread, error in rows:
         if error > _GOOD * spread:
@@ -286,10 +277,12 @@ def _next(
     return [{name: getattr(test, name) for name in names} for test in ranked], lines
 
 
-def samples_of(options: argparse.Namespace, ds: xr.Dataset) -> tuple[Ensemble, Posterior | None]:
+def samples_of(
+    options: argparse.Namespace, ds: xr.Dataset, **conditions: Any
+) -> tuple[Ensemble, Posterior | None]:
     """The samples of a sweep, and the inputs as measurements leave them if these are to count."""
     with working("reading samples"):
-        ensemble = pipeline.Ensemble.of(ds)
+        ensemble = pipeline.Ensemble.of(ds, **conditions)
     with working("weighing the inputs by the measurements"):
         return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
 

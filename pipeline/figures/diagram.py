@@ -192,7 +192,7 @@ def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, lo
     from pipeline.figures.uncertainty import draw_risk
     from pipeline.uncertain.answers import probabilities
     from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.judging import posterior_if_given
+    from pipeline.uncertain.weigh import posterior_if_given
 
     samples = Ensemble.of(ds)
     posterior = posterior_if_given(samples, given_measured, scatter)

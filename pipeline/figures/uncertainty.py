@@ -27,8 +27,8 @@ from pipeline.figures.style import (
     in_house_style,
     plain_numbers,
 )
-from pipeline.uncertain.answers import QUANTILES
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.sensitivity import Sensitivity
 from pipeline.uncertain.weigh import Judged, Posterior
 from tribo.types import Array
@@ -81,7 +81,8 @@ def draw_risk(
     axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
     bar.set_label("probability of severe wear")
-    for marks in measured_transitions(axes, ensemble.measured):
+    transitions = [test for test in ensemble.tests if "outcome" not in test]
+    for marks in measured_transitions(axes, transitions):
         marks.set_clip_on(False)
     if place:
         axes.plot(

@@ -6,10 +6,14 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.schema import Shape
-from pipeline.sweep.correlation import allowed, first_unfit
 from pipeline.sweep.unknown import Unknown, correlations
+from tribo.types import Array
+
+_LEAST = 1e-6  # of the variance of an input's score that the others must leave open
 
 
 def with_correlations(
@@ -75,3 +79,32 @@ def _check_fit(
         pairs[concerned[-1]][0],
         "the correlations of this input cannot all be; give smaller ones, or leave one out",
     )
+
+
+def first_unfit(correlations: Array) -> int | None:
+    """Number of the first input that cannot be correlated with those before it as it is said to."""
+    for i in range(1, len(correlations)):
+        before, last = correlations[:i, :i], correlations[i, :i]
+        if 1 - last @ np.linalg.solve(before, last) < _LEAST:
+            return i
+    return None
+
+
+def allowed(correlations: Array, i: int, j: int) -> tuple[float, float] | None:
+    """Ends of what the correlation of an input with one before it may be, given all the others.
+
+    None if there is no such value.
+
+    Examples
+    --------
+    >>> of_three = np.array([[1.0, 0.8, 0.0], [0.8, 1.0, 0.8], [0.0, 0.8, 1.0]])
+    >>> low, high = allowed(of_three, 2, 0)
+    >>> print(f"{low:.2f} {high:.2f}")
+    0.28 1.00
+    """
+    inverse = np.linalg.inv(correlations[:i, :i])
+    others = correlations[i, :i].copy()
+    others[j] = 0.0
+    last = others @ inverse @ others - (1 - _LEAST)
+    roots = np.sort(np.roots([inverse[j, j], 2 * inverse[j] @ others, last]))
+    return None if np.iscomplexobj(roots) else (float(roots[0]), float(roots[1]))

@@ -146,14 +146,13 @@ def _drawn(
 ) -> Samples | None:
     """Samples of a design; None if one is not a sound scene."""
     by_path = {one.unknown.path: one for one in inputs}
+    # A wear rate that is known is no input of the scene.
+    drawn = [by_path.get(one.path, _Input(one, "m^2/N", is_whole=False)) for one in design.inputs]
     wrong = Faults()
 
     def part(values: tuple[float, ...]) -> tuple[tuple[str, Any], ...]:
-        entries: dict[str, Any] = {}
-        for unknown, value in zip(design.inputs, values, strict=True):
-            one = by_path.get(unknown.path)
-            usual = Rounded(f"{value:.6g} m^2/N", value)  # of a wear rate that is known
-            entries[unknown.path] = one.entry(value) if one else usual
+        pairs = zip(drawn, values, strict=True)
+        entries = {one.unknown.path: one.entry(value) for one, value in pairs}
         other = None if wrong else make(entries, wrong)
         return () if other is None else tuple(differing(sweep, other))
 

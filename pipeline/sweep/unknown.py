@@ -7,7 +7,6 @@ drawn of an input does not depend on those that stand after it.
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -16,7 +15,6 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.sweep.correlation import OUTERMOST, correlated
 from tribo import InputError
 from tribo.types import Array
 
@@ -26,6 +24,7 @@ MOST = 32
 """Number of inputs that may be unknown."""
 MOST_SAMPLES = 1_000_000
 """Number of samples that may be drawn."""
+_OUTERMOST = 7.0  # normal score beyond which nothing is drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,20 +170,29 @@ def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     >>> values = drawn((friction,), seed=0, count=256)
     >>> print(f"{values.mean():.4f} {values.std():.4f}")
     0.1000 0.0050
-    >>> bool((values[:8] == drawn((friction,), seed=0, count=8)).all())
-    True
     """
-    return _at_shares(unknown, sequence(seed, count))
+    return at_scores(unknown, scipy.special.ndtri(sequence(seed, count)[:, : len(unknown)]))
 
 
-def from_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
-    """Values of unknown inputs [SI] at independent normal scores, both of shape (n, n_unknown)."""
-    return _at_shares(unknown, np.clip(scipy.special.ndtr(scores), OUTERMOST, 1 - OUTERMOST))
+def at_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
+    """Values of unknown inputs [SI] at independent normal scores, both of shape (n, n_unknown).
 
+    Correlated inputs have a Gaussian copula: with the triangular factor L of the correlations,
+    L Lᵀ = R, independent scores z become correlated ones, L z, and each input keeps its own
+    distribution (Nelsen, An Introduction to Copulas, 2006).
 
-def _at_shares(unknown: Sequence[Unknown], shares: Array) -> Array:
-    columns = correlated(correlations(unknown), shares)
-    return np.stack([one.quantile(column) for one, column in zip(unknown, columns, strict=True)], 1)
+    Examples
+    --------
+    >>> first = Unknown("wear.specific_wear_rate", "log-normal", (1.0, 2.0))
+    >>> pairs = ((first.path, 0.6),)
+    >>> second = Unknown("friction.coefficient", "normal", (0.0, 1.0), correlated=pairs)
+    >>> print(at_scores([first, second], np.array([[1.0, 0.0]])).round(3))
+    [[2.  0.6]]
+    """
+    inside = np.clip(scores, -_OUTERMOST, _OUTERMOST)
+    joint = inside @ np.linalg.cholesky(correlations(unknown)).T
+    shares = scipy.special.ndtr(np.clip(joint, -_OUTERMOST, _OUTERMOST))
+    return np.stack([one.quantile(row) for one, row in zip(unknown, shares.T, strict=True)], 1)
 
 
 def correlations(unknown: Sequence[Unknown]) -> Array:
@@ -202,14 +210,8 @@ def sequence(seed: int, count: int) -> Array:
 
     They lie within the unit cube and not on its faces.
     """
-    return _sequence(seed, max(count - 1, 1).bit_length())[:count]
-
-
-@functools.lru_cache(maxsize=2)
-def _sequence(seed: int, levels: int) -> Array:
     from scipy.stats import qmc  # takes 0.5 s, and few scenes need it
 
-    rng = np.random.default_rng(seed)
-    points: Array = qmc.Sobol(MOST + 1, scramble=True, rng=rng).random_base2(levels)
-    shares: Array = np.clip(points, OUTERMOST, 1 - OUTERMOST)
-    return shares
+    sobol = qmc.Sobol(MOST + 1, scramble=True, rng=np.random.default_rng(seed))
+    points: Array = sobol.random_base2(max(count - 1, 1).bit_length())[:count]
+    return np.clip(points, 2.0**-40, 1 - 2.0**-40)

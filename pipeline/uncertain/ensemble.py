@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -23,10 +23,11 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.special import ndtr
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import end_of_point, values_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
-from pipeline.sweep.samples import WEAR_RATE, Design
+from pipeline.sweep.samples import Design
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.emulator import Emulator, Groups, features_of, fitted
 from tribo import InputError
@@ -37,12 +38,7 @@ FRICTION, BULK, CRITICAL, SHARE = (
 )  # fmt: skip
 Axis = Sequence[float] | Array
 """Loads [N] or velocities [m/s]."""
-Overrides = Mapping[str, float] | None
-CONDITIONS = {
-    "friction": FRICTION, "bulk_temperature": BULK, "critical_temperature": CRITICAL,
-    "wear_rate": WEAR_RATE,
-}  # fmt: skip
-"""Conditions that may be given in place of an input's draws, and the path of that input."""
+_CONDITIONS = {FRICTION: "friction", BULK: "bulk_temperature", CRITICAL: "critical_temperature"}
 # For the few draws of a wide distribution that cross what is possible, such as a negative friction.
 _LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
@@ -54,17 +50,18 @@ class Excess(NamedTuple):
     """Logarithm of the rise over its limit, shape (n, n_load, n_velocity); above 0 wear is severe.
 
     ``error`` is the standard error against a simulation with the same inputs; ``shared`` the part
-    of it that draws near each other share, and more samples make smaller. At a single load their
-    shape is (n, n_velocity).
+    of it that draws near each other share, and more samples make smaller. A load or a velocity
+    that is one number has no axis.
     """
 
     values: Array
     error: Array
     shared: Array
 
-    def at_load(self, number: int) -> Excess:
-        """Excess at one of several loads."""
-        return Excess(*(part[:, number] for part in self))
+    def with_chance(self, seed: int) -> Array:
+        """Values with an error of the emulator drawn for each draw, one for all its places."""
+        chance = np.random.default_rng(seed).standard_normal(len(self.values))
+        return (self.values.T + chance * self.error.T).T
 
     @property
     def probability(self) -> Array:
@@ -85,7 +82,7 @@ class Ensemble:
     design : Design
         Rule by which the samples follow, and the inputs that rises depend on.
     conditions : Conditions
-        Friction, temperatures and failing share of the scene, as far as they are known.
+        Friction, temperatures and failing share, as far as they are known.
     inputs : ndarray, shape (n_sample, n_input)
         Inputs of the samples, by those of the design [SI].
     sample_velocities : ndarray, shape (n_sample,)
@@ -96,12 +93,14 @@ class Ensemble:
         Normal loads on the whole pin [N].
     rises, widths : ndarray, shape (n_sample, n_load)
         Rise that decides at friction 1 [K], and width of the contact at the end [m].
-    measured, tested : tuple of dict
-        Transitions that were measured, and tests that stayed mild or turned severe.
+    tests : tuple of dict
+        Transitions that were measured, and tests with their outcome, mild or severe.
     hold : float
         Duration at the full load [s].
     rises_by_hold : mapping of float to ndarray
         Rises of shorter holds, of those that tests have, where the samples tell them.
+    fixed : mapping of str to float
+        Inputs that have one value, whatever is assumed of them, by path [SI].
     missing : int
         Samples left out, since some of their loads are not done.
 
@@ -123,29 +122,29 @@ class Ensemble:
     loads: Array
     rises: Array
     widths: Array
-    measured: tuple[dict[str, Any], ...]
-    tested: tuple[dict[str, Any], ...] = ()
+    tests: tuple[dict[str, Any], ...] = ()
     hold: float = 0.0
     rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
+    fixed: Mapping[str, float] = field(default_factory=dict)
     missing: int = 0
 
     @classmethod
-    def of(
-        cls, ds: xr.Dataset, share: float | None = None, criterion: str | None = None
-    ) -> Ensemble:
+    def of(cls, ds: xr.Dataset, **changed: Any) -> Ensemble:
         """Read the samples of an opened sweep.
 
         Parameters
         ----------
         ds : Dataset
             Dataset of `pipeline.open_sweep`.
-        share, criterion : optional
-            Failing share and kind of criterion in place of the scene's.
+        **changed
+            Friction, temperatures, share and criterion in place of the scene's and of those that
+            are drawn; see `pipeline.boundary`.
 
         Raises
         ------
         InputError
-            If the sweep has no samples, or too few of them are done.
+            If the sweep has no samples, too few of them are done, or a condition lies outside its
+            range.
         """
         about = attributes_of(ds)
         if "sample" not in ds.dims:
@@ -154,12 +153,16 @@ class Ensemble:
                 "it into a new store"
             )
         design = Design.from_dict(about["scene"]["samples"])
-        conditions = Conditions(**about["conditions"]).changed(share=share, criterion=criterion)
+        if isinstance(changed.get("friction"), tuple):
+            raise InputError("samples are judged at one --friction at a time; give one")
+        changed = {name: value for name, value in changed.items() if value is not None}
+        conditions = conditions_of(ds, **changed)
         ds = ds.sortby("load").isel(sample=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
         paths = [quantity.path for quantity in design.inputs]
-        shares = inputs[:, paths.index(SHARE)] if SHARE in paths and share is None else None
+        is_drawn = SHARE in paths and "share" not in changed
+        shares = inputs[:, paths.index(SHARE)] if is_drawn else None
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = _rises(columns, loads, conditions, shares)
         done = np.isfinite(rises.sum(axis=1))
@@ -186,17 +189,12 @@ class Ensemble:
             loads=loads,
             rises=rises[done],
             widths=values_of(end_of_point(ds[["time", "contact_width"]]), "contact_width")[done],
-            measured=tuple(about["measured"]),
-            tested=tuple(about["tested"]),
+            tests=tests,
             hold=hold,
             rises_by_hold=by_hold,
+            fixed={k: getattr(conditions, v) for k, v in _CONDITIONS.items() if v in changed},
             missing=int(np.count_nonzero(~done)),
         )
-
-    @property
-    def tests(self) -> tuple[dict[str, Any], ...]:
-        """Transitions and tests."""
-        return self.measured + self.tested
 
     @property
     def velocities(self) -> tuple[float, float]:
@@ -204,7 +202,7 @@ class Ensemble:
         return self.design.velocities
 
     def excess(
-        self, draws: Array, load: float, velocity: Axis | float, conditions: Overrides = None
+        self, draws: Array, load: Axis | float, velocity: Axis | float, with_error: bool = True
     ) -> Excess:
         """Logarithm of the rise over the limit above which wear is severe.
 
@@ -212,66 +210,51 @@ class Ensemble:
         ----------
         draws : ndarray, shape (n, n_unknown)
             Values of the unknown inputs [SI].
-        load : float
-            Normal load on the whole pin [N].
+        load : float or sequence of float
+            Normal loads on the whole pin [N].
         velocity : float or sequence of float
             Sliding velocities [m/s].
-        conditions : mapping, optional
-            Conditions by the names of `CONDITIONS`, in place of those drawn or of the scene.
+        with_error : bool
+            False for errors of 0, which is faster.
 
         Raises
         ------
         InputError
-            If the load or a velocity lies outside the sweep, or no critical temperature is known.
+            If a load or a velocity lies outside the sweep, or no critical temperature is known.
         """
-        return self.excesses(draws, [load], np.atleast_1d(velocity), conditions).at_load(0)
-
-    def excesses(
-        self, draws: Array, loads: Axis, velocities: Axis, conditions: Overrides = None,
-        with_error: bool = True,
-    ) -> Excess:  # fmt: skip
-        """Excess at several loads, found faster without errors; see `excess`."""
-        parts = self._emulated(self._rise, draws, loads, velocities, conditions, with_error)
-        limit = self.log_limit(draws, conditions)
-        return parts._replace(values=parts.values - limit[:, None, None])
-
-    def rows(
-        self, draws: Array, loads: Axis, velocities: Axis, conditions: Overrides = None
-    ) -> Iterator[Excess]:
-        """Excess at one load after the other, without the memory of all; see `excess`."""
-        wanted = np.asarray(velocities, float)
-        nodes = _nodes(wanted)
-        at_nodes = self.excesses(draws, loads, nodes, conditions)
-        for number in range(len(loads)):
-            yield _between(wanted, nodes, at_nodes.at_load(number))
+        rise = self._emulated(self._rise, draws, load, velocity, with_error)
+        return rise._replace(values=(rise.values.T - self.log_limit(draws)).T)
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
-        return self._emulated(self._width, draws, [load], [velocity]).at_load(0)
+        return self._emulated(self._width, draws, load, velocity)
 
-    def values(self, path: str, draws: Array, conditions: Overrides = None) -> Array:
-        """Values of an input by draw, shape (n,): of conditions, drawn, or the scene's [SI]."""
-        values: dict[str, Any] = {
-            FRICTION: self.conditions.friction,
-            BULK: self.conditions.bulk_temperature,
-            SHARE: self.conditions.failing_share,
-        }
-        values |= {one.path: row for one, row in zip(self.unknown, draws.T, strict=True)}
-        values |= {CONDITIONS[name]: value for name, value in (conditions or {}).items()}
-        if path == CRITICAL and path not in values:
-            values[path] = self.conditions.known_critical_temperature()
-        elif path not in values:
+    def values(self, path: str, draws: Array) -> Array:
+        """Values of an input by draw, shape (n,): fixed, drawn, or the scene's [SI]."""
+        values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))
+        values |= self.fixed
+        if path in values:
+            value = values[path]
+        elif path == CRITICAL:
+            value = self.conditions.known_critical_temperature()
+        elif path in _CONDITIONS:
+            value = getattr(self.conditions, _CONDITIONS[path])
+        else:
             (entry,) = (one for one in self.design.inputs if one.path == path)
-            values[path] = float(entry.quantile(np.array([0.5]))[0])
-        return np.full(len(draws), values[path])
+            value = float(entry.quantile(np.array([0.5]))[0])
+        return np.full(len(draws), value)
 
-    def log_limit(self, draws: Array, conditions: Overrides = None) -> Array:
-        """Logarithm of the rise at friction 1 above which wear is severe, shape (n,)."""
-        friction, bulk, critical = (
-            self.values(path, draws, conditions) for path in (FRICTION, BULK, CRITICAL)
-        )
-        limit = np.maximum(critical - bulk, _LEAST_RISE) / np.maximum(friction, _LEAST)
-        return np.asarray(np.log(limit))
+    def log_limit(
+        self, draws: Array, friction: float | None = None, bulk: float | None = None
+    ) -> Array:
+        """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
+
+        A friction and a bulk temperature [K] that are given replace those of the draws.
+        """
+        frictions = self.values(FRICTION, draws) if friction is None else friction
+        bulks = self.values(BULK, draws) if bulk is None else bulk
+        rise = np.maximum(self.values(CRITICAL, draws) - bulks, _LEAST_RISE)
+        return np.asarray(np.log(rise / np.maximum(frictions, _LEAST)))
 
     @functools.cached_property
     def by_hold(self) -> dict[float, Ensemble]:
@@ -294,30 +277,36 @@ class Ensemble:
         return fitted(*features, self.contacts, np.log(values))
 
     def _emulated(
-        self, emulator: Emulator, draws: Array, loads: Axis, velocities: Axis,
-        conditions: Overrides = None, with_error: bool = True,
+        self, emulator: Emulator, draws: Array, load: Axis | float, velocity: Axis | float,
+        with_error: bool = True,
     ) -> Excess:  # fmt: skip
         """Outputs of an emulator by draw, load and velocity in place of the excess."""
-        wanted = np.asarray(velocities, float)
-        self.require_within(loads, wanted)
-        nodes = _nodes(wanted)
-        columns = [self.values(quantity.path, draws, conditions) for quantity in self.design.inputs]
+        loads, velocities = np.atleast_1d(load), np.atleast_1d(np.asarray(velocity, float))
+        self.require_within(loads, velocities)
+        nodes = velocities
+        if len(velocities) > _NODES:
+            nodes = np.geomspace(velocities.min(), velocities.max(), _NODES)
+        columns = [self.values(quantity.path, draws) for quantity in self.design.inputs]
         weights, bends = map(np.array, zip(*map(self._between_loads, loads), strict=True))
         at_nodes = []
-        for velocity in nodes:
-            features, _ = features_of(self.design, columns, np.full(len(draws), velocity))
+        for node in nodes:
+            features, _ = features_of(self.design, columns, np.full(len(draws), node))
             values, *errors = emulator(features, with_error)
             by_load = [np.hypot(error @ np.abs(weights.T), bends) for error in errors]
             at_nodes.append([values @ weights.T, *by_load])
-        parts = (np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True))
-        return _between(wanted, nodes, Excess(*parts))
+        parts = [np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True)]
+        if len(velocities) > _NODES:
+            x, wanted = np.log(nodes), np.log(velocities)
+            parts = [CubicSpline(x, part, axis=-1)(wanted) for part in parts]
+        shape = len(draws), *np.shape(load), *np.shape(velocity)
+        values, *errors = (part.reshape(shape) for part in parts)
+        return Excess(values, *map(np.abs, errors))
 
     def _between_loads(self, load: float) -> tuple[Array, float]:
         """Weights of the outputs at each load by which to interpolate, and its error."""
-        (same,) = np.nonzero(self.loads == load)
-        if same.size:
-            return np.eye(len(self.loads))[same[0]], 0.0
         x, place = np.log(self.loads), math.log(load)
+        if len(x) == 1:
+            return np.ones(1), 0.0
         if len(x) == 2:
             weights = _spline(x, place, 1)
             return weights, _BEND * 4 * float(weights[0] * weights[1])
@@ -345,22 +334,6 @@ class Ensemble:
                     f"{name} is {value:g} {unit}; the samples have {ends}: give one within, or "
                     "add to the sweep"
                 )
-
-
-def _nodes(velocities: Array) -> Array:
-    """Velocities at which to emulate, where many are wanted."""
-    if len(velocities) <= _NODES:
-        return velocities
-    return np.geomspace(velocities.min(), velocities.max(), _NODES)
-
-
-def _between(velocities: Array, nodes: Array, excess: Excess) -> Excess:
-    """Excess at velocities, from that at nodes."""
-    if nodes is velocities:
-        return excess
-    x, wanted = np.log(nodes), np.log(velocities)
-    values, *errors = (CubicSpline(x, part, axis=-1)(wanted) for part in excess)
-    return Excess(values, *map(np.abs, errors))
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:

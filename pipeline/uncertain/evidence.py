@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import log_ndtr
 
-from pipeline.uncertain.answers import log_crossings
+from pipeline.uncertain.answers import LEAST_SLOPE, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from tribo import InputError
 from tribo.types import Array
@@ -24,9 +24,10 @@ from tribo.types import Array
 Test = Mapping[str, Any]
 """Entries of a test, as `pipeline.Measurement.as_dict` gives them."""
 
+SIGNS = {"severe": 1.0, "mild": -1.0}
+"""Sign of the distances that agree with an outcome."""
 _NODES = 9  # velocities at which rises are emulated
 _SPAN = 1.05  # ratio of loads between which a slope is taken
-_LEAST_SLOPE = 0.05  # of ln(rise) over ln(velocity)
 
 
 class Distances(NamedTuple):
@@ -40,9 +41,9 @@ class Distances(NamedTuple):
     variance: Array
 
 
-def require_possible(ensemble: Ensemble, tests: Sequence[Test]) -> None:
+def require_possible(ensemble: Ensemble) -> None:
     """Raise an `InputError` at a test that the samples say nothing about."""
-    for test in tests:
+    for test in ensemble.tests:
         place = f"the test at {test['normal_load']:g} N and {test['velocity']:g} m/s"
         try:
             ensemble.require_within([test["normal_load"]], [test["velocity"]])
@@ -64,12 +65,11 @@ def require_possible(ensemble: Ensemble, tests: Sequence[Test]) -> None:
 
 def distances_of(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Distances:
     """Distances of draws of an ensemble's inputs, shape (n, n_unknown), from tests."""
-    holds = [test.get("hold", ensemble.hold) for test in tests]
     values, variance = np.empty((2, len(tests), len(inputs)))
-    for hold in set(holds):
-        numbers = [number for number, other in enumerate(holds) if other == hold]
-        part = [tests[number] for number in numbers]
-        values[numbers], variance[numbers] = _of_one_hold(ensemble.by_hold[hold], part, inputs)
+    for hold, held in ensemble.by_hold.items():
+        numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
+        if part := [tests[number] for number in numbers]:
+            values[numbers], variance[numbers] = _of_one_hold(held, part, inputs)
     return Distances(values, variance)
 
 
@@ -78,7 +78,7 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
     nodes = np.geomspace(*ensemble.velocities, _NODES)
     ends = ensemble.loads[[0, -1]]
     loads = sorted({load for test in tests for load in (test["normal_load"], *_around(test, ends))})
-    excess = ensemble.excesses(inputs, loads, nodes)
+    excess = ensemble.excess(inputs, loads, nodes)
     rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
     x = np.log(nodes)
     conditions = ensemble.conditions
@@ -86,10 +86,8 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
     table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
     values, variances = [], []
     for test in tests:
-        number = loads.index(test["normal_load"])
-        rise = rises[:, number]
-        if test.get("friction") is not None:
-            rise = rise - table
+        number, friction = loads.index(test["normal_load"]), test.get("friction")
+        rise = rises[:, number] if friction is None else rises[:, number] - table
         log_velocity = math.log(test["velocity"])
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
         slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
@@ -100,16 +98,11 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
             variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
         if "friction_scatter" in test:
             variance = variance + (test["friction_scatter"] / test["friction"]) ** 2
-        limit = ensemble.log_limit(inputs, conditions_of(test))
-        values.append(log_velocity - log_crossings(nodes, rise - limit[:, None]))
-        variances.append(variance / np.maximum(slope, _LEAST_SLOPE) ** 2)
+        limit = ensemble.log_limit(inputs, friction, test.get("bulk_temperature"))
+        critical, *_ = log_crossings(nodes, rise - limit[:, None])
+        values.append(log_velocity - critical)
+        variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)
     return Distances(np.array(values), np.array(variances))
-
-
-def conditions_of(test: Test) -> dict[str, float]:
-    """Conditions that a test gives itself."""
-    names = ("friction", "bulk_temperature")
-    return {name: test[name] for name in names if test.get(name) is not None}
 
 
 def _around(test: Test, ends: Array) -> tuple[float, ...]:
@@ -122,36 +115,28 @@ def _around(test: Test, ends: Array) -> tuple[float, ...]:
 
 def log_likelihoods(
     tests: Sequence[Test], distances: Distances, scatters: Sequence[float] | Array
-) -> Array:
-    """Logarithm of the likelihood of each test by draw and scatter, shape (n_test, n, n_scatter).
+) -> tuple[Array, Array]:
+    """Distances over their standard deviation, and logarithms of their likelihood.
 
-    Scatters are the relative standard deviations of velocities of tests that do not give their own.
+    Both by test, draw and scatter, shape (n_test, n, n_scatter). Scatters are the relative standard
+    deviations of velocities of tests that do not give their own.
 
     Examples
     --------
     >>> tests = [{"velocity": 2.0}, {"velocity": 2.0, "outcome": "severe"}]
     >>> apart = Distances(np.array([[0.0], [0.0]]), np.zeros((2, 1)))
-    >>> print(np.exp(log_likelihoods(tests, apart, [0.05])).round(2).ravel())
+    >>> _, logarithms = log_likelihoods(tests, apart, [0.05])
+    >>> print(np.exp(logarithms).round(2).ravel())
     [20.   0.5]
     """
-    rows = []
-    for test, d, variance in zip(tests, *distances, strict=True):
-        deviation = deviations(test, variance, scatters)
-        z = d[:, None] / deviation
-        match test.get("outcome"):
-            case "severe":
-                rows.append(log_ndtr(z))
-            case "mild":
-                rows.append(log_ndtr(-z))
-            case _:
-                rows.append(-0.5 * z**2 - np.log(deviation))
-    return np.array(rows)
-
-
-def deviations(test: Test, variance: Array, scatters: Sequence[float] | Array) -> Array:
-    """Standard deviation of a test's distances by draw and scatter, shape (n, n_scatter)."""
-    scatter = np.asarray(scatters)
-    if "velocity_scatter" in test:
-        scatter = np.full(len(scatters), test["velocity_scatter"] / test["velocity"])
-    deviation: Array = np.sqrt(variance[:, None] + scatter**2)
-    return deviation
+    by_test = np.tile(scatters, (len(tests), 1, 1))
+    for scatter, test in zip(by_test, tests, strict=True):
+        if "velocity_scatter" in test:
+            scatter[:] = test["velocity_scatter"] / test["velocity"]
+    deviation = np.sqrt(distances.variance[..., None] + by_test**2)
+    z = distances.values[..., None] / deviation
+    logarithms = -0.5 * z**2 - np.log(deviation)
+    for number, test in enumerate(tests):
+        if "outcome" in test:
+            logarithms[number] = log_ndtr(SIGNS[test["outcome"]] * z[number])
+    return z, logarithms

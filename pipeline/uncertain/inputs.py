@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +11,11 @@ import numpy as np
 from pipeline.sweep.unknown import Unknown, drawn
 from tribo.types import Array
 
+QUANTILES = (0.05, 0.5, 0.95)
+"""Probabilities of which values are given, and lines drawn."""
 COUNT = 2**12
 """Number of draws of the scene's own distributions."""
+_AT_A_TIME = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +38,12 @@ class Draws:
         """Number of draws of equal weight that would tell as much."""
         return float(1 / np.sum(self.weights**2))
 
+    def parts(self) -> Iterator[Draws]:
+        """The draws in parts, of which many values at a time take little memory."""
+        for begin in range(0, len(self.weights), _AT_A_TIME):
+            part = slice(begin, begin + _AT_A_TIME)
+            yield Draws(self.inputs[part], self.weights[part])
+
     def mean(self, values: Array) -> Any:
         """Weighted mean over the draws, the first axis."""
         return np.tensordot(self.weights, values, axes=1)
@@ -43,12 +52,12 @@ class Draws:
         """Value that a share of the probability stays below; values may be infinite."""
         order = np.argsort(values)
         below = np.cumsum(self.weights[order]) - 0.5 * self.weights[order]
-        ordered = values[order]
-        upper = int(np.clip(np.searchsorted(below, share), 1, len(ordered) - 1))
-        low, high = ordered[upper - 1], ordered[upper]
-        if low == high or not np.isfinite([low, high]).all():
-            return float(high if share >= below[upper] else low)
-        return float(np.interp(share, below[upper - 1 : upper + 1], [low, high]))
+        return float(np.interp(share, below, values[order]))
+
+    def interval(self, values: Array) -> tuple[float, float, float]:
+        """Values that 5, 50 and 95 % of the probability stay below."""
+        low, middle, high = (self.quantile(values, share) for share in QUANTILES)
+        return low, middle, high
 
 
 def prior(unknown: Sequence[Unknown], seed: int, count: int = COUNT) -> Draws:

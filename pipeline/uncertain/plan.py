@@ -11,10 +11,9 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr
+from scipy.special import log_ndtr, ndtr, softmax
 
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
@@ -25,6 +24,8 @@ from pipeline.uncertain.weigh import Posterior
 from tribo import InputError
 from tribo.types import Array
 
+_Measurement = tuple[str, Array, dict[str, float] | None]
+"""Words, logarithm of the likelihood of results by truth and draw, and the `Candidate.test`."""
 WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
@@ -100,7 +101,7 @@ def candidates(
     True
     """
     plan = _Plan(posterior, target, bulk_temperatures)
-    ranked = (plan.candidate(one, one.log_likelihood) for one in plan.measurements())
+    ranked = (plan.candidate(*measurement) for measurement in plan.measurements())
     return tuple(sorted(ranked, key=lambda candidate: candidate.spread))
 
 
@@ -130,22 +131,17 @@ def batch(
     if count < 1:
         raise InputError(f"count is {count}; plan at least 1 test")
     plan, planned = _Plan(posterior, target, bulk_temperatures), []
-    likelihood = np.zeros((_TRUTHS, len(plan.values)))
+    so_far = np.zeros((_TRUTHS, len(plan.values)))
     for _ in range(count):
-        tests = [one for one in plan.measurements() if one.test is not None]
-        ranked = [plan.candidate(one, likelihood + one.log_likelihood) for one in tests]
-        best = min(range(len(tests)), key=lambda number: ranked[number].spread)
-        likelihood += tests[best].log_likelihood
-        planned.append(ranked[best])
+        ranked = [
+            (plan.candidate(what, log_likelihood + so_far, test), log_likelihood)
+            for what, log_likelihood, test in plan.measurements()
+            if test
+        ]
+        best, log_likelihood = min(ranked, key=lambda pair: pair[0].spread)
+        so_far += log_likelihood
+        planned.append(best)
     return tuple(planned)
-
-
-class _Measurement(NamedTuple):
-    """A measurement, and the likelihood of its results for each truth, shape (n_truth, n)."""
-
-    what: str
-    log_likelihood: Array
-    test: dict[str, float] | None = None
 
 
 class _Plan:
@@ -200,14 +196,15 @@ class _Plan:
         scores = self._chance.standard_normal(_DRAWS) / _SCORES_APART
         return np.asarray(middle * (high / low) ** scores)
 
-    def candidate(self, measurement: _Measurement, log_likelihood: Array) -> Candidate:
+    def candidate(
+        self, what: str, log_likelihood: Array, test: dict[str, float] | None
+    ) -> Candidate:
         """A measurement with the spread that a likelihood of draws leaves, averaged over truths."""
-        weights = np.exp(log_likelihood - log_likelihood.max(axis=1, keepdims=True))
-        weights /= weights.sum(axis=1, keepdims=True)
+        weights = softmax(log_likelihood, axis=1)
         mean = weights @ self.values
         variance = weights @ self.values**2 - mean**2
         spread = math.sqrt(max(float(variance.mean()), 0.0))
-        return Candidate(measurement.what, spread, self.before, measurement.test)
+        return Candidate(what, spread, self.before, test)
 
     def measurements(self) -> Iterator[_Measurement]:
         """All that could be measured, each with results drawn anew."""
@@ -218,20 +215,21 @@ class _Plan:
             width = self._ensemble.width(self._inputs, load, velocity)
             error = math.hypot(WIDTH_SCATTER, float(np.mean(width.error)))
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
-            yield _Measurement(what, self._gaussian(width.values[:, 0], error))
+            yield what, self._measured(width.values, np.full(_DRAWS, error)), None
         for quantity, column in zip(self._posterior.unknown, self._all.T, strict=True):
             if quantity.kind == "list":
                 same = column[:_TRUTHS, None] == column
-                yield _Measurement(f"{quantity.path} itself", np.where(same, 0.0, -np.inf))
+                yield f"{quantity.path} itself", np.where(same, 0.0, -np.inf), None
                 continue
             values = np.log(column) if quantity.is_relative else column
             name = "friction" if quantity.path == FRICTION else quantity.path
             what = f"{name}, to a tenth of its spread today"
-            yield _Measurement(what, self._gaussian(values, _KNOWN * float(values.std())))
+            error = max(_KNOWN * float(values.std()), 1e-300)
+            yield what, self._measured(values, np.full(_DRAWS, error)), None
 
     def _tests(self) -> Iterator[_Measurement]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""
-        ensemble, conditions = self._ensemble, self._ensemble.conditions
+        ensemble = self._ensemble
         bulks = self._bulks
         if not bulks:
             bulk = float(np.median(ensemble.values(BULK, self._inputs)))
@@ -242,27 +240,24 @@ class _Plan:
         middle = math.sqrt(low * high)
         for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
             test = {"normal_load": load, "velocity": middle, "bulk_temperature": bulk}
-            entries = {} if bulk == conditions.bulk_temperature else {"bulk_temperature": bulk}
-            judged: dict[str, Any] = {"normal_load": load, "velocity": middle, **entries, **about}
+            judged = test | about
+            if bulk == ensemble.conditions.bulk_temperature:
+                del judged["bulk_temperature"]  # which may be unknown
             distances = distances_of(ensemble, [judged], self._inputs)
             log_velocity = math.log(middle) - distances.values[0]
             deviation = np.hypot(np.sqrt(distances.variance[0]), self._scatters)
             where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
             likely = math.exp(float(np.median(log_velocity)))
             if low <= likely <= high:
-                yield _Measurement(
-                    f"the transition at {where}, about {likely:.3g} m/s",
-                    self._searched(log_velocity, deviation),
-                    test | {"velocity": likely},
-                )
+                what = f"the transition at {where}, about {likely:.3g} m/s"
+                likelihood = self._measured(log_velocity, deviation, *np.log([low, high]))
+                yield what, likelihood, test | {"velocity": likely}
             shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
             velocities = np.exp(np.quantile(log_velocity, shares)).clip(low, high)
             for velocity in np.unique(velocities).tolist():
-                yield _Measurement(
-                    f"a test at {where}, {velocity:.3g} m/s",
-                    self._outcome((math.log(velocity) - log_velocity) / deviation),
-                    test | {"velocity": velocity},
-                )
+                what = f"a test at {where}, {velocity:.3g} m/s"
+                likelihood = self._outcome((math.log(velocity) - log_velocity) / deviation)
+                yield what, likelihood, test | {"velocity": velocity}
 
     def _friction_of_tests(self) -> dict[str, float]:
         """Friction of the next test and its scatter, by the log; neither if that has no friction.
@@ -281,24 +276,15 @@ class _Plan:
             "friction_scatter": float(np.mean(scatters)),
         }
 
-    def _results(self, values: Array, deviation: Array) -> Array:
-        """Numbers that are measured with an error, of the truths."""
+    def _measured(
+        self, values: Array, deviation: Array, low: float = -math.inf, high: float = math.inf
+    ) -> Array:
+        """Likelihood of a number that is measured with an error, and may lie beyond two ends."""
         chance = self._chance.standard_normal(_TRUTHS)
-        return np.asarray(values[:_TRUTHS] + deviation[:_TRUTHS] * chance)
-
-    def _gaussian(self, values: Array, error: float) -> Array:
-        """Likelihood of a number that is measured with an error."""
-        deviation = np.full(values.shape, max(error, 1e-300))
-        return _log_density(self._results(values, deviation), values, deviation)
-
-    def _searched(self, log_velocity: Array, deviation: Array) -> Array:
-        """Likelihood of a transition that is sought, and may lie beyond the velocities."""
-        results = self._results(log_velocity, deviation)
-        low, high = np.log(self._ensemble.velocities)
-        log = _log_density(results, log_velocity, deviation)
-        is_below, is_above = results < low, results > high
-        log[is_below] = log_ndtr((low - log_velocity) / deviation)
-        log[is_above] = log_ndtr((log_velocity - high) / deviation)
+        results = values[:_TRUTHS] + deviation[:_TRUTHS] * chance
+        log: Array = -0.5 * ((results[:, None] - values) / deviation) ** 2 - np.log(deviation)
+        log[results < low] = log_ndtr((low - values) / deviation)
+        log[results > high] = log_ndtr((values - high) / deviation)
         return log
 
     def _outcome(self, z: Array) -> Array:
@@ -311,9 +297,3 @@ class _Plan:
         is_severe = np.diff(np.floor(count)) > 0
         log: Array = np.where(is_severe[:, None], np.log(severe), np.log1p(-severe))
         return log
-
-
-def _log_density(results: Array, values: Array, deviation: Array) -> Array:
-    """Logarithm of the density of results by value, each with its own deviation."""
-    log: Array = -0.5 * ((results[:, None] - values) / deviation) ** 2 - np.log(deviation)
-    return log

@@ -1,24 +1,214 @@
-"""Probability of severe wear at many operating points, as a table."""
+"""Answers at operating points: probability of severe wear, and distance from it."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
+
+import numpy as np
 
 from pipeline.analysis.margin_table import table_of_points
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
+from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
-from pipeline.uncertain.answers import QUANTILES, Interval, draws_of, risk, temperatures
-from pipeline.uncertain.ensemble import Ensemble, Overrides
-from pipeline.uncertain.inputs import Draws
+from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
+from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble
+from pipeline.uncertain.inputs import QUANTILES, Draws
+from tribo.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Risk:
+    """Probability of severe wear at an operating point.
+
+    Attributes
+    ----------
+    load : float
+        Normal load on the whole pin [N].
+    velocity : float
+        Sliding velocity [m/s].
+    probability : float
+        Probability of severe wear.
+    error : float
+        Standard error of the probability, from the numbers of samples and of draws.
+    rise_error : float
+        Standard error of the emulated rise against a simulation, relative; the root mean square
+        over the draws.
+    samples : int
+        Samples that were simulated.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> answer = pipeline.risk(ensemble, load=400.0, velocity=2.2)
+    >>> 0.4 < answer.probability < 0.7
+    True
+    """
+
+    load: float
+    velocity: float
+    probability: float
+    error: float
+    rise_error: float
+    samples: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields by name."""
+        return asdict(self)
+
+
+def risk(
+    ensemble: Ensemble,
+    load: float | str,
+    velocity: float | str,
+    draws: Draws | None = None,
+) -> Risk:
+    """Probability of severe wear at an operating point.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Samples of a sweep.
+    load : float or str
+        Normal load on the whole pin [N], or text with a unit.
+    velocity : float or str
+        Sliding velocity [m/s], or text with a unit.
+    draws : Draws, optional
+        Draws of the unknown inputs; by the scene's distributions if not given.
+
+    Raises
+    ------
+    InputError
+        If the point lies outside the sweep, or the samples are too few.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> answer = pipeline.risk(ensemble, "400 N", "2.5 m/s")
+    >>> 0.7 < answer.probability < 1.0
+    True
+    """
+    return _judged(ensemble, load, velocity, draws_of(ensemble, draws))[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Values that 5, 50 and 95 % of the probability stay below.
+
+    Attributes
+    ----------
+    low, middle, high : float
+        The three values; of a boundary 0 or infinite where it lies below or above the sweep.
+
+    Examples
+    --------
+    >>> Interval(1.6, 2.1, 2.7).middle
+    2.1
+    """
+
+    low: float
+    middle: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class MarginIntervals:
+    """The distance of an operating point from severe wear, as an interval of probability.
+
+    Attributes
+    ----------
+    risk : Risk
+        Probability of severe wear at the operating point.
+    decisive_temperature : Interval
+        Temperature that just the failing share of the contact area exceeds [K].
+    distance : Interval
+        Distance to the critical temperature [K]; negative where wear is severe.
+    critical_velocity : Interval
+        Velocity at this load at which wear turns severe [m/s].
+    critical_load : Interval or None
+        Likewise the load at this velocity [N]; None in a sweep of a single load.
+    velocity_range, load_range : tuple of float
+        The lowest and highest velocity [m/s] and load [N] of the sweep.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> answer = pipeline.margin_intervals(ensemble, "400 N", "2 m/s")
+    >>> answer.distance.low < 0 < answer.distance.high
+    True
+    """
+
+    risk: Risk
+    decisive_temperature: Interval
+    distance: Interval
+    critical_velocity: Interval
+    critical_load: Interval | None
+    velocity_range: tuple[float, float]
+    load_range: tuple[float, float]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all values as plain data."""
+        return asdict(self)
+
+
+def margin_intervals(
+    ensemble: Ensemble,
+    load: float | str,
+    velocity: float | str,
+    draws: Draws | None = None,
+) -> MarginIntervals:
+    """Distance of an operating point from severe wear, as intervals of probability.
+
+    Parameters are those of `risk`.
+
+    Raises
+    ------
+    InputError
+        If the point lies outside the sweep, or the samples are too few.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> answer = pipeline.margin_intervals(ensemble, "400 N", "2 m/s")
+    >>> critical = answer.critical_velocity
+    >>> critical.low < 2.2 < critical.high
+    True
+    """
+    draws = draws_of(ensemble, draws)
+    here, temperature, distance = _judged(ensemble, load, velocity, draws)
+
+    def crossed(axis: Array, load: Array | float, velocity: Array | float) -> Interval:
+        excess = ensemble.excess(draws.inputs, load, velocity).with_chance(ensemble.design.seed)
+        places = np.exp(log_crossings(axis, excess)[0])
+        places[places > axis[-1]] = math.inf
+        places[excess[:, 0] >= 0] = 0.0
+        return Interval(*draws.interval(places))
+
+    velocities = np.geomspace(*ensemble.velocities, STEPS)
+    loads = np.geomspace(ensemble.loads[0], ensemble.loads[-1], STEPS)
+    has_loads = len(ensemble.loads) > 1
+    return MarginIntervals(
+        risk=here,
+        decisive_temperature=temperature,
+        distance=distance,
+        critical_velocity=crossed(velocities, here.load, velocities),
+        critical_load=crossed(loads, loads, here.velocity) if has_loads else None,
+        velocity_range=ensemble.velocities,
+        load_range=(float(ensemble.loads[0]), float(ensemble.loads[-1])),
+    )
 
 
 def risk_table(
     ensemble: Ensemble,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]],
     draws: Draws | None = None,
-    conditions: Overrides = None,
 ) -> Table:
     """Table of the probability of severe wear at operating points, and of their distance from it.
 
@@ -28,7 +218,7 @@ def risk_table(
         Samples of a sweep.
     points : path or mapping of str to sequence
         Operating points; see `pipeline.margin_table`.
-    draws, conditions : optional
+    draws : Draws, optional
         See `pipeline.risk`.
 
     Returns
@@ -52,18 +242,44 @@ def risk_table(
     ['mild', 'uncertain']
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
-    drawn = draws_of(ensemble, draws)
+    draws = draws_of(ensemble, draws)
 
     def answer(load: float, velocity: float) -> tuple[Any, ...]:
-        here = risk(ensemble, load, velocity, drawn, conditions)
-        temperature, critical = temperatures(ensemble, drawn.inputs, load, velocity, conditions)
-        distance = Interval.of(drawn, critical - temperature)
+        here, _, distance = _judged(ensemble, load, velocity, draws)
         (least, _, most), chance = QUANTILES, here.probability
         verdict = "mild" if chance <= least else "severe" if chance >= most else "uncertain"
         ends = distance.middle, distance.low, distance.high
         return verdict, chance, here.error, *ends, None
 
     return table_of_points(read, _COLUMNS, answer)
+
+
+def _judged(
+    ensemble: Ensemble, load: float | str, velocity: float | str, draws: Draws
+) -> tuple[Risk, Interval, Interval]:
+    """Risk at an operating point, its deciding temperature, and the distance to the critical."""
+    load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
+    excess = ensemble.excess(draws.inputs, load, velocity)
+    probability = float(np.clip(draws.mean(excess.probability), 0.0, 1.0))
+    by_draws = math.sqrt(float(np.sum((draws.weights * (excess.probability - probability)) ** 2)))
+    # What neighbours share is taken as shared by all draws, which errs to the safe side.
+    density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
+    by_samples = float(draws.mean(density * excess.shared / excess.error))
+    risk = Risk(
+        load=load,
+        velocity=velocity,
+        probability=probability,
+        error=math.hypot(by_draws, by_samples),
+        rise_error=math.sqrt(float(draws.mean(excess.error**2))),
+        samples=len(ensemble.inputs),
+    )
+    friction, bulk, critical = (
+        ensemble.values(path, draws.inputs) for path in (FRICTION, BULK, CRITICAL)
+    )
+    log_rise = excess.with_chance(ensemble.design.seed) + ensemble.log_limit(draws.inputs)
+    temperature = bulk + friction * np.exp(log_rise)
+    distance = draws.interval(critical - temperature)
+    return risk, Interval(*draws.interval(temperature)), Interval(*distance)
 
 
 _COLUMNS = (

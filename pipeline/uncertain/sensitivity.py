@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.sweep.correlation import OUTERMOST
-from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.unknown import Unknown, at_scores
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import Draws
@@ -116,24 +115,22 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     )
     if is_dependent:
         first = _first_of(draws, values)
-        total = np.full_like(first, np.nan)
-        by_points = np.zeros((2, *first.shape))
+        both, by_points = np.array([first, np.full_like(first, np.nan)]), np.zeros(1)
     else:
-        first, total, by_points = indices(
+        both, by_points = indices(
             lambda inputs: log_boundary(ensemble, inputs, ensemble.loads, with_error=False)[0],
             ensemble.unknown, _POINTS, ensemble.design.seed,
         )  # fmt: skip
     # An error of the share e of the spread moves an index S by 2e√S + e² at most.
     share = (_SCORE * missed / np.sqrt(np.maximum(variance, 1e-30)))[:, None]
-    both = np.array([first, total])
     by_samples = np.minimum(2 * share * np.sqrt(np.maximum(both, 0.0)) + share**2, 1.0)
     off = np.hypot(by_points, by_samples)
     ends = np.clip([both - off, both + off], 0.0, 1.0)
     return Sensitivity(
         unknown=ensemble.unknown,
         loads=tuple(ensemble.loads.tolist()),
-        first=first,
-        total=total,
+        first=both[0],
+        total=both[1],
         first_interval=ends[:, 0],
         total_interval=ends[:, 1],
         spread=tuple(np.sqrt(variance).tolist()),
@@ -144,35 +141,26 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
 
 def indices(
     function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
-) -> tuple[Array, Array, Array]:
-    """First and total Sobol' indices of functions of independent inputs, (n_output, n_unknown).
+) -> tuple[Array, Array]:
+    """First and total Sobol' indices of independent inputs, shape (2, n_output, n_unknown).
 
-    The functions take values (n, n_unknown) and give (n, n_output). The third array is the error of
-    both with 90 % probability for want of points, of which ``count`` is a power of 2.
+    The function takes values (n, n_unknown) and gives outputs (n, n_output). The second array is
+    the error with 90 % probability for want of points, of which ``count`` is a power of 2.
     """
-    from scipy.stats import sobol_indices, uniform  # takes 0.5 s
-
-    def of_shares(shares: Array) -> Array:
-        inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
-        values = np.stack(
-            [quantity.quantile(row) for quantity, row in zip(unknown, inside, strict=True)], axis=1
-        )
-        outputs: Array = function(values).T
-        return outputs
+    from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
     estimates = [
         sobol_indices(
-            func=of_shares,
+            func=lambda scores: function(at_scores(unknown, scores.T)).T,
             n=count // _SCRAMBLES,
-            dists=[uniform()] * len(unknown),
+            dists=[norm()] * len(unknown),
             rng=np.random.default_rng([seed, number]),
         )
         for number in range(_SCRAMBLES)
     ]
-    both_orders = np.array([np.atleast_3d([one.first_order, one.total_order]) for one in estimates])
-    both_orders = both_orders.reshape(_SCRAMBLES, 2, -1, len(unknown))
-    first, total = both_orders.mean(axis=0)
-    return first, total, _SCORE * both_orders.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
+    both = np.array([[one.first_order, one.total_order] for one in estimates])
+    both = both.reshape(_SCRAMBLES, 2, -1, len(unknown))
+    return both.mean(axis=0), _SCORE * both.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
 
 
 def _first_of(draws: Draws, values: Array) -> Array:
@@ -187,17 +175,11 @@ def _first_of(draws: Draws, values: Array) -> Array:
     orders = []
     for column in draws.inputs.T:
         part = _parts(draws, column)
-
-        def summed(values: Array, part: NDArray[np.intp] = part) -> Array:
-            total: Array = np.stack(
-                [np.bincount(part, row, minlength=_BINS) for row in values.T], 1
-            )
-            return total
-
-        weight = np.maximum(summed(weights[:, None]), 1e-150)
-        means = summed(weights[:, None] * y) / weight
-        scatter = summed((weights[:, None] * (y - means[part])) ** 2) / weight
-        alone = 1 - summed(weights[:, None] ** 2) / weight**2  # 0 for a part with a single draw
+        is_in = part == np.arange(_BINS)[:, None]
+        weight = np.maximum(is_in @ weights[:, None], 1e-150)
+        means = is_in @ (weights[:, None] * y) / weight
+        scatter = is_in @ (weights[:, None] * (y - means[part])) ** 2 / weight
+        alone = 1 - is_in @ weights[:, None] ** 2 / weight**2  # 0 for a part with a single draw
         scatter = np.where(alone > 1e-9, scatter / np.maximum(alone, 1e-9), weight * means**2)
         orders.append(np.sum(weight * means**2 - scatter, axis=0) + by_chance)
     first: Array = np.maximum(orders, 0.0).T / (draws.mean(y**2) + by_chance)[:, None]

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.special import logsumexp, ndtri
 
-from pipeline.sweep.unknown import Unknown, from_scores, sequence
+from pipeline.sweep.unknown import Unknown, at_scores, sequence
 from tribo.types import Array
 
 _KEPT = 0.5  # effective share of the draws that a step of the power leaves
@@ -41,7 +42,7 @@ def tempered(
     """
     rng = np.random.default_rng(seed)
     scores = ndtri(sequence(seed, count)[:, : len(unknown)])
-    likelihood = log_likelihood(from_scores(unknown, scores))
+    likelihood = log_likelihood(at_scores(unknown, scores))
     power = 0.0
     for _ in range(_STEPS):
         step = _step(likelihood, 1.0 - power)
@@ -54,27 +55,21 @@ def tempered(
         walk = 2.38 / np.sqrt(len(unknown)) * np.linalg.cholesky(covariance)
         for _ in range(_MOVES):
             proposed = scores + rng.standard_normal(scores.shape) @ walk.T
-            other = log_likelihood(from_scores(unknown, proposed))
+            other = log_likelihood(at_scores(unknown, proposed))
             gain = power * (other - likelihood)
             gain += 0.5 * np.sum(scores**2 - proposed**2, axis=1)
             taken = np.log(rng.random(count)) < gain
             scores[taken], likelihood[taken] = proposed[taken], other[taken]
         if power >= 1.0:
             break
-    return from_scores(unknown, scores)
+    return at_scores(unknown, scores)
 
 
 def _step(likelihood: Array, most: float) -> float:
     """Largest step of the power that leaves enough draws of effect."""
 
-    def kept(step: float) -> float:
+    def spare(step: float) -> float:
         log = step * likelihood
-        return float(np.exp(2 * logsumexp(log) - logsumexp(2 * log)) / len(log))
+        return float(np.exp(2 * logsumexp(log) - logsumexp(2 * log)) / len(log)) - _KEPT
 
-    if kept(most) >= _KEPT:
-        return most
-    low, high = 0.0, most
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if kept(middle) >= _KEPT else (low, middle)
-    return max(low, 1e-6 * most)
+    return most if spare(most) >= 0 else max(brentq(spare, 0.0, most), 1e-6 * most)

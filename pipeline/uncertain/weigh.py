@@ -13,15 +13,14 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp, ndtr
+from scipy.special import logsumexp, ndtr, softmax
 
 from pipeline.sweep.unknown import Unknown, correlations
-from pipeline.uncertain.answers import QUANTILES
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import (
+    SIGNS,
     Distances,
     Test,
-    deviations,
     distances_of,
     log_likelihoods,
     require_possible,
@@ -39,7 +38,7 @@ _ENOUGH = 400  # draws of equal weight, that tell either end of 90 % to 6 % of t
 _FIRST, _TEMPERED = 2**13, 2**11
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
 _FACTORS = np.exp(np.log(2.0) * np.linspace(-2.0, 2.5, 10))  # on the scatter that is said
-_PRIOR_OF_FACTORS = np.log(_FACTORS) / math.log(2.0)  # its normal scores
+_LOG_PRIOR = -0.5 * (np.log(_FACTORS) / math.log(2.0)) ** 2  # of the factors
 _CONTRADICTS = 0.02  # probability, by all others, below which a test contradicts them
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
@@ -151,10 +150,11 @@ class Posterior:
                     row[name] = {"probability": odds}
                     continue
                 mean = float(draws.mean(column))
+                low, _, high = draws.interval(column)
                 row[name] = {
                     "mean": mean,
                     "sd": math.sqrt(float(draws.mean((column - mean) ** 2))),
-                    "interval": [draws.quantile(column, share) for share in (0.05, 0.95)],
+                    "interval": [low, high],
                 }
             yield row
 
@@ -163,8 +163,8 @@ class Posterior:
         """Correlation of each two inputs, shape (n_unknown, n_unknown)."""
         columns = zip(self.unknown, self.draws.inputs.T, strict=True)
         values = np.stack([np.log(c) if u.is_relative else c for u, c in columns], axis=1)
-        values = values - self.draws.mean(values)
-        covariance = values.T @ (self.draws.weights[:, None] * values)
+        covariance = np.cov(values, rowvar=False, aweights=self.draws.weights, ddof=0)
+        covariance = np.atleast_2d(covariance)
         spread = np.sqrt(np.diag(covariance))
         correlation: Array = covariance / np.maximum(np.outer(spread, spread), 1e-300)
         return correlation
@@ -242,7 +242,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
     ensembles = (ensemble,) if isinstance(ensemble, Ensemble) else tuple(ensemble)
     unknown, columns = _joined(ensembles)
     for one in ensembles:
-        require_possible(one, one.tests)
+        require_possible(one)
     tests = [test for one in ensembles for test in one.tests]
     scatters, seed = scatter * _FACTORS, ensembles[0].design.seed + 1
     before = prior(unknown, seed, _FIRST)
@@ -250,40 +250,38 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         middle = tuple(scatter * 2.0**score for score in (-1.645, 0.0, 1.645))
         return Posterior(ensembles, unknown, columns, before, before, (), scatter, middle)
 
-    def judge(inputs: Array) -> tuple[Distances, Array]:
+    def judge(inputs: Array) -> tuple[Distances, Array, Array, Array]:
+        """Distances, results of `log_likelihoods`, and the sum of these and of the prior."""
         parts = [
             distances_of(one, one.tests, inputs[:, part])
             for one, part in zip(ensembles, columns, strict=True)
-            if one.tests
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-        return distances, log_likelihoods(tests, distances, scatters)
+        z, likelihoods = log_likelihoods(tests, distances, scatters)
+        return distances, z, likelihoods, likelihoods.sum(axis=0) + _LOG_PRIOR
 
-    distances, likelihoods = judge(before.inputs)
+    distances, z, likelihoods, joint = judge(before.inputs)
     _require_near(tests, distances, float(scatters[-1]))
-    total = _over_factors(likelihoods.sum(axis=0))
-    draws, base = Draws(before.inputs, np.exp(total - logsumexp(total))), np.zeros(_FIRST)
+    draws = Draws(before.inputs, softmax(joint).sum(axis=1))
     if draws.effective < _ENOUGH:
-        after = tempered(unknown, lambda x: _over_factors(judge(x)[1].sum(axis=0)), seed, _TEMPERED)
-        distances, likelihoods = judge(after)
+        after = tempered(unknown, lambda x: logsumexp(judge(x)[-1], axis=1), seed, _TEMPERED)
+        distances, z, likelihoods, joint = judge(after)
+        joint -= logsumexp(joint, axis=1, keepdims=True)  # as draws have equal weights
         draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
-        base = -_over_factors(likelihoods.sum(axis=0))
     sweeps = [number for number, one in enumerate(ensembles) for _ in one.tests]
+    rows = zip(tests, sweeps, distances.values, z, likelihoods, strict=True)
     judged = tuple(
         Judged(
             test,
             sweep,
-            _interval(draws, test["velocity"] * np.exp(-distances.values[number])),
-            _probability(
-                test,
-                distances.values[number],
-                deviations(test, distances.variance[number], scatters),
-                _weights(likelihoods, base, without=number),
-            ),
+            draws.interval(test["velocity"] * np.exp(-distance)),
+            _probability(test, score, softmax(joint - likelihood)),
         )
-        for number, (test, sweep) in enumerate(zip(tests, sweeps, strict=True))
+        for test, sweep, distance, score, likelihood in rows
     )
-    inferred = _inferred(likelihoods, base, scatters)
+    of_scatter = Draws(scatters[:, None], softmax(joint).sum(axis=0))
+    low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
+    inferred = low, middle, high
     return Posterior(ensembles, unknown, columns, before, draws, judged, scatter, inferred)
 
 
@@ -310,43 +308,13 @@ def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[A
                     f"{quantity.path} is shared by the sweeps, which differ in its distribution; "
                     "give the same one in [unknown] of each, and run them again"
                 )
-        columns.append([*names.values()])
-    order = list(inputs)
-    numbers = tuple(np.array([order.index(name) for name in names], int) for names in columns)
-    return tuple(inputs.values()), numbers
+        columns.append(np.array([[*inputs].index(name) for name in names.values()], int))
+    return tuple(inputs.values()), tuple(columns)
 
 
-def _over_factors(likelihood: Array) -> Array:
-    """Sum over the factors of the scatter, each with its prior; the last axis goes."""
-    log_prior = -0.5 * _PRIOR_OF_FACTORS**2
-    summed: Array = logsumexp(likelihood + log_prior - logsumexp(log_prior), axis=-1)
-    return summed
-
-
-def _weights(likelihoods: Array, base: Array, without: int | None = None) -> Array:
-    """Weights of draws and factors, shape (n, n_factor), by all tests or all but one."""
-    total = likelihoods.sum(axis=0) - (0.0 if without is None else likelihoods[without])
-    log = total + base[:, None] - 0.5 * _PRIOR_OF_FACTORS**2
-    weights: Array = np.exp(log - logsumexp(log))
-    return weights
-
-
-def _inferred(likelihoods: Array, base: Array, scatters: Array) -> tuple[float, float, float]:
-    """Scatter that 5, 50 and 95 % stay below."""
-    weights = _weights(likelihoods, base).sum(axis=0)
-    below = np.cumsum(weights) - 0.5 * weights
-    low, middle, high = np.exp(np.interp((0.05, 0.5, 0.95), below, np.log(scatters)))
-    return float(low), float(middle), float(high)
-
-
-def _interval(draws: Draws, values: Array) -> tuple[float, float, float]:
-    low, middle, high = (draws.quantile(values, share) for share in QUANTILES)
-    return low, middle, high
-
-
-def _probability(test: Test, distance: Array, deviation: Array, weights: Array) -> float:
+def _probability(test: Test, z: Array, weights: Array) -> float:
     """Probability of a test's outcome, or of a transition as far off, by weights of draws."""
-    severe = float(np.sum(weights * ndtr(distance[:, None] / deviation)))
+    severe = float(np.sum(weights * ndtr(z)))
     match test.get("outcome"):
         case "severe":
             return severe
@@ -358,18 +326,32 @@ def _probability(test: Test, distance: Array, deviation: Array, weights: Array) 
 
 def _require_near(tests: Sequence[Test], distances: Distances, scatter: float) -> None:
     """Raise an `InputError` where even the best draws of the prior are far from the tests."""
-    squares = []
-    for test, d, variance in zip(tests, *distances, strict=True):
-        z = d / np.sqrt(variance + scatter**2)
-        match test.get("outcome"):
-            case "severe":
-                z = np.minimum(z, 0.0)
-            case "mild":
-                z = np.maximum(z, 0.0)
-        squares.append(z**2)
-    apart = float(np.sqrt(np.mean(squares, axis=0).min()))
+    z = distances.values / np.sqrt(distances.variance + scatter**2)
+    for number, test in enumerate(tests):
+        if "outcome" in test:
+            z[number] = np.minimum(SIGNS[test["outcome"]] * z[number], 0.0)
+    apart = float(np.sqrt(np.mean(z**2, axis=0).min()))
     if apart > _FAR:
         raise InputError(
             f"hardly any draw comes near to the tests, the best within {apart * scatter:.0%} of "
             "their velocities; widen what [unknown] allows, or look at the tests"
         )
+
+
+def posterior_if_given(
+    ensemble: Ensemble, given_measured: bool, scatter: float | None = None
+) -> Posterior | None:
+    """Inputs weighed by the tests, if they are to count, of which there has to be one then."""
+    if not given_measured:
+        if scatter is not None:
+            raise InputError(
+                f"scatter is {scatter:g}, of measured velocities that do not count here; add "
+                "--given-measured (in Python given_measured=True), or leave it out"
+            )
+        return None
+    if not ensemble.tests:
+        raise InputError(
+            "the scene has no measured transition and no test; give it a [[measured]] with load "
+            "and velocity, or a [[tested]] with an outcome besides"
+        )
+    return posterior(ensemble, SCATTER if scatter is None else scatter)

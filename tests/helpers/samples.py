@@ -1,6 +1,7 @@
 """Samples of a sweep whose rise is known in closed form."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,7 @@ RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1"
 FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
 LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
 ALL = (CRITICAL, RATE, FRICTION, LENGTH)
+JOINT = (CRITICAL, RATE, replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 EXPONENT = 0.7  # of the rise over the velocity
 _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
@@ -37,7 +39,7 @@ def rise(inputs, load, velocity, unknown=ALL):
     return rises
 
 
-def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
+def ensemble(unknown=ALL, count=64, tests=(), noise=0.0):
     inputs = tuple(entry for entry in unknown if entry.path not in _AFTERWARDS)
     layers = tuple("wear rate" if entry.path == RATE.path else "contact" for entry in inputs)
     size = samples_per_contact(layers, wears=True, separable=True)
@@ -56,7 +58,7 @@ def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
         loads=LOADS,
         rises=rises,
         widths=np.full(rises.shape, 2e-4) * velocities[:, None] ** 0.1,
-        measured=tuple(measured),
+        tests=tuple(tests),
     )
 
 
@@ -95,8 +97,8 @@ def dataset(samples, growth=((0.0, 1.0),)):
         "conditions": samples.conditions.as_dict(),
         "unknown": [entry.as_dict() for entry in samples.unknown],
         "samples": len(samples.rises),
-        "measured": list(samples.measured),
-        "tested": list(samples.tested),
+        "measured": [test for test in samples.tests if "outcome" not in test],
+        "tested": [test for test in samples.tests if "outcome" in test],
     }
     inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)
     return xr.Dataset(

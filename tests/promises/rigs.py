@@ -13,10 +13,10 @@ import numpy as np
 import pipeline
 from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.unknown import from_scores
+from pipeline.sweep.unknown import at_scores
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
-from pipeline.uncertain.ensemble import CRITICAL, FRICTION, Ensemble
+from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble
 from tests.promises.risk import entries_of
 
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
@@ -47,7 +47,7 @@ def ensemble_of(scene, overrides, store=None):
     """Samples of a scene: of its store, or simulated here."""
     if store is not None:
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
-        return replace(ensemble, measured=(), tested=())
+        return replace(ensemble, tests=())
     sweep = pipeline.load_scene(scene, overrides=overrides)
     sweep = replace(sweep, store_fields=False, measured=(), tested=())
     with tempfile.TemporaryDirectory() as folder:
@@ -69,25 +69,25 @@ def idle(ensemble):
 
 def weighed(ensemble, tests, scatter=SCATTER):
     """The posterior given tests, with the emulator of the samples fitted once."""
-    tested = replace(ensemble, tested=tuple(tests))
+    tested = replace(ensemble, tests=tuple(tests))
     vars(tested)["_rise"] = ensemble._rise
     with (
-        mock.patch.object(Ensemble, "excesses", _kept),
+        mock.patch.object(Ensemble, "excess", _kept),
         mock.patch.object(weigh, "_FIRST", _FIRST),
     ):
         return pipeline.posterior(tested, scatter)
 
 
-_excesses, _of_prior = Ensemble.excesses, {}
+_excess, _of_prior = Ensemble.excess, {}
 
 
-def _kept(ensemble, draws, loads, velocities, conditions=None, with_error=True):
-    """`Ensemble.excesses`, kept for the draws of the prior, which are those of all truths."""
+def _kept(ensemble, draws, load, velocity, with_error=True):
+    """`Ensemble.excess`, kept for the draws of the prior, which are those of all truths."""
     if len(draws) < _FIRST:
-        return _excesses(ensemble, draws, loads, velocities, conditions, with_error)
-    key = id(ensemble._rise), draws.tobytes(), tuple(loads), tuple(velocities)
+        return _excess(ensemble, draws, load, velocity, with_error)
+    key = id(ensemble._rise), draws.tobytes(), tuple(load), tuple(velocity)
     if key not in _of_prior:
-        _of_prior[key] = _excesses(ensemble, draws, loads, velocities, conditions, with_error)
+        _of_prior[key] = _excess(ensemble, draws, load, velocity, with_error)
     return _of_prior[key]
 
 
@@ -98,7 +98,7 @@ class Rig:
         self.ensemble, self.seed = ensemble, number
         chance = np.random.default_rng((_SEED, number))
         scores = chance.standard_normal((1, len(ensemble.unknown)))
-        self.truth = from_scores(ensemble.unknown, scores)[0]
+        self.truth = at_scores(ensemble.unknown, scores)[0]
         entries = entries_of(ensemble.unknown, self.truth)
         alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
         self._scene = replace(pipeline.load_scene(scene, overrides=alone), samples=None)
@@ -127,10 +127,11 @@ class Rig:
         if bulk >= self._scene.conditions.critical_temperature:
             return -math.inf
         nodes = np.geomspace(*self.ensemble.velocities, 9)
-        conditions = {"bulk_temperature": bulk}
-        guess = self.ensemble.excesses(self.truth[None], [load], nodes, conditions, False)
+        at_bulk = replace(self.ensemble, fixed={BULK: bulk})
+        vars(at_bulk)["_rise"] = self.ensemble._rise
+        guess = at_bulk.excess(self.truth[None], load, nodes, with_error=False)
         low, high = np.log(self.ensemble.velocities)
-        place = float(np.clip(log_crossings(nodes, guess.values[0, 0]), low, high))
+        place = float(np.clip(log_crossings(nodes, guess.values)[0][0], low, high))
         excess, slope = self._excess(load, place, bulk), 0.7
         for _ in range(20):
             if abs(excess) < _CLOSE:

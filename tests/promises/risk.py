@@ -83,7 +83,7 @@ def judged(ensemble, scene, count, overrides, place, processes=1):
     share = float(np.mean(excesses > 0))
     by_chance = math.sqrt(share * (1 - share) / count)
     emulated = ensemble.excess(values, load, velocity)
-    missed = emulated.values[:, 0] - excesses
+    missed = emulated.values - excesses
     return {
         "load": load,
         "velocity": velocity,
@@ -98,7 +98,7 @@ def judged(ensemble, scene, count, overrides, place, processes=1):
         "bias": float(missed.mean()),
         "spread": float(missed.std()),
         "rise_error": stated.rise_error,
-        "within_90_percent": float(np.mean(np.abs(missed) < 1.645 * emulated.error[:, 0])),
+        "within_90_percent": float(np.mean(np.abs(missed) < 1.645 * emulated.error)),
     }
 
 

@@ -10,14 +10,9 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.figures.page.content import packed, record
 from pipeline.store.schema import DONE
-from pipeline.uncertain.answers import (
-    probabilities,
-    probabilities_at_loads,
-    risk_lines,
-    table_of_lines,
-)
+from pipeline.uncertain.answers import probabilities, risk_lines, table_of_lines
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.judging import posterior_if_given
+from pipeline.uncertain.weigh import posterior_if_given
 
 
 def content_of_samples(
@@ -42,7 +37,7 @@ def content_of_samples(
         "probability": packed([plane.values], "<f4"),
         "shares": list(shares),
         "lines": np.clip(lines, *ensemble.velocities).tolist(),
-        "table": table_of_lines(probabilities_at_loads(ensemble, draws)),
+        "table": table_of_lines(ensemble, draws),
         "samples": ds.sizes["sample"],
         "done": int((ds["status"] == DONE).sum()),
         "record": record(attributes),

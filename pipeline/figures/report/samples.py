@@ -11,9 +11,8 @@ import xarray as xr
 from pipeline.analysis.margin_table import notes_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Table
-from pipeline.uncertain.answers import probabilities_at_loads, risk_lines, table_of_lines
+from pipeline.uncertain.answers import table_of_lines
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.judging import ensemble_under
 from pipeline.uncertain.points import risk_table
 
 
@@ -21,10 +20,8 @@ def sections(
     ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
 ) -> dict[str, Callable[[], Iterator[str | Table]]]:
     """Writers of the sections that a sweep of samples has in place of the usual ones."""
-    ensemble, conditions = ensemble_under(ds, **changed)
-    plane = probabilities_at_loads(ensemble, conditions=conditions)
-    _, lines = risk_lines(plane)
-    of_load = list(zip(ensemble.loads.tolist(), lines.tolist(), strict=True))
+    ensemble = Ensemble.of(ds, **changed)
+    lines = table_of_lines(ensemble)
 
     def question() -> Iterator[str | Table]:
         yield (
@@ -34,19 +31,19 @@ def sections(
         )
         yield f"Not known exactly: {'; '.join(map(str, ensemble.unknown))}."
         words = []
-        for load, row in dict([of_load[0], of_load[-1]]).items():
+        for load, *row in dict.fromkeys([lines.rows[0], lines.rows[-1]]):
             low, middle, high = (_velocity(velocity, ensemble) for velocity in row)
             words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
         yield f"Answer: wear is as likely severe as mild {' and '.join(words)}."
 
     def numbers() -> Iterator[str | Table]:
-        yield table_of_lines(plane)
+        yield lines
         yield "Velocities at which wear is severe with these probabilities."
 
     def operating_points() -> Iterator[str | Table]:
         if points is None:
             return
-        table = risk_table(ensemble, points, conditions=conditions)
+        table = risk_table(ensemble, points)
         yield table.without({"note"}).without_empty()
         yield from (f"{note}." for note in notes_of(table))
 
@@ -60,6 +57,6 @@ def sections(
 def _velocity(velocity: float, ensemble: Ensemble) -> str:
     """A velocity, or the end of the samples that it lies beyond."""
     low, high = ensemble.velocities
-    if not velocity:
+    if velocity < 0:
         return f"below {low:.3g} m/s"
     return f"beyond {high:.3g} m/s" if math.isinf(velocity) else f"{velocity:.3g} m/s"

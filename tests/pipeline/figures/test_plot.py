@@ -1,7 +1,5 @@
 """Figures (pipeline/figures/plot.py and pipeline/figures/diagram.py), by what is in them."""
 
-from dataclasses import replace
-
 import matplotlib
 import numpy as np
 import pytest
@@ -400,7 +398,7 @@ def unknown():
         {"normal_load": 400.0, "velocity": 1.6, "friction": None},
         {"normal_load": 750.0, "velocity": 1.0, "friction": None},
     ]
-    return samples.dataset(samples.ensemble(measured=measured))
+    return samples.dataset(samples.ensemble(tests=measured))
 
 
 def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown):
@@ -421,7 +419,7 @@ def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown
 def test_tests_are_not_called_measured_transitions():
     severe = {"normal_load": 400.0, "velocity": 2.0, "friction": None, "outcome": "severe"}
     one = {"normal_load": 750.0, "velocity": 1.0, "friction": None}
-    ensemble = replace(samples.ensemble(measured=[one]), tested=(severe,))
+    ensemble = samples.ensemble(tests=[one, severe])
     figure = draw_risk(ensemble, probabilities(ensemble), posterior=posterior(ensemble))
     assert figure.axes[0].get_title().endswith("given 1 measured transition and 1 test")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, spearmanr
 
-from pipeline.sweep.correlation import allowed, first_unfit
+from pipeline.scene.correlation import allowed, first_unfit
 from pipeline.sweep.unknown import Unknown, correlations, drawn
 from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, distribution_of
 
@@ -45,15 +45,10 @@ def test_each_keeps_its_own_distribution(number):
     assert kstest(values, distribution_of(PAIRS[number]).cdf).statistic < 0.01
 
 
-def test_more_samples_begin_with_fewer_bit_for_bit():
-    assert (drawn(PAIRS, 2, 256)[:128] == drawn(PAIRS, 2, 128)).all()
-    assert (drawn(PAIRS, 2, 200)[:77] == drawn(PAIRS, 2, 77)).all()
-
-
 def test_what_is_correlated_with_nothing_before_it_is_drawn_as_if_it_were_alone():
     alone = drawn((CRITICAL, RATE, FRICTION, LENGTH, LIST), 2, 64)
     joint = drawn((*PAIRS, LIST), 2, 64)
-    same = (alone == joint).all(axis=0)
+    same = np.isclose(alone, joint, rtol=1e-12, atol=0.0).all(axis=0)
     assert same.tolist() == [True, False, True, False, True]
 
 

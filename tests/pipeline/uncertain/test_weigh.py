@@ -15,6 +15,7 @@ from tests.helpers.samples import (
     CRITICAL,
     EXPONENT,
     FRICTION,
+    JOINT,
     LENGTH,
     LOADS,
     RATE,
@@ -24,8 +25,6 @@ from tests.helpers.samples import (
     rise,
 )
 from tribo import Corrections, InputError
-
-JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 
 
 def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=None):
@@ -60,7 +59,7 @@ def test_without_data_what_is_assumed_comes_back():
 def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
     near = dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.9),))
-    sharp = ensemble((CRITICAL, RATE, near, LENGTH), measured=transitions(truth))
+    sharp = ensemble((CRITICAL, RATE, near, LENGTH), tests=transitions(truth))
     _, _, friction, _ = pipeline.posterior(sharp).summary()
     # Its own value was measured at each transition, and decides nothing there.
     assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
@@ -71,7 +70,7 @@ def test_90_percent_intervals_hold_most_of_40_hidden_truths():
     held = []
     for number, truth in enumerate(truths):
         measured = transitions(truth, seed=number)
-        posterior = pipeline.posterior(ensemble(measured=measured))
+        posterior = pipeline.posterior(ensemble(tests=measured))
         inside = [
             row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
             for row, value in zip(posterior.summary(), truth, strict=True)
@@ -83,7 +82,7 @@ def test_90_percent_intervals_hold_most_of_40_hidden_truths():
 
 def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
     truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
-    posterior = pipeline.posterior(ensemble(measured=transitions(truth, 0.01)), 0.02)
+    posterior = pipeline.posterior(ensemble(tests=transitions(truth, 0.01)), 0.02)
     critical, *_ = posterior.summary()
     assert critical["posterior"]["sd"] < 0.75 * critical["prior"]["sd"]
     (pair, *_) = posterior.hidden()
@@ -95,18 +94,18 @@ def test_a_transition_measured_outside_the_samples_is_named():
     away = [{"normal_load": 900.0, "velocity": 1.1, "friction": None}]
     message = r"test at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to 750"
     with pytest.raises(InputError, match=message):
-        pipeline.posterior(ensemble(measured=away))
+        pipeline.posterior(ensemble(tests=away))
 
 
 def test_a_measurement_that_nothing_allows_is_told():
     wild = [{"normal_load": 400.0, "velocity": 0.55, "friction": 0.1}]
     with pytest.raises(InputError, match=r"hardly any draw comes near to the tests.*widen"):
-        pipeline.posterior(ensemble(measured=wild), 0.01)
+        pipeline.posterior(ensemble(tests=wild), 0.01)
 
 
 def test_given_the_measurements_the_risk_is_sharper():
     posterior = pipeline.posterior(
-        ensemble(measured=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6]), friction=None))
+        ensemble(tests=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6]), friction=None))
     )
     before, after = (
         pipeline.risk_lines(pipeline.probabilities(posterior.ensemble, draws, loads=LOADS))[1]
@@ -141,7 +140,7 @@ def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
     limit_there = rise(np.zeros((1, 0)), 400.0, 2.0, ())[0] * 0.1
     critical = Unknown(CRITICAL.path, "normal", (298.15 + limit_there, 8.0), "K")
     entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1} | scatters
-    posterior = pipeline.posterior(ensemble((critical, LENGTH), measured=[entry]), 0.01)
+    posterior = pipeline.posterior(ensemble((critical, LENGTH), tests=[entry]), 0.01)
     (marginal, _) = posterior.summary()
     of_length = 0.02 * 3 / math.sqrt(12)  # what the correlation length, uniform, adds
     expected = (8.0**-2 + (limit_there * math.hypot(share, of_length)) ** -2) ** -0.5
@@ -150,7 +149,7 @@ def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
 
 def test_a_load_scatters_only_where_other_loads_tell_what_that_makes():
     entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "load_scatter": 5.0}
-    samples = ensemble(measured=[entry])
+    samples = ensemble(tests=[entry])
     alone = dataclasses.replace(
         samples, loads=LOADS[1:2], rises=samples.rises[:, 1:2], widths=samples.widths[:, 1:2]
     )
@@ -170,7 +169,7 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
     ]  # fmt: skip
     for test in tests:
         test["velocity_scatter"] = 0.05 * test["velocity"]
-    posterior = pipeline.posterior(dataclasses.replace(ensemble((CRITICAL,)), tested=tuple(tests)))
+    posterior = pipeline.posterior(ensemble((CRITICAL,), tests=tests))
     kelvins = np.linspace(378.0, 460.0, 4001)
     density = np.exp(-0.5 * ((kelvins - 418.15) / 8.0) ** 2)
     for test in tests:
@@ -187,7 +186,7 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
 def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
-    sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), measured=measured))
+    sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
     assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
     assert pipeline.draw_posterior(sharp).axes
     many = prior(sharp.unknown, 5, 2**19)
@@ -217,7 +216,7 @@ def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
     low, middle, high = np.mean(
         [
             pipeline.posterior(
-                ensemble(measured=transitions(truth, 0.15, seed, loads=EIGHT))
+                ensemble(tests=transitions(truth, 0.15, seed, loads=EIGHT))
             ).inferred_scatter
             for seed in range(3)
         ],
@@ -229,7 +228,7 @@ def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
 
 def test_a_test_that_tells_nothing_leaves_the_scatter_that_is_said():
     obvious = {"normal_load": 750.0, "velocity": 6.0, "outcome": "severe", "friction": 0.1}
-    uninformed = pipeline.posterior(dataclasses.replace(ensemble(), tested=(obvious,)))
+    uninformed = pipeline.posterior(ensemble(tests=[obvious]))
     said = pipeline.posterior(ensemble())
     # Factors are half a standard deviation apart.
     assert uninformed.inferred_scatter == pytest.approx(said.inferred_scatter, rel=0.06)
@@ -237,10 +236,10 @@ def test_a_test_that_tells_nothing_leaves_the_scatter_that_is_said():
 
 def test_a_test_that_all_others_contradict_is_named():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
-    sound = pipeline.posterior(ensemble(measured=transitions(truth, 0.03, seed=1, loads=EIGHT)))
+    sound = pipeline.posterior(ensemble(tests=transitions(truth, 0.03, seed=1, loads=EIGHT)))
     assert not any(judged.contradicts for judged in sound.judged)
     measured = transitions(truth, 0.03, seed=1, loads=EIGHT, off=2)
-    posterior = pipeline.posterior(ensemble(measured=measured))
+    posterior = pipeline.posterior(ensemble(tests=measured))
     assert [judged.contradicts for judged in posterior.judged].index(True) == 2
     assert sum(judged.contradicts for judged in posterior.judged) == 1
 
@@ -248,7 +247,7 @@ def test_a_test_that_all_others_contradict_is_named():
 def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
     narrow = Unknown(CRITICAL.path, "normal", (418.15, 1.0), "K")
     truth = np.array([418.15, 1.2e-15, 0.1, 5.5e-6])
-    narrowed = ensemble((narrow, LENGTH), measured=transitions(truth, 0.005))
+    narrowed = ensemble((narrow, LENGTH), tests=transitions(truth, 0.005))
     other = ensemble((CRITICAL, LENGTH))
     posterior = pipeline.posterior([other, narrowed], 0.005)
     paths = [entry.path for entry in posterior.unknown]
@@ -266,7 +265,7 @@ def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
 def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
     entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "hold": 2.0}
     tests = [entry, dict(entry, hold=5.0, velocity=1.9)]
-    longest = dataclasses.replace(ensemble((CRITICAL, LENGTH), measured=tests), hold=5.0)
+    longest = dataclasses.replace(ensemble((CRITICAL, LENGTH), tests=tests), hold=5.0)
     # Without steps after 2 s, as every 2.5 s, nothing is known of such a hold.
     coarse = dataset(longest, growth=((0.0, 1.0), (2.5, 1.06), (5.0, 1.1)))
     with pytest.raises(InputError, match=r"held the load for 2 s, the samples for 5 s: .*steps"):
@@ -275,7 +274,7 @@ def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
     posterior = pipeline.posterior(pipeline.Ensemble.of(ds))
     one, other = (judged.critical_velocity[1] for judged in posterior.judged)
     assert other / one == pytest.approx((1.05 / 1.1) ** (1 / EXPONENT), rel=1e-3)
-    longer = dataclasses.replace(longest, measured=(dict(entry, hold=10.0),))
+    longer = dataclasses.replace(longest, tests=(dict(entry, hold=10.0),))
     with pytest.raises(InputError, match=r"held the load for 10 s, the samples for 5 s"):
         pipeline.posterior(pipeline.Ensemble.of(dataset(longer)))
 
@@ -287,7 +286,7 @@ def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
     steady = alone(limit, 400.0)
     critical = {}
     for friction in (None, 0.1):
-        plain = ensemble((CRITICAL,), measured=[entry | {"friction": friction}])
+        plain = ensemble((CRITICAL,), tests=[entry | {"friction": friction}])
         conditions = dataclasses.replace(plain.conditions, corrections=falling)
         # Rises of samples have the correction in; so those of this closed form are given it.
         factor = np.array([conditions.friction_at(v) / 0.1 for v in plain.sample_velocities])
@@ -338,8 +337,7 @@ def searched(place, kelvins, seed, scatter_is_said):
 )
 def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond, scatter_is_said):
     log = OBVIOUS | ({"velocity_scatter": 0.025} if scatter_is_said else {})
-    sweep = ensemble((CRITICAL,))
-    before = pipeline.posterior(dataclasses.replace(sweep, tested=(log,)))
+    before = pipeline.posterior(ensemble((CRITICAL,), tests=[log]))
     ranked = pipeline.candidates(before, CRITICAL.path, [bulk])
     planned = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
     place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
@@ -347,7 +345,7 @@ def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond,
         searched(place, kelvins, seed, scatter_is_said)
         for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 24)[:, 0])
     ]
-    after = (pipeline.posterior(dataclasses.replace(sweep, tested=(test,))) for test in tests)
+    after = (pipeline.posterior(ensemble((CRITICAL,), tests=[test])) for test in tests)
     had = [next(outcome.summary())["posterior"]["sd"] for outcome in after]
     beyond = sum("outcome" in test for test in tests)
     assert (beyond > 4) == (most_beyond > 0)
@@ -357,10 +355,10 @@ def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond,
 
 def test_tests_are_planned_at_the_friction_that_the_log_has():
     """A rig's own friction, not the one that is known before, decides where its wear turns."""
-    sweep, planned = ensemble((CRITICAL, FRICTION)), {}
+    planned = {}
     for friction in (0.1, 0.08):
         entry = OBVIOUS | {"friction": friction, "friction_scatter": 0.001}
-        posterior = pipeline.posterior(dataclasses.replace(sweep, tested=(entry,)))
+        posterior = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=[entry]))
         ranked = pipeline.candidates(posterior, CRITICAL.path, ["25 degC"])
         next_one = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
         planned[friction] = next_one.test["velocity"]
@@ -381,10 +379,8 @@ def test_a_friction_that_the_log_does_not_have_is_not_averaged_out_by_planned_te
     idle = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild"}  # which tells nothing
     promised = {}
     for friction in (None, 0.1):
-        log = (idle | {"friction": friction},)
-        posterior = pipeline.posterior(
-            dataclasses.replace(ensemble((CRITICAL, FRICTION)), tested=log)
-        )
+        log = [idle | {"friction": friction}]
+        posterior = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=log))
         *_, last = pipeline.batch(posterior, 6, CRITICAL.path, ["25 degC"])
         promised[friction] = last.spread
     spread, of_friction = CRITICAL.parameters[1], 0.05 * (CRITICAL.parameters[0] - 298.15)
