@@ -51,17 +51,19 @@ def _carried_out(options: argparse.Namespace) -> int:
         DONE,
         INTERRUPTED,
         OTHER_SCENE,
+        QUIET,
         WRONG_USE,
         complain,
-        hushed,
         show,
         tell,
     )
     from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
 
+    if options.quiet:
+        QUIET.set()
     try:
-        with hushed(options.quiet), warnings.catch_warnings():
+        with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: tell(f"note: {message}")
             result = function_of(options)(options)
             show(options, result)
@@ -92,6 +94,8 @@ def _carried_out(options: argparse.Namespace) -> int:
             "finished points are safe: take fewer workers or a coarser grid"
         )
         return WRONG_USE
+    finally:
+        QUIET.clear()
 
 
 def _too_little_memory() -> str | None:
