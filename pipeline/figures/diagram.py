@@ -27,6 +27,7 @@ from pipeline.analysis.warned_points import has_warning
 from pipeline.figures.overlays import (
     at_own_friction,
     film_lines,
+    isoline,
     measured_transitions,
     rival_lines,
 )
@@ -111,7 +112,7 @@ def diagram(
         planes = _planes(ds, conditions)
         plane = _quantile(planes, 0.5)
         _regions(axes, plane, rise_limit(conditions))
-        if _isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
+        if isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
             legend.append(Line2D([], [], color=BLACK, lw=2.2, label="computed transition"))
         legend += beyond
         legend += _surface_band(axes, planes, conditions)
@@ -167,7 +168,7 @@ def _of_scenes(
         plane = _quantile(_planes(one.sel(velocity=one["velocity"] > 0), judged), 0.5)
         name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))
         colour = _COLOURS(0.85 * number / max(len(several) - 1, 1))
-        is_drawn = _isoline(
+        is_drawn = isoline(
             axes, plane, rise_limit(judged), f"boundary {name}", colors=[colour], linewidths=2.0
         )
         outside = "" if is_drawn else ": no transition computed"
@@ -214,18 +215,20 @@ def _quantile(planes: xr.DataArray, share: float) -> xr.DataArray:
 
 
 def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
-    r = plane.values
-    if np.isfinite(r).any():
-        low, high = np.nanmin(r), np.nanmax(r)
-        between = float(np.clip(limit, low - 1, high + 1))
-        axes.contourf(
-            plane["velocity"],
-            plane["load"],
-            np.ma.masked_invalid(r),
-            levels=[low - 2, between, high + 2],
-            colors=[TINTS["mild"], TINTS["severe"]],
-            zorder=0.5,
-        ).set_gid("regions")
+    if plane.notnull().any():
+        low, high = float(plane.min()), float(plane.max())
+        levels = [low - 2, float(np.clip(limit, low - 1, high + 1)), high + 2]
+        _filled(axes, plane, levels, [TINTS["mild"], TINTS["severe"]], "regions", zorder=0.5)
+
+
+def _filled(
+    axes: Axes, plane: xr.DataArray, levels: list[float], colours: list[str], gid: str, **look: Any
+) -> None:
+    """Fill what lies between levels of a plane."""
+    axes.contourf(
+        plane["velocity"], plane["load"], np.ma.masked_invalid(plane.values), levels=levels,
+        colors=colours, **look,
+    ).set_gid(gid)  # fmt: skip
 
 
 def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
@@ -253,20 +256,13 @@ def _band(
     # In units of the limit; where the bulk temperatures differ, each friction has its own rise.
     medians = ((_quantile(_planes(ds, end), 0.5), rise_limit(end)) for end in ends)
     low, high = (plane / limit for plane, limit in medians)
-    if not np.isfinite(high).any():
+    if not high.notnull().any():
         return []
-    inside = np.minimum(high.values - 1, 1 - low.values)
-    axes.contourf(
-        high["velocity"],
-        high["load"],
-        np.ma.masked_invalid(inside),
-        levels=[0.0, max(1.0, float(np.nanmax(inside)) + 1)],
-        colors=[TINTS["band"]],
-        alpha=0.6,
-        zorder=0.8,
-    ).set_gid("friction band")
+    inside = np.minimum(high - 1, 1 - low)
+    levels = [0.0, max(1.0, float(inside.max()) + 1)]
+    _filled(axes, inside, levels, [TINTS["band"]], "friction band", alpha=0.6, zorder=0.8)
     for edge in (low, high):
-        _isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
+        isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
     slow, fast = (boundary_under(ds, end)["outcome_at_load"].isin(BEYOND) for end in ends)
     if cut := int(_on_any(slow | fast).sum()):
@@ -280,28 +276,14 @@ def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> l
         return []
     limit = rise_limit(conditions)
     low, high = (_quantile(planes, share) for share in (BAND[0], BAND[-1]))
-    inside = ((low.values <= limit) & (high.values > limit)).astype(float)
+    inside = ((low <= limit) & (high > limit)).astype(float)
     if not inside.any():
         return []
     for edge in (low, high):
-        _isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
-    axes.contourf(
-        low["velocity"], low["load"], inside, levels=[0.5, 1.5], colors=[GREEN], alpha=0.3,
-        zorder=0.9,
-    ).set_gid("surface band")  # fmt: skip
+        isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
+    _filled(axes, inside, [0.5, 1.5], [GREEN], "surface band", alpha=0.3, zorder=0.9)
     text = f"{100 * BAND[0]:g}–{100 * BAND[-1]:g} % of {len(planes)} surfaces, median"
     return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
-
-
-def _isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
-    r = plane.values
-    if not np.nanmin(r, initial=np.inf) < level < np.nanmax(r, initial=-np.inf):
-        return False
-    lines = axes.contour(
-        plane["velocity"], plane["load"], np.ma.masked_invalid(r), [level], zorder=3, **look
-    )
-    lines.set_gid(gid)
-    return True
 
 
 def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:

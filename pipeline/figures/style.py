@@ -14,7 +14,7 @@ from cycler import cycler
 from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.analysis.tables import FIGURES, writable_path
 from pipeline.sweep.conditions import Conditions
@@ -176,7 +176,7 @@ def plain_numbers(axes: Axes) -> None:
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)
         axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_major_formatter("{x:g}")
         axis.set_minor_locator(NullLocator())
 
 

@@ -8,7 +8,7 @@ import textwrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
 from pipeline.figures.style import (
     BLACK,
@@ -70,9 +70,7 @@ def draw_variations(varied: Variations) -> Figure:
     axes.set_xlim(low - room, high + room)
     axes.grid(visible=False, axis="y")
     axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
-    axes.xaxis.set_major_formatter(
-        FuncFormatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
-    )
+    axes.xaxis.set_major_formatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
     axes.set_xlabel("change of the critical velocity")
     for load, colour in ends.items():
         critical_velocity = varied.base.critical_velocities[load]
