@@ -97,16 +97,8 @@ def watched(
 ) -> Iterator[Callable[[Progress], None]]:
     """Report progress, and let another process draw the diagram from the first report on.
 
-    It draws beside the run, whose schedule a drawing would hold up.
-
-    Parameters
-    ----------
-    file : str or None
-        File to draw into; empty for a window, None for no picture.
-    store : path
-        Store of the run, which is there when it first reports.
-    show : callable
-        Reports progress.
+    It draws beside the run, whose schedule a drawing would hold up: into a file, into a window if
+    the name is empty, or not at all without a name.
     """
     if file is None:
         yield show

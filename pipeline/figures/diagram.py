@@ -258,7 +258,7 @@ def _band(
     low, high = (plane / limit for plane, limit in medians)
     if not high.notnull().any():
         return []
-    inside = np.minimum(high - 1, 1 - low)
+    inside = (high - 1).clip(max=1 - low)
     levels = [0.0, max(1.0, float(inside.max()) + 1)]
     _filled(axes, inside, levels, [TINTS["band"]], "friction band", alpha=0.6, zorder=0.8)
     for edge in (low, high):

@@ -146,10 +146,10 @@ def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: flo
 
 def _over_figure(ds: xr.Dataset, value: Callable[..., Any]) -> xr.DataArray:
     """A function of load and velocity over the figure."""
-    names = ("load", "velocity")
-    axes = {name: np.linspace(*ds[name].values[[0, -1]], _RESOLUTION) for name in names}
+    ends = {name: ds[name].values[[0, -1]].tolist() for name in ("load", "velocity")}
+    axes = {name: np.linspace(low, high, _RESOLUTION) for name, (low, high) in ends.items()}
     values = [[value(F, V) for V in axes["velocity"]] for F in axes["load"]]
-    return xr.DataArray(values, axes, names)
+    return xr.DataArray(values, axes, tuple(axes))
 
 
 def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:

@@ -83,7 +83,7 @@ def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
     return present, ax
 
 
-def legend_below(figure: Figure, ax: Axes | None, **options: Any) -> None:
+def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None:
     """Write the legend below a figure, or below the caller's axes on one that has others."""
     if ax is None:
         figure.legend(loc="outside lower center", **options)

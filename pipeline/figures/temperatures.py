@@ -74,8 +74,7 @@ def temperature(
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
     if np.isfinite(transition):
         axes.axvline(transition, color=VERMILION, lw=1.2, label=f"transition, {transition:.3g} m/s")
-    axes.set_xlabel("sliding velocity [m/s]")
-    axes.set_ylabel("contact temperature [°C]")
+    axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
     axes.set_title(f"{title_of(row)}\n{float(row['load'][0]):g} N")
     legend_below(figure, ax, ncols=4, title=heating(conditions))
     return figure
