@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from pipeline.analysis.tables import FIGURES, writable_path
+from pipeline.analysis.tables import FIGURES, writable_path, writing_to
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
@@ -144,10 +144,8 @@ def save_figure(figure: Figure, out: Path, dpi: float | None = None) -> Path:
     ...     save_figure(Figure(), Path(folder, "empty.png")).name
     'empty.png'
     """
-    try:
+    with writing_to(out):
         figure.savefig(out, dpi=rcParams["savefig.dpi"] if dpi is None else dpi)
-    except OSError as error:
-        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
     return out
 
 
