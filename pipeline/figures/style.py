@@ -67,9 +67,14 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         """Show the figure as a picture in a notebook, once: no backend knows of it."""
-        written = io.BytesIO()
-        self.savefig(written, format="png")
-        return written.getvalue()
+        return png_of(self)
+
+
+def png_of(figure: Figure, dpi: float | None = None) -> bytes:
+    """A figure as the content of a .png file."""
+    written = io.BytesIO()
+    figure.savefig(written, format="png", dpi=dpi)
+    return written.getvalue()
 
 
 def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
@@ -145,7 +150,7 @@ def save_figure(figure: Figure, out: Path, dpi: float | None = None) -> Path:
     'empty.png'
     """
     with writing_to(out):
-        figure.savefig(out, dpi=rcParams["savefig.dpi"] if dpi is None else dpi)
+        figure.savefig(out, dpi=dpi)
     return out
 
 
