@@ -107,10 +107,8 @@ def at_own_friction(
             continue
         if not loads[0] <= point["normal_load"] <= loads[-1]:
             continue
-        off = np.abs(loads - point["normal_load"])
-        row = plane.values[np.flatnonzero(off == off.min())[-1]]  # of two as near, the higher load
-        limit = rise_limit(conditions.at_friction(friction))
-        velocity = crossing(velocities, row, limit)
+        row = plane.sel(load=point["normal_load"], method="nearest").values
+        velocity = crossing(velocities, row, rise_limit(conditions.at_friction(friction)))
         if math.isfinite(velocity):
             transitions.append((velocity, point))
     for velocity, point in transitions:
