@@ -136,11 +136,10 @@ def diagram(
 
 def _frame(axes: Axes, ds: xr.Dataset, realization: int | None, log: bool) -> None:
     """Set the scales, margins, labels and title of a diagram."""
-    if log:
-        axes.set(xscale="log", yscale="log")
     axes.use_sticky_edges = False  # those of the regions would leave no margin
     axes.margins(0.04)
     if log:
+        axes.set(xscale="log", yscale="log")
         plain_numbers(axes)
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
