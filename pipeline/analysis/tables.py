@@ -8,6 +8,7 @@ import io
 import math
 import os
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -209,11 +210,18 @@ def write_tables(tables: Sequence[Table], out: Path) -> Path:
 
 def write_text(text: str, out: Path) -> Path:
     """Write text to a file in UTF-8, and raise an `InputError` if that fails."""
-    try:
+    with writing_to(out):
         out.write_text(text, encoding="utf-8")
+    return out
+
+
+@contextmanager
+def writing_to(out: Path) -> Iterator[None]:
+    """Raise an `InputError` that names a file if writing it fails."""
+    try:
+        yield
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
-    return out
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:

@@ -47,51 +47,48 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _carried_out(options: argparse.Namespace) -> int:
     """Exit code of a command, after a line on the error that may have ended it."""
     # Here, since they import NumPy, which --help needs not and cannot do with little memory.
-    from pipeline.cli.output import (
-        DONE,
-        INTERRUPTED,
-        OTHER_SCENE,
-        WRONG_USE,
-        complain,
-        hushed,
-        show,
-        tell,
-    )
+    from pipeline.cli import output
     from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
 
+    if options.quiet:
+        output.QUIET.set()
     try:
-        with hushed(options.quiet), warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_: tell(f"note: {message}")
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_: output.tell(f"note: {message}")
             result = function_of(options)(options)
-            show(options, result)
+            output.show(options, result)
             if sys.stdout is not None:
                 sys.stdout.flush()  # here, where it can be said that it fails
             return int(result.code)
     except KeyboardInterrupt:
-        complain("interrupted; finished points are safe: run the same command again to go on")
-        return INTERRUPTED
+        output.complain(
+            "interrupted; finished points are safe: run the same command again to go on"
+        )
+        return output.INTERRUPTED
     except pipeline.StoreMismatchError as error:
-        complain(str(error))
-        return OTHER_SCENE
+        output.complain(str(error))
+        return output.OTHER_SCENE
     except TriboError as error:
-        complain(str(error))
-        return WRONG_USE
+        output.complain(str(error))
+        return output.WRONG_USE
     except BrokenPipeError:
         sys.stderr.close()
-        return DONE
+        return output.DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
         if not is_lack_of_memory(error):
             if not isinstance(error, OSError):
                 raise
-            complain(f"cannot go on: {error}; finished points are safe")
+            output.complain(f"cannot go on: {error}; finished points are safe")
             _drop_output()
-            return WRONG_USE
-        complain(
+            return output.WRONG_USE
+        output.complain(
             "out of memory, or of the threads and processes that this user may start (ulimit -a); "
             "finished points are safe: take fewer workers or a coarser grid"
         )
-        return WRONG_USE
+        return output.WRONG_USE
+    finally:
+        output.QUIET.clear()
 
 
 def _too_little_memory() -> str | None:

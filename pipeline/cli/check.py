@@ -214,16 +214,17 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     """Cost of a sweep."""
     loads = counted(len(sweep.loads), "load", "loads")
     velocities = counted(len(sweep.velocities), "velocity", "velocities")
+    variants = "".join(
+        f", {len(values)} {'surfaces' if name == 'realization' else f'values of {name}'}"
+        for name, values in sweep.axes.items()
+    )
     if sweep.samples:
         yield f"  points   {cost.points}: {loads}, {len(sweep.samples)} samples"
     elif searched:
-        sought = f"the boundary is sought between {sweep.velocities[0]:g} and "
-        sought += f"{sweep.velocities[-1]:g} m/s, {loads}"
-        variants = "".join(_several(sweep))
-        yield f"  points   about {cost.points}: {sought}{variants}"
+        sought = f"between {sweep.velocities[0]:g} and {sweep.velocities[-1]:g} m/s"
+        yield f"  points   about {cost.points}: the boundary is sought {sought}, {loads}{variants}"
     else:
-        surfaces = "".join(_several(sweep))
-        yield f"  points   {cost.points}: {loads}, {velocities}{surfaces}"
+        yield f"  points   {cost.points}: {loads}, {velocities}{variants}"
     yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not (sweep.samples or searched):
         yield f"  chains   {cost.chains}, each computed by one worker: more would be idle"
@@ -233,9 +234,3 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     size = cost.disk_bytes / 1e6
     yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
     yield from (f"  warning  {warning}" for warning in cost.warnings)
-
-
-def _several(sweep: Sweep) -> Iterator[str]:
-    """Number of the surfaces, or of the values of entries."""
-    for name, values in sweep.axes.items():
-        yield f", {len(values)} {'surfaces' if name == 'realization' else f'values of {name}'}"

@@ -125,20 +125,14 @@ def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str]:
 
 def _slow_rise(crossings: xr.Dataset) -> Iterator[str]:
     """Loads at which the rise grows so slowly that an error of it moves the boundary far more."""
-    exponents = np.moveaxis(crossings["rise_exponent_at_load"].values, -1, 0).reshape(
-        crossings.sizes["load"], -1
-    )
-    slow = {
-        float(load): float(np.nanmedian(row))
-        for load, row in zip(crossings["load"].values, exponents, strict=True)
-        if not np.isnan(row).all() and np.nanmedian(row) < SLOW
-    }
-    if slow:
+    exponents = crossings["rise_exponent_at_load"].to_series().groupby("load").median()
+    slow = exponents[exponents < SLOW]
+    if slow.size:
         yield ""
         yield (
-            f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows slowly with the "
+            f"at {', '.join(f'{load:g}' for load in slow.index)} N the rise grows slowly with the "
             "velocity: an error of 1 % of it moves the critical velocity by up to "
-            f"{1 / max(min(slow.values()), 0.01):.2g} %"
+            f"{1 / max(slow.min(), 0.01):.2g} %"
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,15 +12,15 @@ from pipeline.cli import values
 _PRESETS = "draft, standard, fine, reference, as-published"  # as `tribo.PRESETS`, but sooner here
 
 
-class Option(NamedTuple):
+class Option:
     """An option or a positional argument, with the settings of `argparse`."""
 
-    names: tuple[str, ...]
-    settings: dict[str, Any]
+    def __init__(self, *names: str, **settings: Any) -> None:
+        self.names, self.settings = names, settings
 
     def but(self, **settings: Any) -> Option:
         """The option with other settings in place of its own."""
-        return Option(self.names, self.settings | settings)
+        return Option(*self.names, **self.settings | settings)
 
 
 class Group(NamedTuple):
@@ -29,23 +30,19 @@ class Group(NamedTuple):
     options: tuple[Option, ...]
 
 
-def _option(*names: str, **settings: Any) -> Option:
-    return Option(names, settings)
-
-
 def _flag(name: str, use: str, *short: str) -> Option:
-    return Option((*short, name), {"action": "store_true", "help": use})
+    return Option(*short, name, action="store_true", help=use)
 
 
 def _quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
     """Option for a quantity with a unit, such as the example that ends its help."""
     read = values.quantity(like, is_signed)
-    return _option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
+    return Option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
 
 
 def output(name: str, use: str, kind: Callable[[str], Path | str] = Path) -> Option:
     """Option for the file that a command writes."""
-    return _option("-o", "--output", metavar=name, type=kind, help=use)
+    return Option("-o", "--output", metavar=name, type=kind, help=use)
 
 
 OF_ALL = (
@@ -55,80 +52,81 @@ OF_ALL = (
 LIST = _flag("--list", "list them")
 TABLE = output("TABLE.csv", "file of the table, .csv or .md", values.table)
 FIGURE_OR_TABLE = output(
-    "FILE.png", "file of a figure; or of the table, .csv or .md", values.figure_or_table
-)
+    "FILE.png", "file of a figure; or of the table, .csv or .md",
+    partial(values.table, or_figure=True),
+)  # fmt: skip
 
-SCENE = _option("scene", metavar="SCENE.toml", type=Path, help="scene file, or a shipped scene")
-PRESET = _option(
+SCENE = Option("scene", metavar="SCENE.toml", type=Path, help="scene file, or a shipped scene")
+PRESET = Option(
     "--preset", metavar="NAME", help=f"fidelity in place of the scene's own: {_PRESETS}"
 )
-SET = _option(
+SET = Option(
     "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
     help="another numerical choice, such as increments=50, or another entry of the scene, such as "
     "wear.pattern=local or without=motion; may be repeated for other keys",
 )  # fmt: skip
 OF_SCENE = (SCENE, PRESET, SET)
-ACCURACY = _option(
+ACCURACY = Option(
     "--accuracy", metavar="BOUND", type=values.share,
     help="largest error of the boundary, such as 2%%, for which the cheapest fidelity is picked",
 )  # fmt: skip
-BOUNDARY_ONLY = _option(
+BOUNDARY_ONLY = Option(
     "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.tolerance,
     help="tolerance of the boundary, for which the velocities are chosen; default: 1%%",
 )  # fmt: skip
 
-STORE = _option("store", metavar="OUT.zarr", type=values.store, help="store that irg run has made")
-OTHER_STORE = _option(
+STORE = Option("store", metavar="OUT.zarr", type=values.store, help="store that irg run has made")
+OTHER_STORE = Option(
     "other", metavar="OTHER.zarr", type=values.store, help="store to compare it with"
 )
-FOLDER = _option(
+FOLDER = Option(
     "folder", metavar="FOLDER", type=Path, nargs="?", default=Path("results"),
     help="folder to search, with those in it; default: results",
 )  # fmt: skip
 REPAIR = _flag("--repair", "set damaged points to be computed again")
 
 OF_SCAN = (
-    _option(
+    Option(
         "scan", metavar="SCAN", type=Path, help="heights: .npy, .csv, or the file of an instrument"
     ),
-    _option(
+    Option(
         "--height-unit", metavar="UNIT",
         help='unit of the heights, like "um", where the file gives none or a wrong one',
     ),
-    _option(
+    Option(
         "--pixel-size", metavar="DX[,DY]", type=values.sides,
         help='sides of a pixel along x and y, like "0.8 um" or "0.8 um,0.9 um", where the file '
         "gives none; after --transpose",
     ),
     _flag("--transpose", "exchange x and y of the file"),
-    _option(
+    Option(
         "--flip", choices=("no", "x", "y", "heights"), default="no",
         help="axis to reverse; or the heights, as of a replica",
     ),
 )  # fmt: skip
 
-TOPIC = _option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
+TOPIC = Option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
 OF_NEW = (
     Group(
         "",
         (
-            _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write"),
+            Option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write"),
             LIST.but(help="list the shipped scenes"),
-            _option(
+            Option(
                 "--schema", metavar="FILE.json", type=Path,
                 help="file for a JSON schema of the format instead, by which editors complete "
                 "scenes",
             ),
-            _option(
+            Option(
                 "--site", metavar="FILE.toml", type=Path,
                 help="file for sample options of a batch system instead, for irg run --cluster",
             ),
         ),
     ),
-    _option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
+    Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
 )  # fmt: skip
 
-WORKERS = _option(
+WORKERS = Option(
     "--workers", metavar="N", type=values.count,
     help="number of workers; default: one for each core",
 )  # fmt: skip
@@ -138,8 +136,8 @@ OF_RUN = (
         "",
         (
             WORKERS,
-            _option("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler"),
-            _option(
+            Option("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler"),
+            Option(
                 "--cluster", metavar="SYSTEM", choices=("slurm",),
                 help="batch system to compute in: slurm; with --jobs, --walltime and --site",
             ),
@@ -148,18 +146,18 @@ OF_RUN = (
     _flag("--retry-failed", "compute failed points again"),
     BOUNDARY_ONLY,
     ACCURACY,
-    _option(
+    Option(
         "--watch", metavar="FILE.png", nargs="?", const="",
         help="file of a diagram that is drawn as points come; a window without it",
     ),
     Group(
         "jobs of --cluster",
         (
-            _option(
+            Option(
                 "--jobs", metavar="N", type=values.count, help="jobs at the same time; default: 10"
             ),
             _quantity("--walltime", "T", "2 h", "longest time of a job (default: 1h)"),
-            _option(
+            Option(
                 "--site", metavar="FILE.toml", type=Path,
                 help="options of the site, such as queue and account; irg new --site writes a "
                 "sample",
@@ -174,15 +172,16 @@ PLACE = (
     _quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
-POINTS = _option(
+POINTS = Option(
     "--points", metavar="DUTY.csv", type=Path,
     help='operating points, a row each, in columns "load [N]" and "velocity [m/s]" or in other '
     "units; further columns are passed on",
 )  # fmt: skip
-REALIZATION = _option(
-    "--realization", metavar="SEED", type=values.seed, help="seed of one of several random surfaces"
-)
-AT = _option(
+REALIZATION = Option(
+    "--realization", metavar="SEED", type=partial(values.count, least=0),
+    help="seed of one of several random surfaces",
+)  # fmt: skip
+AT = Option(
     "--at", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
     help='value of an entry with several, like "pin.radius=2 mm", of a store whose scene has over; '
     "may be repeated for other entries",
@@ -191,11 +190,11 @@ WEAR_RATE = _quantity(
     "--wear-rate", "K", "2e-6 mm^3/(N m)", "specific wear rate of a store with wear_rates"
 )
 
-FRICTION = _option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
+FRICTION = Option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
 FRICTIONS = FRICTION.but(
     type=values.frictions, action="extend", help="coefficient of friction; may be repeated"
 )
-BULK = _option(
+BULK = Option(
     "--bulk-temperature", metavar="T", type=values.bulk,
     help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" in a sweep of unequal ones',
 )  # fmt: skip
@@ -204,12 +203,12 @@ _THRESHOLD = (
         "--critical-temperature", "T", "145 degC",
         "temperature above which the lubricant fails", is_signed=True,
     ),
-    _option(
+    Option(
         "--share", type=values.failing_share,
         help="share of the contact above the critical temperature beyond which wear is severe, "
         "like 10%% or 0.1; 0 for the maximum temperature",
     ),
-    _option(
+    Option(
         "--criterion", metavar="NAME", type=values.criterion,
         help="temperature that decides: share (the one that the share exceeds), highest or mean",
     ),
@@ -218,7 +217,7 @@ _INSTEAD = "conditions, in place of the scene's own"
 CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, *_THRESHOLD))
 CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, *_THRESHOLD))
 
-OVER = _option(
+OVER = Option(
     "--over", metavar="KEY=VALUE,VALUE", type=values.settings, action="append", default=[],
     help="an entry of the scene, and the values to give it, such as 0.08,0.12; or -20%%,+20%% of "
     "its own value; may be repeated",
@@ -226,7 +225,7 @@ OVER = _option(
 PHYSICS = _flag(
     "--physics", "physics that the scene leaves out, each with its size here and its certainty"
 )
-SCATTER = _option(
+SCATTER = Option(
     "--scatter", metavar="SHARE", type=values.share,
     help="relative standard deviation of measured velocities that give none; default: 5%%",
 )  # fmt: skip
@@ -237,11 +236,11 @@ OF_INFER = (
     SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
     PRESET,
     SET,
-    _option(
+    Option(
         "--next", metavar="COUNT", nargs="?", const=1, type=values.count,
         help="of samples: rank the measurements to make next, or plan so many tests at once",
     ),
-    _option(
+    Option(
         "--for", metavar="ENTRY", dest="target",
         help="target of the next test: an unknown input, such as temperature.critical, or a load, "
         'such as "400 N", for the boundary there; default: the whole boundary',
@@ -268,21 +267,21 @@ OF_INFER = (
 
 OF_TRADE = (
     *OF_SCENE,
-    _option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice"),
+    Option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice"),
     _flag("--diagram", "compare whole small diagrams"),
     FIGURE_OR_TABLE,
 )
 OF_REPRODUCE = (
-    _option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
+    Option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
     LIST.but(help="list the figures and tables"),
     output("FILE.png", "figure to draw; for all, the folder of their common page"),
     PRESET.but(help=f"fidelity: {_PRESETS}"),
-    _option("--surfaces", metavar="N", type=values.count, help="number of random surfaces"),
+    Option("--surfaces", metavar="N", type=values.count, help="number of random surfaces"),
     WORKERS.but(help="workers for the diagram"),
 )
 
 OF_PLOT = (
-    _option(
+    Option(
         "--kind", default="diagram",
         choices=("diagram", "ramp", "fields", "temperature", "histogram", "animation"),
         help="default: diagram; temperature is over the velocity, histogram over the contact, "
@@ -291,10 +290,10 @@ OF_PLOT = (
     output("FILE.png", "file of the figure; default: beside the store"),
     _flag("--watch", "draw again as points come, until the run ends: in a window, or with -o"),
     _quantity("--width", "W", "8.5 cm", "width of the figure, whose words stay readable"),
-    _option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),
+    Option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),
     _flag("--no-title", "draw no title, where a caption gives it"),
     _flag("--log", "scale both axes of the diagram by the logarithm"),
-    _option(
+    Option(
         "--rival", metavar="NAME", dest="rivals", action="append",
         help="simpler criterion to draw into the diagram: blok, power, power-density or pv; may be "
         "repeated",
@@ -302,7 +301,7 @@ OF_PLOT = (
 )  # fmt: skip
 OF_EXPLORE = (
     output("PAGE.html", "file of the page; default: beside the store"),
-    _option(
+    Option(
         "--most-fields", metavar="N", type=values.count,
         help="number of points whose fields the page holds, those nearest to the transition, about "
         "10 kB each; default: 500",

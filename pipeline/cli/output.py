@@ -8,8 +8,7 @@ import math
 import re
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,9 +25,10 @@ if TYPE_CHECKING:
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
+QUIET = threading.Event()
+"""Set if the user asked for no progress and no notes."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
-_QUIET = threading.Event()
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,25 +92,9 @@ def with_variant(point: dict[str, Any]) -> dict[str, Any]:
     return point | dict(point.pop("variant"))
 
 
-@contextmanager
-def hushed(is_quiet: bool) -> Iterator[None]:
-    """Show no progress and no notes meanwhile, if the user asked for that."""
-    if is_quiet:
-        _QUIET.set()
-    try:
-        yield
-    finally:
-        _QUIET.clear()
-
-
-def is_hushed() -> bool:
-    """True if the user asked for no progress and no notes."""
-    return _QUIET.is_set()
-
-
 def tell(message: str) -> None:
     """Print a note: neither a result nor an error."""
-    if not is_hushed():
+    if not QUIET.is_set():
         complain(message)
 
 

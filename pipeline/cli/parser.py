@@ -26,8 +26,6 @@ class Command(NamedTuple):
     takes: tuple[o.Option | o.Group, ...]
 
 
-_BELOW_ZERO = re.compile(r"-\.?\d")
-_OPTION = re.compile(r"--[a-z-]+")
 _AT = '--load "500 N" --velocity "2 m/s"'
 
 COMMANDS = (
@@ -156,14 +154,21 @@ class _Help(argparse.HelpFormatter):
         )
 
 
+class _Parser(argparse.ArgumentParser):
+    """Parser with such help, in which words such as -5% are values, as from Python 3.14 on."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(formatter_class=_Help, **settings)
+        self._negative_number_matcher = re.compile(r"-\.?\d")
+
+
 def whole_parser() -> argparse.ArgumentParser:
     """Parser of all commands."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
         epilog="Begin with:\n  irg new scene.toml\nWhat a command takes:\n  irg COMMAND --help\n"
         'Completion in bash and zsh:\n  eval "$(register-python-argcomplete irg)"',
-        formatter_class=_Help,
     )
     parser.add_argument(
         "--version",
@@ -185,9 +190,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         import argcomplete
 
         argcomplete.autocomplete(parser)
-    options, unknown = parser.parse_known_args(
-        _joined(sys.argv[1:] if arguments is None else arguments)
-    )
+    options, unknown = parser.parse_known_args(arguments)
     if unknown:  # an error of the command, whose usage shows its options
         flags = re.findall(r"--[a-z-]+", options.parser.format_usage())
         near = get_close_matches(unknown[0].partition("=")[0], flags, 1)
@@ -206,21 +209,6 @@ def _version() -> str:
         return "of unknown version, since it is not installed"
 
 
-def _joined(arguments: Sequence[str]) -> list[str]:
-    """Join values below zero to their options, since a parser takes words such as -5% for options.
-
-    Examples
-    --------
-    >>> _joined(["margin", "out.zarr", "--velocity", "-2m/s", "-q"])
-    ['margin', 'out.zarr', '--velocity=-2m/s', '-q']
-    """
-    joined: list[str] = []
-    for word in arguments:
-        is_value = _BELOW_ZERO.match(word) and joined and _OPTION.fullmatch(joined[-1])
-        joined.append(f"{joined.pop()}={word}" if is_value else word)
-    return joined
-
-
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
     """Function of a command, whose module is imported now, for this command alone."""
     function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(
@@ -236,7 +224,6 @@ def _add(parsers: Any, command: Command) -> None:
         help=command.purpose,
         description=f"{command.purpose[0].upper()}{command.purpose[1:]}.",
         epilog=f"example:\n  irg {command.name} {command.example}",
-        formatter_class=_Help,
     )
     added.set_defaults(command=command.function, parser=added)
     for taken in (*o.OF_ALL, *command.takes):

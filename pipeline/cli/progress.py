@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from pipeline.cli.output import is_hushed, tell
+from pipeline.cli.output import QUIET, tell
 from pipeline.sweep.stages import duration
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def run_line() -> Iterator[Callable[[Progress], None]]:
     latest: list[Progress] = []
 
     def show(progress: Progress, is_last: bool = False) -> None:
-        if not is_hushed():
+        if not QUIET.is_set():
             latest[:] = [progress]
             line.show(str(progress), progress.done, progress.total, is_last)
 
@@ -80,7 +80,7 @@ def working(task: str) -> Iterator[Callable[[int, int], None]]:
     Yields a function to call with the number that is done and the number there is, where the
     command counts.
     """
-    if is_hushed():
+    if QUIET.is_set():
         yield lambda done, total: None
         return
     latest = [0, 0]

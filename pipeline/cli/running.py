@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from pipeline.cli.picture import require_screen
 from pipeline.run import forkserver
 
 
 def run(options: argparse.Namespace) -> object:
     """Run or resume a sweep, or the part of it that the boundary needs."""
-    require_screen(options.watch)
     if options.scheduler is None and options.cluster is None:
         forkserver.start()  # imports for the workers what is imported here meanwhile
     from pipeline.cli.sweeps import computed

@@ -107,11 +107,11 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
     """Options of these names that the command has and the user gave."""
     values = {name: getattr(options, name, None) for name in names}
-    return {name: value for name, value in values.items() if not _is_absent(value)}
-
-
-def _is_absent(value: Any) -> bool:
-    return value is None or value is False or value == []
+    return {
+        name: value
+        for name, value in values.items()
+        if not (value is None or value is False or value == [])
+    }
 
 
 def flags_of(names: Sequence[str]) -> str:

@@ -83,7 +83,7 @@ def new_store(text: str) -> Path | str:
 
 
 def table(text: str, or_figure: bool = False) -> Path:
-    """Read the path of a table to be written, examined before the work that it is to hold."""
+    """Read the path of a table, or of a figure, examined before the work that it is to hold."""
     # It imports NumPy, which --help needs not.
     from pipeline.analysis.tables import FIGURES, TABLES, writable_path
 
@@ -91,11 +91,6 @@ def table(text: str, or_figure: bool = False) -> Path:
         return writable_path(text, (*FIGURES, *TABLES) if or_figure else TABLES)
     except ValueError as error:
         raise Refused(str(error)) from None
-
-
-def figure_or_table(text: str) -> Path:
-    """Read the path of a figure or of a table to be written, likewise."""
-    return table(text, or_figure=True)
 
 
 def count(text: str, least: int = 1) -> int:
@@ -107,11 +102,6 @@ def count(text: str, least: int = 1) -> int:
     if number < least:
         raise Refused(f'"{text}": give a whole number of at least {least}')
     return number
-
-
-def seed(text: str) -> int:
-    """Read the seed of a random surface."""
-    return count(text, least=0)
 
 
 def friction(text: str) -> float:

@@ -27,6 +27,7 @@ from pipeline.analysis.warned_points import has_warning
 from pipeline.figures.overlays import (
     at_own_friction,
     film_lines,
+    isoline,
     measured_transitions,
     rival_lines,
 )
@@ -50,7 +51,6 @@ from pipeline.store.schema import PENDING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from tribo import InputError
-from tribo.types import Array, Mask
 
 _AS_DRAWN = (
     "the diagram of samples shows the probability of severe wear for the inputs as they were "
@@ -112,18 +112,16 @@ def diagram(
         planes = _planes(ds, conditions)
         plane = _quantile(planes, 0.5)
         _regions(axes, plane, rise_limit(conditions))
-        if _isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
+        if isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
             legend.append(Line2D([], [], color=BLACK, lw=2.2, label="computed transition"))
         legend += beyond
-        if variant_of(ds):
-            legend += _surface_band(axes, planes, conditions)
+        legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, ds, conditions, band)
         legend += film_lines(axes, ds, conditions)
         legend += rival_lines(axes, ds, conditions, rivals)
     elif max(sizes) > 1:
         legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
-    legend += _warnings(axes, ds)
     measured = attributes_of(ds).get("measured") or []
     legend += measured_transitions(axes, measured)
     if is_plane:
@@ -138,11 +136,10 @@ def diagram(
 
 def _frame(axes: Axes, ds: xr.Dataset, realization: int | None, log: bool) -> None:
     """Set the scales, margins, labels and title of a diagram."""
-    if log:
-        axes.set(xscale="log", yscale="log")
     axes.use_sticky_edges = False  # those of the regions would leave no margin
     axes.margins(0.04)
     if log:
+        axes.set(xscale="log", yscale="log")
         plain_numbers(axes)
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
@@ -170,7 +167,7 @@ def _of_scenes(
         plane = _quantile(_planes(one.sel(velocity=one["velocity"] > 0), judged), 0.5)
         name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))
         colour = _COLOURS(0.85 * number / max(len(several) - 1, 1))
-        is_drawn = _isoline(
+        is_drawn = isoline(
             axes, plane, rise_limit(judged), f"boundary {name}", colors=[colour], linewidths=2.0
         )
         outside = "" if is_drawn else ": no transition computed"
@@ -200,37 +197,37 @@ def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, lo
     return draw_risk(samples, plane, posterior=posterior, log=log)
 
 
-def _planes(ds: xr.Dataset, conditions: Conditions) -> Sequence[xr.DataArray]:
+def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Decisive rise over the plane, on each surface of which something is known."""
     # A sweep that only follows the boundary knows the plane elsewhere as mild or severe alone.
     limit = None if asked(ds).all() else rise_limit(conditions)
     planes = refined(decisive_rise(ds, conditions), _RESOLUTION, limit)
-    axis = variant_of(ds)
-    by_surface = [planes.isel({axis: row}) for row in range(ds.sizes[axis])] if axis else [planes]
-    finite_planes = [plane for plane in by_surface if plane.notnull().any()]
-    return finite_planes or by_surface
+    if "realization" not in planes.dims:
+        return planes.expand_dims("realization")
+    finite_planes = planes.dropna("realization", how="all")
+    return finite_planes if finite_planes.size else planes
 
 
-def _quantile(planes: Sequence[xr.DataArray], share: float) -> xr.DataArray:
+def _quantile(planes: xr.DataArray, share: float) -> xr.DataArray:
     """The plane of the median surface, or of one that a share of the others stays below."""
-    if len(planes) == 1:
-        return planes[0]
-    return planes[0].copy(data=np.quantile([plane.values for plane in planes], share, axis=0))
+    return planes.quantile(share, "realization", skipna=False)
 
 
 def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
-    r = plane.values
-    if np.isfinite(r).any():
-        low, high = np.nanmin(r), np.nanmax(r)
-        between = float(np.clip(limit, low - 1, high + 1))
-        axes.contourf(
-            plane["velocity"],
-            plane["load"],
-            np.ma.masked_invalid(r),
-            levels=[low - 2, between, high + 2],
-            colors=[TINTS["mild"], TINTS["severe"]],
-            zorder=0.5,
-        ).set_gid("regions")
+    if plane.notnull().any():
+        low, high = float(plane.min()), float(plane.max())
+        levels = [low - 2, float(np.clip(limit, low - 1, high + 1)), high + 2]
+        _filled(axes, plane, levels, [TINTS["mild"], TINTS["severe"]], "regions", zorder=0.5)
+
+
+def _filled(
+    axes: Axes, plane: xr.DataArray, levels: list[float], colours: list[str], gid: str, **look: Any
+) -> None:
+    """Fill what lies between levels of a plane."""
+    axes.contourf(
+        plane["velocity"], plane["load"], np.ma.masked_invalid(plane.values), levels=levels,
+        colors=colours, **look,
+    ).set_gid(gid)  # fmt: skip
 
 
 def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
@@ -241,17 +238,11 @@ def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         ("beyond what was computed", boundaries["outcome_at_load"].isin(BEYOND)),
         ("across points not done", boundaries["bridged_at_load"] > 0),
     ):
-        if loads := _loads_where(holds):
+        loads = holds["load"].values[_on_any(holds).values]
+        if loads.size:
             span = " to ".join(f"{load:g}" for load in dict.fromkeys((loads[0], loads[-1])))
-            labels.append(f"{words}: at {len(loads)} of {holds.sizes['load']} loads, {span} N")
+            labels.append(f"{words}: at {loads.size} of {holds.sizes['load']} loads, {span} N")
     return [Line2D([], [], ls="none", label=label) for label in labels]
-
-
-def _loads_where(holds: xr.DataArray) -> list[float]:
-    """Loads at which something holds on any surface."""
-    axis = variant_of(holds)
-    loads: list[float] = holds["load"].values[(holds.any(axis) if axis else holds).values].tolist()
-    return loads
 
 
 def _band(
@@ -264,108 +255,66 @@ def _band(
     # In units of the limit; where the bulk temperatures differ, each friction has its own rise.
     medians = ((_quantile(_planes(ds, end), 0.5), rise_limit(end)) for end in ends)
     low, high = (plane / limit for plane, limit in medians)
-    if not np.isfinite(high).any():
+    if not high.notnull().any():
         return []
-    inside = np.minimum(high.values - 1, 1 - low.values)
-    axes.contourf(
-        high["velocity"],
-        high["load"],
-        np.ma.masked_invalid(inside),
-        levels=[0.0, max(1.0, float(np.nanmax(inside)) + 1)],
-        colors=[TINTS["band"]],
-        alpha=0.6,
-        zorder=0.8,
-    ).set_gid("friction band")
+    inside = (high - 1).clip(max=1 - low)
+    levels = [0.0, max(1.0, float(inside.max()) + 1)]
+    _filled(axes, inside, levels, [TINTS["band"]], "friction band", alpha=0.6, zorder=0.8)
     for edge in (low, high):
-        _isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
+        isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
-    beyond = [boundary_under(ds, end)["outcome_at_load"].isin(BEYOND) for end in ends]
-    if cut := {load for holds in beyond for load in _loads_where(holds)}:
-        text += f",\nbeyond what was computed at {len(cut)} of {ds.sizes['load']} loads"
+    slow, fast = (boundary_under(ds, end)["outcome_at_load"].isin(BEYOND) for end in ends)
+    if cut := int(_on_any(slow | fast).sum()):
+        text += f",\nbeyond what was computed at {cut} of {ds.sizes['load']} loads"
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
 
-def _surface_band(
-    axes: Axes, planes: Sequence[xr.DataArray], conditions: Conditions
-) -> list[Artist]:
+def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:
     """Shade where wear is severe on some surfaces, but neither on nearly none nor on nearly all."""
-    if len(planes) < 2:
+    if len(planes) == 1:
         return []
     limit = rise_limit(conditions)
     low, high = (_quantile(planes, share) for share in (BAND[0], BAND[-1]))
-    inside = ((low.values <= limit) & (high.values > limit)).astype(float)
+    inside = ((low <= limit) & (high > limit)).astype(float)
     if not inside.any():
         return []
     for edge in (low, high):
-        _isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
-    axes.contourf(
-        low["velocity"], low["load"], inside, levels=[0.5, 1.5], colors=[GREEN], alpha=0.3,
-        zorder=0.9,
-    ).set_gid("surface band")  # fmt: skip
+        isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
+    _filled(axes, inside, [0.5, 1.5], [GREEN], "surface band", alpha=0.3, zorder=0.9)
     text = f"{100 * BAND[0]:g}–{100 * BAND[-1]:g} % of {len(planes)} surfaces, median"
     return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
-
-
-def _isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
-    r = plane.values
-    if not np.nanmin(r, initial=np.inf) < level < np.nanmax(r, initial=-np.inf):
-        return False
-    lines = axes.contour(
-        plane["velocity"], plane["load"], np.ma.masked_invalid(r), [level], zorder=3, **look
-    )
-    lines.set_gid(gid)
-    return True
 
 
 def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
     r, limit = decisive_rise(ds, conditions), rise_limit(conditions)
-    loads, velocities = _mesh(ds)
     hot, cold = _on_any(r > limit), _on_any(r <= limit)
     done = hot | cold
     failed = ~done & _on_any(ds["status"] != PENDING)
     pending = ~done & ~failed & _on_any(asked(ds))
-    kinds: list[tuple[str, Any, dict[str, Any]]] = [
+    kinds: list[tuple[str, xr.DataArray, dict[str, Any]]] = [
         ("mild wear, computed", cold & ~hot, {"marker": "o", "mfc": "white", "mec": BLUE}),
         ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
         ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK, "mew": 1.3, "ms": 5.5}),
         ("pending", pending, {"marker": ".", "mfc": GREY, "mec": "none", "ms": 6}),
-    ]
-    usual: dict[str, Any] = {"ls": "none", "ms": 4.0 if done.size < 1500 else 2.0, "mew": 0.9}
-    return [
-        axes.plot(
-            velocities[where], loads[where], label=label, gid=label, zorder=3.5, **usual | look
-        )[0]
-        for label, where, look in kinds
-        if where.any()
-    ]
+        ("carries a warning", _on_any(has_warning(ds)),
+         {"marker": "o", "mfc": "none", "mec": BLACK, "mew": 0.8, "ms": 8.5, "zorder": 3.4}),
+    ]  # fmt: skip
+    size = 4.0 if done.size < 1500 else 2.0
+    usual: dict[str, Any] = {"ls": "none", "ms": size, "mew": 0.9, "zorder": 3.5}
+    legend: list[Artist] = []
+    for label, where, look in kinds:
+        rows, columns = np.nonzero(where.values)
+        if rows.size:
+            places = ds["velocity"].values[columns], ds["load"].values[rows]
+            legend += axes.plot(*places, label=label, gid=label, **usual | look)
+    return legend
 
 
-def _warnings(axes: Axes, ds: xr.Dataset) -> list[Artist]:
-    """Ring the points that carry a warning on any surface."""
-    rows = _on_any(has_warning(ds))
-    if not rows.any():
-        return []
-    loads, velocities = _mesh(ds)
-    line = axes.plot(
-        velocities[rows], loads[rows], ls="none", marker="o", ms=8.5, mfc="none", mec=BLACK,
-        mew=0.8, zorder=3.4, label="carries a warning", gid="carries a warning",
-    )  # fmt: skip
-    return list(line)
-
-
-def _mesh(ds: xr.Dataset) -> tuple[Array, Array]:
-    """Loads and velocities of the points."""
-    loads, velocities = np.meshgrid(ds["load"], ds["velocity"], indexing="ij")
-    return loads, velocities
-
-
-def _on_any(holds: xr.DataArray) -> Mask:
-    """Points at which something holds on any surface, by load and velocity."""
-    axis = variant_of(holds)
-    mask: Mask = (holds.any(axis) if axis else holds).transpose("load", "velocity").values
-    return mask
+def _on_any(holds: xr.DataArray) -> xr.DataArray:
+    """Loads, or points by load and velocity, at which something holds on any surface."""
+    return holds.any("realization") if "realization" in holds.dims else holds
 
 
 def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:

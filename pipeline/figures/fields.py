@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import corrected_field, on_surface
+from pipeline.analysis.tables import writing_to
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
 from pipeline.store.schema import DONE
@@ -70,13 +71,10 @@ def save_animation(figures: Sequence[Figure], out: Path, dpi: float | None = Non
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
     writer = PillowWriter(fps=_PACE)
-    try:
-        with writer.saving(figures[0], str(out), _DPI if dpi is None else dpi):
-            for figure in [*figures, *[figures[-1]] * _LAST]:
-                writer.fig = figure
-                writer.grab_frame()
-    except OSError as error:
-        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    with writing_to(out), writer.saving(figures[0], str(out), _DPI if dpi is None else dpi):
+        for figure in [*figures, *[figures[-1]] * _LAST]:
+            writer.fig = figure
+            writer.grab_frame()
     return out
 
 

@@ -15,7 +15,7 @@ import xarray as xr
 from pipeline.analysis.dataset import dataset_of
 from pipeline.figures.plot import plot
 from pipeline.figures.points import PendingError
-from pipeline.figures.style import figure_path
+from pipeline.figures.style import figure_path, png_of
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary
 from tribo import InputError
@@ -144,12 +144,9 @@ class _Window(_File):
         self._figure = pyplot.figure("irg")
 
     def show(self, draw: Callable[[Any], Any]) -> None:
-        figure = draw(None)
-        written = io.BytesIO()
-        figure.savefig(written, format="png", dpi=self._figure.dpi)
-        written.seek(0)
+        picture = io.BytesIO(png_of(draw(None), self._figure.dpi))
         self._figure.clear()
-        self._figure.figimage(self._pyplot.imread(written), resize=True)
+        self._figure.figimage(self._pyplot.imread(picture), resize=True)
 
     def wait(self, seconds: float) -> None:
         self._pyplot.pause(seconds)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from statistics import geometric_mean
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from scipy.stats import gmean
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.interpolation import crossing
@@ -22,7 +22,6 @@ from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError, lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
-from tribo.types import Array
 
 _NEAR = 0.02  # relative difference of friction that is not worth a mark of its own
 _RESOLUTION = 60
@@ -35,21 +34,17 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     lubrication = Lubrication.stored(attributes_of(ds))
     if lubrication is None:
         return []
-    loads, velocities = _plane(ds)
-    mesh = np.meshgrid(velocities, loads)
-    film = lubrication.film_parameter(mesh[1], mesh[0], conditions.mean_bulk_temperature)
+    bulk = conditions.mean_bulk_temperature
+    film = _over_figure(ds, lambda F, V: lubrication.film_parameter(F, V, bulk))
+    look = {"linewidths": 1.0, "linestyles": [_DOTS], "zorder": 2.5}
     legend: list[Artist] = []
     for level, beyond in ((BOUNDARY, "mixed"), (FULL_FILM, "full film")):
         label = f"Λ = {level:g}, {beyond} beyond"
-        if np.nanmin(film) < level < np.nanmax(film):
-            axes.contour(
-                velocities, loads, film, [level], colors=BLACK, linewidths=1.0,
-                linestyles=[_DOTS], zorder=2.5,
-            ).set_gid(label)  # fmt: skip
+        if isoline(axes, film, level, label, colors=BLACK, **look):
             legend.append(Line2D([], [], color=BLACK, lw=1.0, ls=_DOTS, label=label))
     if not legend:
-        regime = lubrication_regime(float(np.nanmean(film)))
-        span = f"{np.nanmin(film):.2f} to {np.nanmax(film):.2f}"
+        regime = lubrication_regime(float(film.mean()))
+        span = f"{film.min():.2f} to {film.max():.2f}"
         legend.append(Line2D([], [], ls="none", label=f"Λ {span}: {regime}"))
     return legend
 
@@ -64,28 +59,21 @@ def rival_lines(
     """
     if not names:
         return []
-    loads, velocities = _plane(ds)
-    contact = SmoothContact.stored(attributes_of(ds))
+    mu, contact = conditions.friction, SmoothContact.stored(attributes_of(ds))
     legend: list[Artist] = []
     for name, style in zip(dict.fromkeys(names), _STYLES * len(names), strict=False):
         if name not in RIVALS:
             raise InputError(f"rival is {name!r}; allowed are {', '.join(RIVALS)}")
         rival = RIVALS[name]
-        value = rival.value
-        mu = conditions.friction
-        plane = np.array([[value(contact, F, V, mu) for V in velocities] for F in loads])
+        plane = _over_figure(ds, lambda F, V, value=rival.value: value(contact, F, V, mu))
         if name == "blok":
             limit = conditions.known_critical_temperature() - conditions.mean_bulk_temperature
             label = f"{rival.label}, {celsius(conditions.known_critical_temperature()):g} °C"
         else:
             limit = _calibrated(ds, name, contact, mu)
             label = f"{rival.label} {rival.scale * limit:.3g} {rival.unit}"
-        if plane.min() < limit < plane.max():
-            axes.contour(
-                velocities, loads, plane, [limit], colors=GREY, linewidths=1.6,
-                linestyles=[style], zorder=2.8,
-            ).set_gid(f"rival {name}")  # fmt: skip
-        else:
+        look = {"linewidths": 1.6, "linestyles": [style], "zorder": 2.8}
+        if not isoline(axes, plane, limit, f"rival {name}", colors=GREY, **look):
             label = f"{label}: not here"
         legend.append(Line2D([], [], color=GREY, lw=1.6, ls=style, label=label))
     return legend
@@ -119,10 +107,8 @@ def at_own_friction(
             continue
         if not loads[0] <= point["normal_load"] <= loads[-1]:
             continue
-        off = np.abs(loads - point["normal_load"])
-        row = plane.values[np.flatnonzero(off == off.min())[-1]]  # of two as near, the higher load
-        limit = rise_limit(conditions.at_friction(friction))
-        velocity = crossing(velocities, row, limit)
+        row = plane.sel(load=point["normal_load"], method="nearest").values
+        velocity = crossing(velocities, row, rise_limit(conditions.at_friction(friction)))
         if math.isfinite(velocity):
             transitions.append((velocity, point))
     for velocity, point in transitions:
@@ -153,11 +139,22 @@ def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: flo
         )
         for test in measured
     ]
-    return float(gmean(values))
+    return geometric_mean(values)
 
 
-def _plane(ds: xr.Dataset) -> tuple[Array, Array]:
-    """Loads and velocities over the figure."""
-    ends = ((ds[name].values[0], ds[name].values[-1]) for name in ("load", "velocity"))
-    loads, velocities = (np.linspace(*limits, _RESOLUTION) for limits in ends)
-    return loads, velocities
+def _over_figure(ds: xr.Dataset, value: Callable[..., Any]) -> xr.DataArray:
+    """A function of load and velocity over the figure."""
+    ends = {name: ds[name].values[[0, -1]].tolist() for name in ("load", "velocity")}
+    axes = {name: np.linspace(low, high, _RESOLUTION) for name, (low, high) in ends.items()}
+    values = [[value(F, V) for V in axes["velocity"]] for F in axes["load"]]
+    return xr.DataArray(values, axes, tuple(axes))
+
+
+def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
+    """Draw a line at a level of a plane; False if the plane does not pass it."""
+    if not plane.min() < level < plane.max():
+        return False
+    values = np.ma.masked_invalid(plane.values)
+    look = {"zorder": 3, **look}
+    axes.contour(plane["velocity"], plane["load"], values, [level], **look).set_gid(gid)
+    return True

@@ -7,7 +7,6 @@ a matplotlib figure, without touching pyplot's state.
 from __future__ import annotations
 
 import inspect
-import pkgutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,22 +17,25 @@ from matplotlib.figure import Figure
 from pipeline.analysis.conditions import CONDITIONS
 from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.tables import writable_path
+from pipeline.figures.diagram import diagram
+from pipeline.figures.fields import animation, fields, save_animation
 from pipeline.figures.fit import fitted
+from pipeline.figures.ramp import ramp
 from pipeline.figures.style import figure_path, save_figure
+from pipeline.figures.temperatures import histogram, temperature
 from pipeline.scene.quantities import in_si
 from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
 _DPI = (20, 2400)
-_KINDS = {
-    "diagram": "diagram:diagram",
-    "ramp": "ramp:ramp",
-    "fields": "fields:fields",
-    "temperature": "temperatures:temperature",
-    "histogram": "temperatures:histogram",
-    "animation": "fields:animation",
+_KINDS: dict[str, Callable[..., Figure | list[Figure]]] = {
+    "diagram": diagram,
+    "ramp": ramp,
+    "fields": fields,
+    "temperature": temperature,
+    "histogram": histogram,
+    "animation": animation,
 }
-"""Module in this folder and function that draws each; imported for that figure alone."""
 
 
 def plot(
@@ -116,7 +118,7 @@ def plot(
     metres = None if width is None else in_si("width", width, "1 m")
     if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
-    drawn = _draw(kind)(dataset_of(ds), **options)
+    drawn = _KINDS[kind](dataset_of(ds), **options)
     if options.get("ax") is not None:
         if path or metres or dpi:
             raise InputError("ax: out, width and dpi are those of its figure; set them there")
@@ -126,19 +128,11 @@ def plot(
     if path is None:
         return drawn
     if isinstance(drawn, list):
-        from pipeline.figures.fields import save_animation  # as it was imported to draw
-
         return save_animation(drawn, path, dpi)
     return save_figure(drawn, path, dpi)
 
 
 def options_of(kind: str) -> list[str]:
     """Names of the options that a kind of figure has."""
-    _, *names, _ = inspect.signature(_draw(kind)).parameters  # between the dataset and **changed
+    _, *names, _ = inspect.signature(_KINDS[kind]).parameters  # between the dataset and **changed
     return list(dict.fromkeys((*CONDITIONS, *names)))
-
-
-def _draw(kind: str) -> Callable[..., Figure | list[Figure]]:
-    draw: Callable[..., Figure | list[Figure]]
-    draw = pkgutil.resolve_name(f"pipeline.figures.{_KINDS[kind]}")
-    return draw

@@ -22,6 +22,7 @@ from pipeline.figures.style import (
     celsius,
     heating,
     in_house_style,
+    legend_below,
     title_of,
 )
 from pipeline.store.schema import DONE
@@ -73,13 +74,7 @@ def ramp(
         Line2D([], [], color=f"C{k}", lw=3, label=name_of(ds, point))
         for k, point in enumerate(points)
     ]
-    figure.legend(
-        handles=lines,
-        loc="outside lower center",
-        ncols=3,
-        title=heating(conditions),
-        title_fontsize=9.5,
-    )
+    legend_below(figure, handles=lines, ncols=3, title=heating(conditions), title_fontsize=9.5)
     return figure
 
 

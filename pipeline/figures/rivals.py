@@ -14,14 +14,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from tribo import (
-    InputError,
-    Material,
-    Motion,
-    Scene,
-    analytic,
-    contact_modulus,
-)
+from tribo import InputError, Material, Motion, analytic, contact_modulus
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +27,6 @@ class SmoothContact:
     disk: Material
     motion: Motion | None = None  # None if the pin is at rest
     crown_radius: float | None = None  # of a crowned pin, across sliding [m]
-
-    @classmethod
-    def of(cls, scene: Scene) -> Self:
-        """Take what a scene says."""
-        pin = scene.pin
-        return cls(pin.radius, pin.length, pin.material, scene.disk, scene.motion, pin.crown_radius)
 
     @classmethod
     def stored(cls, attributes: Mapping[str, Any]) -> Self:

@@ -14,9 +14,9 @@ from cycler import cycler
 from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
-from pipeline.analysis.tables import FIGURES, writable_path
+from pipeline.analysis.tables import FIGURES, writable_path, writing_to
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
@@ -67,9 +67,14 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         """Show the figure as a picture in a notebook, once: no backend knows of it."""
-        written = io.BytesIO()
-        self.savefig(written, format="png")
-        return written.getvalue()
+        return png_of(self)
+
+
+def png_of(figure: Figure, dpi: float | None = None) -> bytes:
+    """A figure as the content of a .png file."""
+    written = io.BytesIO()
+    figure.savefig(written, format="png", dpi=dpi)
+    return written.getvalue()
 
 
 def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
@@ -83,7 +88,7 @@ def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
     return present, ax
 
 
-def legend_below(figure: Figure, ax: Axes | None, **options: Any) -> None:
+def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None:
     """Write the legend below a figure, or below the caller's axes on one that has others."""
     if ax is None:
         figure.legend(loc="outside lower center", **options)
@@ -144,10 +149,8 @@ def save_figure(figure: Figure, out: Path, dpi: float | None = None) -> Path:
     ...     save_figure(Figure(), Path(folder, "empty.png")).name
     'empty.png'
     """
-    try:
-        figure.savefig(out, dpi=rcParams["savefig.dpi"] if dpi is None else dpi)
-    except OSError as error:
-        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    with writing_to(out):
+        figure.savefig(out, dpi=dpi)
     return out
 
 
@@ -176,7 +179,7 @@ def plain_numbers(axes: Axes) -> None:
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)
         axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_major_formatter("{x:g}")
         axis.set_minor_locator(NullLocator())
 
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import at_bulks, end_of_point, on_surface
+from pipeline.analysis.dataset import at_bulks, end_of_point, on_surface, values_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.figures.points import PendingError, index_of_load
@@ -74,8 +74,7 @@ def temperature(
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
     if np.isfinite(transition):
         axes.axvline(transition, color=VERMILION, lw=1.2, label=f"transition, {transition:.3g} m/s")
-    axes.set_xlabel("sliding velocity [m/s]")
-    axes.set_ylabel("contact temperature [°C]")
+    axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
     axes.set_title(f"{title_of(row)}\n{float(row['load'][0]):g} N")
     legend_below(figure, ax, ncols=4, title=heating(conditions))
     return figure
@@ -154,11 +153,8 @@ def _transition(row: xr.Dataset, conditions: Conditions) -> float:
 
 def _quantiles_at(row: xr.Dataset, velocity: float) -> Array:
     """Rise that each share of the contact stays below, at any velocity between the points [K]."""
-    stored = (
-        end_of_point(row)["rise_quantile"].isel(load=0).transpose("velocity", "quantile").values
-    )
-    columns = (
-        interpolated(row["velocity"].values, column, np.array([velocity])) for column in stored.T
-    )
-    quantiles: Array = np.maximum.accumulate(np.concatenate(list(columns)))
+    stored = values_of(end_of_point(row), "rise_quantile")[0]
+    place, velocities = np.array([velocity]), row["velocity"].values
+    rises = np.apply_along_axis(lambda column: interpolated(velocities, column, place), 0, stored)
+    quantiles: Array = np.maximum.accumulate(rises[0])
     return quantiles

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import re
 import textwrap
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
 from pipeline.figures.style import (
     BLACK,
     BLUE,
     GREY,
     VERMILION,
-    Picture,
     as_text,
     as_title,
+    canvas,
     entry_label,
     in_house_style,
+    legend_below,
 )
 from pipeline.run.vary import Variation, Variations
 
@@ -50,8 +52,7 @@ def draw_variations(varied: Variations) -> Figure:
     >>> figure = pipeline.draw_variations(variations)
     """
     keys = varied.by_key()
-    figure = Picture(figsize=(7.2, 1.7 + 0.62 * len(keys)))
-    axes = figure.add_subplot()
+    figure, axes = canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
     ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
     height = 0.8 / len(ends)
     for row, variations in enumerate(keys.values()):
@@ -70,16 +71,14 @@ def draw_variations(varied: Variations) -> Figure:
     axes.set_xlim(low - room, high + room)
     axes.grid(visible=False, axis="y")
     axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
-    axes.xaxis.set_major_formatter(
-        FuncFormatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
-    )
+    axes.xaxis.set_major_formatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
     axes.set_xlabel("change of the critical velocity")
     for load, colour in ends.items():
         critical_velocity = varied.base.critical_velocities[load]
         outcome = varied.base.outcomes[load]
         begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
         axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
-    figure.legend(loc="outside lower center", ncols=len(ends))
+    legend_below(figure, ncols=len(ends))
     axes.set_title(as_title(varied.title, 60), x=0.3)
     return figure
 
@@ -126,6 +125,14 @@ def _bar(
             0.0, position, " no transition", va="center", fontsize=7, color=GREY, style="italic"
         )
         return
+
+    def beside(end: float, text: str, is_right: bool, **look: Any) -> None:
+        offset, side = (4, "left") if is_right else (-4, "right")
+        axes.annotate(
+            text, (end, position), (offset, 0), textcoords="offset points", ha=side, va="center",
+            color=GREY, **look,
+        )  # fmt: skip
+
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
     axes.barh(position, high - low, left=low, height=height, color=colour, alpha=0.85)
     for variation, change in zip(variations, changes, strict=True):
@@ -133,11 +140,7 @@ def _bar(
             words = f"{100 * change:+.1f} %"
             if len(variation.value) <= _LONGEST:
                 words = _shown(variation.value)
-            axes.annotate(
-                words, (change, position), (-4 if change < 0 else 4, 0),
-                textcoords="offset points", ha="right" if change < 0 else "left", va="center",
-                fontsize=8, color=GREY,
-            )  # fmt: skip
+            beside(change, words, change >= 0, fontsize=8)
     if not is_finite.all():
         text = "no transition at " + ", ".join(
             _shown(variation.value)
@@ -145,8 +148,4 @@ def _bar(
             if not is_known
         )
         is_right = high == 0.0  # where no bar is
-        axes.annotate(
-            text, (high if is_right else low, position), (4 if is_right else -4, 0),
-            textcoords="offset points", ha="left" if is_right else "right", va="center",
-            fontsize=7, color=GREY, style="italic",
-        )  # fmt: skip
+        beside(high if is_right else low, text, is_right, fontsize=7, style="italic")

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import NullFormatter
 from matplotlib.transforms import Bbox
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_title, in_house_style
@@ -68,9 +68,9 @@ def draw_trade(trade: Trade) -> Figure:
 
     axes.set_xlabel("times less work than the reference  (faster to the left)")
     axes.set_ylabel("largest error of the boundary velocity")
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_title(as_title(f"Speed against accuracy: {trade.title}"), pad=10)
     figure.legend(loc="outside lower center", ncols=4)

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from pipeline.figures.rivals import SmoothContact, load_speed_exponent
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.store.identity import describe
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Measurement, Sweep
@@ -108,7 +109,7 @@ def rivals(study: Study) -> Report:
     rises, exponents, critical = _simulated(study, sweep, measured)
     share = f"exceeded on {100 * conditions.failing_share:g} % of the contact"
     ours = line.criterion(share, "°C", rises, exponents)
-    criteria = {"ours": ours, **_simple(line, SmoothContact.of(sweep))}
+    criteria = {"ours": ours, **_simple(line, SmoothContact.stored({"scene": describe(sweep)}))}
     values = {
         "share": conditions.failing_share,
         "measured_exponent": load_speed_exponent(line.loads.tolist(), line.velocities.tolist()),

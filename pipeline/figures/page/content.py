@@ -22,14 +22,14 @@ from pipeline.analysis.dataset import (
     end_of_point,
     ordered,
     plane_of,
-    variant_of,
+    values_of,
 )
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
 from pipeline.figures.page.controls import controls
-from pipeline.figures.page.fields import FIELDS, packed_fields
+from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
@@ -71,23 +71,21 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         Number of points whose fields to take, those nearest to the transition.
     """
     ds = ordered(plane_of(ds))
-    axis = variant_of(ds)
-    surfaces = [ds] if axis is None else [ds.isel({axis: row}) for row in range(ds.sizes[axis])]
     attributes = attributes_of(ds)
     conditions = Conditions(**attributes["conditions"])
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     stored, rates = _wear_rates(ds)
-    parts = [
-        _on_surface(
-            [corrected(at_wear_rate(part, rate), conditions) for rate in rates or (None,)],
-            stored, conditions.criterion, ratios, shares,
-        )
-        for part in surfaces
-    ]  # fmt: skip
-    done = np.array([part["status"] == DONE for part in parts], dtype=bool)
+    systems = [corrected(at_wear_rate(ds, rate), conditions) for rate in rates or (None,)]
+    tables = [_tables(system, conditions.criterion, ratios, shares) for system in systems]
+    decisive, rises = (np.stack(table, axis=-3) for table in zip(*tables, strict=True))
+    status = values_of(ds, "status")
+    done = status == DONE
+    moments, steps = _kept_steps(done, decisive, ds)
+    end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     has_heat = attributes.get("scene", {}).get("friction_heat", True)
-    chosen = _nearest(surfaces, done, conditions, most_fields) if _has_fields(ds) else []
+    has_fields = set(FIELDS) <= set(ds.data_vars)
+    chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
@@ -106,29 +104,29 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["quantile"].values.tolist(),
-        "surfaces": None if axis is None else ds[axis].values.tolist(),
+        "surfaces": ds["realization"].values.tolist() if "realization" in ds.dims else None,
         "done": int(done.sum()),
-        "status": packed([part["status"] for part in parts], "i1"),
-        "asked": packed([part["asked"] for part in parts], "u1"),
-        "moments": packed([part["moments"] for part in parts], "<i4"),
-        "moment_times": packed([part["times"] for part in parts], "<f4"),
+        "status": packed(status, "i1"),
+        "asked": packed(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
+        "moments": packed(moments, "<i4"),
+        "moment_times": packed(values_of(ds, "time")[steps], "<f4"),
         "wear_rates": rates,
         "bulk_ratios": ratios,
         "shares": shares,
-        "decisive": packed([part["decisive"] for part in parts], "<f8"),
-        "rises": packed([part["rises"] for part in parts], "<f4"),
+        "decisive": packed(decisive[steps], "<f8"),
+        "rises": packed(rises[steps], "<f4"),
         "numbers": [
             {"label": label, "unit": unit, "power": power}
-            | {"values": packed([factor * part["end"][name] for part in parts], "<f4")}
+            | {"values": packed(factor * values_of(end, name), "<f4")}
             for name, label, unit, factor, power in _NUMBERS
             if name in ds
         ],
         "messages": {
-            str(place): message
-            for place, message in enumerate(text for part in parts for text in part["messages"])
+            str(place): str(message)
+            for place, message in enumerate(values_of(ds, "message").ravel())
             if message
         },
-        "fields": packed_fields(surfaces, chosen) | {"stored": int(done.sum()) * _has_fields(ds)},
+        "fields": packed_fields(ds, chosen) | {"stored": int(done.sum()) * has_fields},
         "record": record(attributes),
     }
 
@@ -154,39 +152,19 @@ def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
     return [float(share) for share in np.union1d(shares, failing_share)]
 
 
-def _on_surface(
-    systems: list[xr.Dataset],
-    stored: int,
-    criterion: str,
-    ratios: list[float],
-    shares: list[float],
-) -> dict[str, Any]:
-    """Data of each point on one surface, from the sweep at each wear rate, and at its own."""
-    systems = [system.transpose("load", "velocity", "step", ...) for system in systems]
-    tables = [_tables(system, criterion, ratios, shares) for system in systems]
-    decisive, rises = (np.stack(table, axis=3) for table in zip(*tables, strict=True))
-    ds = systems[stored]
-    status, times = ds["status"].values, ds["time"].values
-    normal_load = ds["normal_load"].values
-    moments = np.zeros(status.shape, dtype=int)
-    kept = []
-    for place in zip(*np.nonzero(status == DONE), strict=True):
-        rows = decisive[place].reshape(len(normal_load[place]), -1)
-        steps = _moments(rows, normal_load[place], float(ds["load"][place[0]]))
+def _kept_steps(
+    done: Mask, decisive: Array, ds: xr.Dataset
+) -> tuple[NDArray[np.intp], tuple[NDArray[np.intp], ...]]:
+    """Number of steps of each point that are kept, and their indices in the order of the points."""
+    normal_load, loads = values_of(ds, "normal_load"), ds["load"].values
+    moments, kept = np.zeros(done.shape, dtype=np.intp), []
+    for place in zip(*np.nonzero(done), strict=True):
+        rows = decisive[place].reshape(decisive.shape[done.ndim], -1)
+        steps = _moments(rows, normal_load[place], float(loads[place[-2]]))
         moments[place] = steps.size
         kept += [(*place, step) for step in steps]
-    indices = tuple(np.array(kept, dtype=np.intp).reshape(-1, 3).T)
-    end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
-    return {
-        "status": status,
-        "asked": asked(ds).transpose("load", "velocity").values,
-        "moments": moments,
-        "times": times[indices],
-        "decisive": decisive[indices],
-        "rises": rises[indices],
-        "end": {name: end[name].transpose("load", "velocity").values for name in end.data_vars},
-        "messages": [str(message) for message in ds["message"].values.ravel()],
-    }
+    indices = np.array(kept, dtype=np.intp).reshape(-1, done.ndim + 1)
+    return moments, tuple(indices.T)
 
 
 def _tables(
@@ -194,7 +172,7 @@ def _tables(
 ) -> tuple[Array, Array]:
     """Deciding rises by share, and quantiles, by load, velocity, step and bulk ratio [K]."""
     names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
-    columns = {name: ds[name].values for name in names if name in ds}
+    columns = {name: values_of(ds, name) for name in names if name in ds}
     quantile = {"quantile": ds["quantile"].values}
     at_ratios = [{**above_colder(columns, ratio), **quantile} for ratio in ratios]
     criteria = [Criterion(criterion, share) for share in shares]
@@ -271,26 +249,20 @@ def _conditions(ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:
     return plain
 
 
-def _has_fields(ds: xr.Dataset) -> bool:
-    return set(FIELDS) <= set(ds.data_vars)
-
-
 def _nearest(
-    surfaces: list[xr.Dataset], done: Mask, conditions: Conditions, most: int
-) -> list[tuple[int, int, int]]:
+    ds: xr.Dataset, done: Mask, conditions: Conditions, most: int
+) -> list[tuple[int, ...]]:
     """Choose the points whose fields to show: all, or those nearest to the transition."""
     places = np.argwhere(done)
     if len(places) > most:
-        rises = np.array([decisive_rise(part, conditions) for part in surfaces])
         judged = conditions.critical_temperature is not None and conditions.rise_factor > 0
         limit = rise_limit(conditions) if judged else math.inf
-        rise = np.nan_to_num(rises[done])
+        rise = np.nan_to_num(decisive_rise(ds, conditions).values[done])
         distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
         places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
-    return [(int(surface), int(load), int(velocity)) for surface, load, velocity in places]
+    return [tuple(place) for place in places.tolist()]
 
 
-def packed(parts: list[Any], dtype: str) -> str:
-    """Arrays one after the other, as the base64 of their bytes."""
-    joined = b"".join(np.ascontiguousarray(part, dtype=dtype).tobytes() for part in parts)
-    return base64.b64encode(joined).decode()
+def packed(values: Any, dtype: str) -> str:
+    """An array as the base64 of its bytes."""
+    return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from tribo.types import Array, Mask
 
 FIELDS = ("pressure", "rise", "wear_depth")
+POINT = ("realization", "load", "velocity")
+"""Dimensions of the points of a page, as far as its sweep has them."""
 _SIDE = 120  # elements along each axis, at most
 _LEVELS = 255
 
 
-def packed_fields(
-    surfaces: list[xr.Dataset], chosen: Iterable[tuple[int, int, int]]
-) -> dict[str, Any]:
+def packed_fields(ds: xr.Dataset, chosen: Iterable[tuple[int, ...]]) -> dict[str, Any]:
     """Pack pressure, rise and wear depth of points chosen by surface, load and velocity.
 
     Gives ``shape`` after averaging, ``block`` the elements averaged along each axis, ``extent`` of
@@ -30,12 +30,11 @@ def packed_fields(
     """
     points: dict[str, Any] = {}
     content: dict[str, Any] = {"points": points}
-    for surface, i, j in chosen:
-        ds = surfaces[surface]
-        names = [name for name in (*FIELDS, "bulk_response") if name in ds]
-        here = ds[names].isel(load=i, velocity=j)
-        here = here.transpose("x", "y", ...)
-        place = (surface * ds.sizes["load"] + i) * ds.sizes["velocity"] + j
+    axes = [name for name in POINT if name in ds.dims]
+    names = [name for name in (*FIELDS, "bulk_response") if name in ds]
+    for indices in chosen:
+        here = ds[names].isel(dict(zip(axes, indices, strict=True))).transpose("x", "y", ...)
+        place = np.ravel_multi_index(indices, [ds.sizes[name] for name in axes])
         shape, points[str(place)] = packed_point(*(here[name].values for name in names))
         if "shape" not in content:
             block = [_block(n) for n in here["pressure"].shape]

@@ -17,7 +17,7 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import dataset_of, variant_of
 from pipeline.analysis.scenes import entries_in_words, scenes
-from pipeline.analysis.tables import Column, Table, writable_path
+from pipeline.analysis.tables import Column, Table, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content
 from pipeline.figures.page.controls import Control, scene_choice, surface_choice
 from tribo import InputError
@@ -142,15 +142,11 @@ def explore(
         scripts, bodies = _OF_PLANE, [_of_plane(one) for one in held]
     about = attributes_of(ds)
     names = [entries_in_words(part) for part in parts]
-    written = _page(str(about.get("title") or about.get("name")), names, bodies, scripts).encode()
-    try:
-        path.write_bytes(written)
-    except OSError as error:
-        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    write_text(_page(str(about.get("title") or about.get("name")), names, bodies, scripts), path)
     done = sum(one["done"] for one in held)
     fields = [one["fields"] for one in held if "fields" in one]
     counts = (sum(len(one["points"]) for one in fields), sum(one["stored"] for one in fields))
-    return Page(path, len(written), done, *counts)
+    return Page(path, path.stat().st_size, done, *counts)
 
 
 def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: tuple[str, ...]) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import html
-import io
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from typing import Any
@@ -27,7 +26,7 @@ from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fit import fitted
 from pipeline.figures.report.citation import citation
-from pipeline.figures.style import criterion, heating
+from pipeline.figures.style import criterion, heating, png_of
 from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.description import on_plane
@@ -95,9 +94,7 @@ def _html(part: Part) -> str:
         return part.html()
     if isinstance(part, str):
         return f"<p>{html.escape(part)}</p>"
-    picture = io.BytesIO()
-    part.savefig(picture, format="png", dpi=_DPI)
-    encoded = base64.b64encode(picture.getvalue()).decode()
+    encoded = base64.b64encode(png_of(part, _DPI)).decode()
     return (
         f'<p><img src="data:image/png;base64,{encoded}" width="490" alt="Transition diagram"></p>'
     )

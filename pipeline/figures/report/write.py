@@ -13,10 +13,9 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.tables import writable_path, write_text
+from pipeline.analysis.tables import writable_path, write_text, writing_to
 from pipeline.figures.report.content import content
 from pipeline.store.place import PathLike
-from tribo import InputError
 
 _SUFFIXES = (".html", ".pdf")
 _STYLE = """
@@ -120,8 +119,6 @@ def _write_pdf(body: str, title: str, path: Path) -> Path:
     }
     body = body.replace("<td>", '<td align="left">').replace("<th ", '<th align="left" ')
     pages.write_html(body, table_line_separators=True, tag_styles=headings)
-    try:
+    with writing_to(path):
         pages.output(str(path))
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     return path

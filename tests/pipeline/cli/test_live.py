@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.cli import main, picture
+from pipeline.cli import main, sweeps
 from pipeline.store.create import writing
 from pipeline.store.progress import pace, summary
 from pipeline.sweep.plan import points
@@ -56,7 +56,7 @@ def test_a_picture_that_takes_long_does_not_end_a_finished_run_in_an_error(monke
         def wait(self, seconds):
             raise subprocess.TimeoutExpired("irg", seconds)
 
-    monkeypatch.setattr(picture.subprocess, "Popen", Drawing)
-    with picture.watched("live.png", "out.zarr", lambda progress: None) as show:
+    monkeypatch.setattr(sweeps.subprocess, "Popen", Drawing)
+    with sweeps.watched("live.png", "out.zarr", lambda progress: None) as show:
         show(None)
     assert "live.png is still being drawn" in capsys.readouterr().err

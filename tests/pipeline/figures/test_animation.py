@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageChops
 
-from pipeline.figures import fields
+from pipeline.figures.fields import save_animation
 from pipeline.figures.plot import plot
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
@@ -24,16 +24,16 @@ def sweep():
 @pytest.fixture(scope="module")
 def film(sweep, tmp_path_factory):
     """The file of an animation and its figures, of which the last one alone is too hot."""
-    out, figures, save = tmp_path_factory.mktemp("film") / "ramp.gif", [], fields.save_animation
+    out, figures = tmp_path_factory.mktemp("film") / "ramp.gif", []
 
     def kept(pictures, *arguments):
         figures.extend(pictures)
-        return save(pictures, *arguments)
+        return save_animation(pictures, *arguments)
 
     hottest = 298.15 + 0.1 * sweep["rise"].sel(velocity=1.0).max(("x", "y")).values
     critical = (hottest[1] + hottest[2]) / 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fields, "save_animation", kept)
+        patch.setattr("pipeline.figures.plot.save_animation", kept)
         options = {"velocity": 1.0, "critical_temperature": critical}
         assert plot(sweep, "animation", out, width="8.5 cm", **options) == out
     return out, figures

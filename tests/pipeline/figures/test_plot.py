@@ -5,13 +5,14 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-import pipeline.analysis.dataset
+import pipeline
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
 from pipeline.figures.rivals import SmoothContact
 from pipeline.figures.uncertainty import draw_risk
+from pipeline.store.identity import describe
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
@@ -344,14 +345,7 @@ def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-SCENE = {
-    "pin": {"type": "Cylinder", "radius": 2e-3, "length": 3.4e-3, "material": {
-        "type": "Material", "elastic_modulus": 210e9, "poisson_ratio": 0.3, "hardness": "inf",
-        "thermal_conductivity": 45.0, "density": 7800.0, "specific_heat": 470.0}},
-    "disk": {
-        "type": "Material", "elastic_modulus": 210e9, "poisson_ratio": 0.3, "hardness": 6.6e9,
-        "thermal_conductivity": 45.0, "density": 7800.0, "specific_heat": 470.0},
-}  # fmt: skip
+SCENE = describe(pipeline.load_scene("first_try"))
 
 
 def test_a_rival_is_drawn_where_its_criterion_reaches_its_limit():
