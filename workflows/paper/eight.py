@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,14 +11,15 @@ from scipy.special import logsumexp
 
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Measurement, Sweep
-from tribo import Corrections, Cylinder, Stem, Track, contacts, heated, measures
-from tribo.criterion import Criterion, columns_of
+from tribo import Corrections, Cylinder, State, Stem, Track, contacts, heated
+from tribo.corrections import moment_of
+from tribo.criterion import Criterion
 from tribo.types import Array
 from workflows.paper.study import Study
 from workflows.paper.transitions import WearPattern, worn
 
-SCENES = ("irg_transition", "oil_a", "oil_a_hot")
-_SURFACES = 4
+SURFACES = 4
+SCENES = {"irg_transition": "white oil", "oil_a": "oil A", "oil_a_hot": "oil A"}
 _STATIC = 145.0, 8.0  # °C and K: critical temperature of the white oil on the rig
 _OIL_A = 120.0, 500.0  # °C: critical temperature of oil A, evenly
 _SCATTER = 0.03, 0.3  # standard deviation of the rise, evenly in its logarithm
@@ -38,14 +39,14 @@ class Transition:
         Its scene.
     measured : Measurement
         Load, velocity and friction.
-    columns : dict
-        Columns of the contact by wear pattern, conductivity [W/(m K)] and surface.
+    ends : dict
+        Scenes and last states, one for each surface, by wear pattern and conductivity [W/(m K)].
     """
 
     oil: str
     scene: Sweep
     measured: Measurement
-    columns: dict[tuple[WearPattern, float], list[Mapping[str, Any]]]
+    ends: dict[tuple[WearPattern, float], list[tuple[Sweep, State]]]
 
     @property
     def bulk_celsius(self) -> float:
@@ -88,61 +89,47 @@ class Physics:
 
     def warming(self, transitions: Sequence[Transition]) -> Array:
         """Logarithm of the deciding warming at each transition, its mean over surfaces."""
-        return np.array([self._warming(transition) for transition in transitions])
+        criterion, means = Criterion(self.criterion), []
+        for transition in transitions:
+            rises = [
+                criterion.rise(moment_of(scene, state, self._corrections(scene)))
+                for scene, state in transition.ends[self.pattern, self.conductivity]
+            ]
+            means.append(np.mean(np.log((transition.measured.friction or 0.0) * np.array(rises))))
+        return np.array(means)
 
-    def _warming(self, transition: Transition) -> float:
-        parts = Corrections()
-        if self.holds_heat:
-            pin, disk = transition.scene.pin, _conducting(transition.scene, self.conductivity).disk
-            across = 2 * pin.radius * (pin.length if isinstance(pin, Cylinder) else pin.radius)
-            rod = _STEM, across, self.conductivity, disk.thermal_diffusivity
-            parts = Corrections(track=Track.under(pin, disk, _TRACK), stem=Stem.rod(*rod))
-        criterion, friction = Criterion(self.criterion), transition.measured.friction or 0.0
-        rises = [
-            criterion.rise(parts.applied(columns))[0]
-            for columns in transition.columns[self.pattern, self.conductivity]
-        ]
-        return float(np.mean(np.log(friction * np.array(rises))))
+    def _corrections(self, scene: Sweep) -> Corrections:
+        if not self.holds_heat:
+            return Corrections()
+        pin, disk = scene.pin, scene.disk
+        across = 2 * pin.radius * (pin.length if isinstance(pin, Cylinder) else pin.radius)
+        stem = Stem.rod(_STEM, across, self.conductivity, disk.thermal_diffusivity)
+        return Corrections(track=Track.under(pin, disk, _TRACK), stem=stem)
 
 
 def transitions_of(
-    study: Study, kinds: Iterable[tuple[WearPattern, Sequence[float]]]
+    study: Study, patterns: Sequence[WearPattern], conductivities: Sequence[float]
 ) -> tuple[Transition, ...]:
-    """Simulate all transitions on each surface: a contact once for all conductivities.
+    """Simulate all transitions with each pattern of wear and conductivity [W/(m K)].
 
-    Parameters
-    ----------
-    study : Study
-        Scenes and surfaces.
-    kinds : iterable
-        Wear patterns, each with its conductivities [W/(m K)].
+    A contact is simulated once for all conductivities.
     """
-    kinds, transitions = list(kinds), []
-    for name in SCENES:
+    transitions = []
+    for name, oil in SCENES.items():
         scene = study.scene(name)
         for measured in scene.measured:
-            columns: dict[tuple[WearPattern, float], list[Mapping[str, Any]]] = {}
-            for pattern, conductivities in kinds:
-                for seed in study.seeds(_SURFACES):
+            ends: Any = {(pattern, K): [] for pattern in patterns for K in conductivities}
+            for pattern in patterns:
+                for seed in study.seeds(SURFACES):
                     surface = worn(scene.on_surface(seed), pattern)
-                    for K, column in _columns(surface, measured, conductivities):
-                        columns.setdefault((pattern, K), []).append(column)
-            oil = "oil A" if "oil_a" in name else "white oil"
-            transitions.append(Transition(oil, scene, measured, columns))
+                    *_, contact = contacts(surface, measured.normal_load, measured.velocity)
+                    for K in conductivities:
+                        other = _conducting(surface, K)
+                        state = heated(other, contact, measured.velocity)
+                        ends[pattern, K].append((other, state))
+            transitions.append(Transition(oil, scene, measured, ends))
             study.tell(f"{oil}, {measured.normal_load:g} N at {measured.velocity:g} m/s")
     return tuple(transitions)
-
-
-def _columns(
-    scene: Sweep, measured: Measurement, conductivities: Sequence[float]
-) -> Iterable[tuple[float, Mapping[str, Any]]]:
-    *_, contact = contacts(scene, measured.normal_load, measured.velocity)
-    for K in conductivities:
-        other = _conducting(scene, K)
-        state = heated(other, contact, measured.velocity)
-        if state.heat is not None:
-            record = {**measures(other, state), **columns_of(state.heat)}
-            yield K, {name: np.array([value]) for name, value in record.items()}
 
 
 def _conducting(scene: Sweep, conductivity: float) -> Sweep:
@@ -153,7 +140,7 @@ def _conducting(scene: Sweep, conductivity: float) -> Sweep:
 
 def log_evidence(
     transitions: Sequence[Transition], warming: Array, film: bool = False
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, dict[str, Array]]:
     """Logarithm of the evidence for a model, over critical temperatures and scatters.
 
     ln(µr) at each transition is normal about ln(Θcr − Θb), with a scatter that is not known.
@@ -169,41 +156,38 @@ def log_evidence(
 
     Returns
     -------
-    tuple of ndarray
-        Evidence, shape (...); and the mean critical temperatures of white oil and of oil A [°C],
-        NaN for an oil that has no transition.
+    log : ndarray, shape (...)
+        Evidence.
+    critical : dict of ndarray, shape (...)
+        Mean critical temperature of each oil that has transitions [°C].
     """
     sigma = np.geomspace(*_SCATTER, 12)
     shares = np.linspace(0.0, _MOST_SHARE, 6) if film else np.zeros(1)
     films = np.array([transition.film_parameter for transition in transitions])
     lowered = warming[..., None, :] + np.log(1 - np.minimum(0.9, shares[:, None] * films))
-    total = np.zeros((*lowered.shape[:-1], len(sigma)))
-    means = []
-    for oil, temperatures, prior in _temperatures():
+    bulks = np.array([transition.bulk_celsius for transition in transitions])
+    total, critical = np.zeros((*lowered.shape[:-1], len(sigma))), {}
+    for oil, (temperatures, prior) in _temperatures().items():
         of_oil = np.array([transition.oil == oil for transition in transitions])
         if not of_oil.any():
-            means.append(np.full(warming.shape[:-1], np.nan))
             continue
-        bulks = np.array([t.bulk_celsius for t in transitions])[of_oil]
-        expected = np.log(temperatures[:, None] - bulks)
+        expected = np.log(temperatures[:, None] - bulks[of_oil])
         squares = ((lowered[..., of_oil][..., None, :] - expected) ** 2).sum(axis=-1)
         log = prior[:, None] - squares[..., None] / (2 * sigma**2) - of_oil.sum() * np.log(sigma)
         total = total + logsumexp(log, axis=-2)
         weight = np.exp(log - log.max(axis=(-3, -2, -1), keepdims=True)).sum(axis=(-3, -1))
-        means.append((weight * temperatures).sum(axis=-1) / weight.sum(axis=-1))
+        critical[oil] = (weight * temperatures).sum(axis=-1) / weight.sum(axis=-1)
     normal = len(transitions) / 2 * np.log(2 * np.pi) + np.log(len(sigma) * len(shares))
-    return logsumexp(total, axis=(-2, -1)) - normal, means[0], means[1]
+    return logsumexp(total, axis=(-2, -1)) - normal, critical
 
 
-def _temperatures() -> Iterable[tuple[str, Array, Array]]:
+def _temperatures() -> dict[str, tuple[Array, Array]]:
     """Critical temperatures of each oil [°C], and the logarithms of their probabilities."""
     mean, sd = _STATIC
-    white = np.linspace(mean - 4 * sd, mean + 4 * sd, 33)
-    for oil, values, log in (
-        ("white oil", white, -(((white - mean) / sd) ** 2) / 2),
-        ("oil A", (a := np.linspace(*_OIL_A, 128)), np.zeros(a.size)),
-    ):
-        yield oil, values, log - logsumexp(log)
+    white, oil_a = np.linspace(mean - 4 * sd, mean + 4 * sd, 33), np.linspace(*_OIL_A, 128)
+    log = -(((white - mean) / sd) ** 2) / 2
+    even = np.zeros(oil_a.size)
+    return {"white oil": (white, log - logsumexp(log)), "oil A": (oil_a, even - logsumexp(even))}
 
 
 def rounded(ratio: float) -> str:

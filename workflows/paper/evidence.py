@@ -13,13 +13,14 @@ from matplotlib.figure import Figure
 from pipeline.figures.style import BLUE, GREY, VERMILION, in_house_style
 from tribo.types import Array
 from workflows.paper.eight import (
+    SURFACES,
     Physics,
     Transition,
     log_evidence,
     rounded,
     transitions_of,
 )
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, line
 from workflows.paper.study import Study
 
 _TAKEN = Physics()
@@ -42,17 +43,18 @@ _SHARE = 0.25  # of the load on the film over the film parameter, in them
 
 def evidence(study: Study) -> Report:
     """Odds of other physics against what the scenes take, and each model on its own data."""
-    transitions = transitions_of(study, [("swept", (45.0, 21.0)), ("local", (45.0,))])
+    transitions = transitions_of(study, ("swept", "local"), (45.0, 21.0))
     warmings = np.array([model.warming(transitions) for model in _MODELS.values()])
     weighed = [
         log_evidence(transitions, warming, model.film)
         for warming, model in zip(warmings, _MODELS.values(), strict=True)
     ]
-    odds = [float(log - weighed[0][0]) for log, *_ in weighed]
+    odds = [float(log - weighed[0][0]) for log, _ in weighed]
+    critical = [[float(celsius[oil]) for oil in ("white oil", "oil A")] for _, celsius in weighed]
     confused = _confusions(transitions, warmings)
     names = list(_MODELS)
     values: dict[str, Any] = {
-        "surfaces": len(next(iter(transitions[0].columns.values()))),
+        "surfaces": len(study.seeds(SURFACES)),
         "number": len(transitions),
         "sets": _DATA,
         "scatter": _SCATTER,
@@ -72,25 +74,17 @@ def evidence(study: Study) -> Report:
         table=Table(
             ("", "ln of the odds", "critical: white oil [°C]", "oil A [°C]", *_SHORT),
             tuple(
-                (
-                    name, f"{odd:+.1f}", f"{white:.0f}", f"{oil_a:.0f}",
-                    *(f"{share:.0%}" for share in row),
-                )
-                for name, odd, (_, white, oil_a), row in zip(
-                    names, odds, weighed, confused, strict=True
-                )
+                line(name, [f"{odd:+.1f}", *of_oils, *(f"{share:.0%}" for share in row)])
+                for name, odd, of_oils, row in zip(names, odds, critical, confused, strict=True)
             ),
         ),
         data={
             "log_odds": dict(zip(names, odds, strict=True)),
-            "critical_celsius": {
-                name: [float(white), float(oil_a)]
-                for name, (_, white, oil_a) in zip(names, weighed, strict=True)
-            },
+            "critical_celsius": dict(zip(names, critical, strict=True)),
             "chosen_on_data_of": dict(zip(names, confused, strict=True)),
         },
         figure=_draw(names, odds, confused),
-    )  # fmt: skip
+    )
 
 
 def _as_odds(log: float) -> str:
@@ -138,8 +132,8 @@ def _draw(names: Sequence[str], odds: Sequence[float], confused: list[list[float
     left.set_xlabel("ln of the odds over the model as taken (dotted: 10 to 1)")
     left.set_title("by the measured transitions", loc="left")
     right.imshow(confused, cmap="Blues", vmin=0, vmax=1, aspect="auto")
-    for row, line in enumerate(confused):
-        for column, share in enumerate(line):
+    for row, shares in enumerate(confused):
+        for column, share in enumerate(shares):
             colour = "white" if share > 0.6 else "black"
             right.text(column, row, f"{100 * share:.0f}", ha="center", va="center", color=colour,
                        fontsize=8)  # fmt: skip

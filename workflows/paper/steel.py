@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 from scipy.special import logsumexp
@@ -16,6 +15,7 @@ from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, in_house
 from pipeline.run.vary import vary
 from tribo.types import Array
 from workflows.paper.eight import (
+    SURFACES,
     Physics,
     Transition,
     log_evidence,
@@ -39,7 +39,7 @@ _STEADY = 0.2  # of the conductivity that was taken, which the transitions have 
 
 def steel(study: Study) -> Report:
     """Conductivity against critical temperature, by white oil, oil A and both."""
-    transitions = transitions_of(study, [("swept", _NODES)])
+    transitions = transitions_of(study, ("swept",), _NODES)
     warmings = np.array([Physics(K).warming(transitions) for K in _NODES])
     posteriors = {name: _posterior(transitions, warmings, oils) for name, oils in _SETS.items()}
     boundary = _boundary(study)
@@ -53,7 +53,7 @@ def steel(study: Study) -> Report:
     values: dict[str, Any] = {
         "soft": _SOFT,
         "hard": _HARD,
-        "surfaces": len(next(iter(transitions[0].columns.values()))),
+        "surfaces": len(study.seeds(SURFACES)),
         **{f"{name.split()[0]}_{key}": its[key] for name, its in posteriors.items() for key in its},
         "changes": boundary["change"],
         "odds": posteriors["both oils"]["odds"],
@@ -94,7 +94,7 @@ def _posterior(
     """Conductivity by the transitions of some oils, evenly likely before."""
     numbers = [number for number, transition in enumerate(transitions) if transition.oil in oils]
     fine = CubicSpline(_NODES, warmings[:, numbers])(_FINE)
-    log, white, oil_a = log_evidence([transitions[number] for number in numbers], fine)
+    log, critical = log_evidence([transitions[number] for number in numbers], fine)
     probability = np.exp(log - logsumexp(log))
     mean = float(probability @ _FINE)
     below = np.cumsum(probability)
@@ -108,7 +108,7 @@ def _posterior(
         "odds": float(1 / odds),
         "times": rounded(float(odds)),
         "density": (probability / (_FINE[1] - _FINE[0])).tolist(),
-        "critical": (white if "white oil" in oils else oil_a).tolist(),
+        "critical": critical[oils[0]].tolist(),
     }
 
 
@@ -136,7 +136,19 @@ def _draw(
 ) -> Figure:
     figure = Figure(figsize=(7.0, 3.4))
     left, right = figure.subplots(1, 2)
-    _draw_temperatures(left, transitions, warmings)
+    labelled = set()
+    for transition, row in zip(transitions, warmings.T, strict=True):
+        bulk = transition.bulk_celsius
+        label = f"{transition.oil}, bulk {bulk:.0f} °C"
+        left.plot(
+            _FINE, bulk + np.exp(CubicSpline(_NODES, row)(_FINE)), lw=1.2,
+            color=BLUE if transition.oil == "white oil" else VERMILION,
+            ls="-" if bulk < 50 else "--", label=None if label in labelled else label,
+        )  # fmt: skip
+        labelled.add(label)
+    left.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")
+    left.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
+    left.set_title("from each measured transition", loc="left")
     for name, posterior in posteriors.items():
         right.plot(_FINE, posterior["density"], color=_LOOKS[name], label=name)
     for K, label in ((_SOFT, "taken, as annealed"), (_HARD, "measured, hardened")):
@@ -146,26 +158,8 @@ def _draw(
             textcoords="offset points", color=GREY, rotation=90,
         )  # fmt: skip
     right.set_ylim(0, 1.4 * right.get_ylim()[1])  # room for the names of both
-    right.set_xlabel("conductivity of the steel [W/(m K)]")
-    right.set_ylabel("probability per W/(m K)")
+    right.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="probability per W/(m K)")
     right.set_title("what the transitions say", loc="left")
-    right.legend(loc="upper right", fontsize=7.5)
+    for axes in (left, right):
+        axes.legend(loc="upper right", fontsize=7.5)
     return figure
-
-
-def _draw_temperatures(axes: Axes, transitions: Sequence[Transition], warmings: Array) -> None:
-    looks = {25.0: "-", 100.0: "--"}
-    labelled = set()
-    for number, transition in enumerate(transitions):
-        bulk = transition.bulk_celsius
-        label = f"{transition.oil}, bulk {bulk:.0f} °C"
-        axes.plot(
-            _FINE, bulk + np.exp(CubicSpline(_NODES, warmings[:, number])(_FINE)),
-            color=BLUE if transition.oil == "white oil" else VERMILION, ls=looks[round(bulk)],
-            label=None if label in labelled else label, lw=1.2,
-        )  # fmt: skip
-        labelled.add(label)
-    axes.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")
-    axes.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
-    axes.set_title("from each measured transition", loc="left")
-    axes.legend(loc="upper right", fontsize=7.5)
