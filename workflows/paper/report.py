@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import string
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -79,31 +79,17 @@ class Finding:
         return f" {self.why}" if self.why else ""
 
 
-def judged(
-    result: str, values: Mapping[str, Any], verdicts: Mapping[str, bool]
-) -> tuple[Finding, ...]:
-    """Findings of a result, their words filled with values.
+def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any]) -> Finding:
+    """Judge a statement of the paper, in the words of a result filled with values.
 
-    Parameters
-    ----------
-    result : str
-        Name of the result.
-    values : mapping
-        Numbers in its prose, by name. ``why`` names another reason than the usual one.
-    verdicts : mapping
-        Names of statements, true if one agrees with what is computed.
+    The reason is the one that ``why`` among the values names, or else the usual one.
     """
-    texts = {name: WORDS[result]["findings"][name] for name in verdicts}
-    why = values.get("why", "why")
-    return tuple(
-        Finding(
-            _WRITER.vformat(text["printed"], (), values),
-            _WRITER.vformat(text["computed"], (), values),
-            bool(verdicts[name]),
-            _WRITER.vformat(text.get(why, text.get("why", "")), (), values),
-        )
-        for name, text in texts.items()
+    texts = WORDS[result]["findings"][statement]
+    why = texts.get(values.get("why"), texts.get("why", ""))
+    printed, computed, why = (
+        _WRITER.vformat(text, (), values) for text in (texts["printed"], texts["computed"], why)
     )
+    return Finding(printed, computed, bool(agrees), why)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,16 +186,23 @@ class Report:
         name: str,
         values: Mapping[str, Any],
         verdicts: Mapping[str, bool],
-        findings: Sequence[Finding] = (),
+        data: dict[str, Any],
+        findings: Iterable[Finding] = (),
         **parts: Any,
     ) -> Report:
-        """Report on a result, its words filled with values; verdicts as for `judged`."""
+        """Report on a result, its words filled with values and data.
+
+        Verdicts go by the names of statements, true if one agrees with what is computed.
+        """
+        values = {**data, **values}
         notes = (_WRITER.vformat(note, (), values) for note in WORDS[name]["notes"])
+        usual = (judged(name, statement, agrees, values) for statement, agrees in verdicts.items())
         return cls(
             name,
             title=_WRITER.vformat(WORDS[name]["title"], (), values),
-            findings=(*judged(name, values, verdicts), *findings),
+            findings=(*usual, *findings),
             notes=tuple(filter(None, notes)),
+            data=data,
             **parts,
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,18 +13,19 @@ from matplotlib.figure import Figure
 
 from pipeline.figures.rivals import SmoothContact, load_speed_exponent
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, mean
 from workflows.paper.study import Study
-from workflows.paper.transitions import end_of, exponent_of, matching, name_of
+from workflows.paper.transitions import beside_boundary, matching, name_of, on_surfaces
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
+_FITTED = "load_speed"  # the criterion with a parameter fitted to these very transitions
 _LOOKS = {"ours": BLUE, "blok": VERMILION, "power": GREEN, "pv": GREY, "load": BLACK}
 
 
@@ -37,7 +39,6 @@ class _Criterion:
     alike: Array  # at the scene's friction everywhere
     exponents: Array | float  # of the number over the velocity
     scaled: Array  # values in the unit, bulk temperature added where it is a rise
-    fitted: bool = False  # True if it has a parameter fitted to these very transitions
 
     @property
     def spread(self) -> float:
@@ -67,63 +68,44 @@ def _mean(values: Array) -> float:
     return math.exp(float(np.mean(np.log(values))))
 
 
-@dataclass(frozen=True, slots=True)
-class _Line:
-    """The measured line, on which every criterion is evaluated."""
-
-    loads: Array  # [N]
-    velocities: Array  # [m/s]
-    frictions: Array  # measured at each transition
-    friction: float  # of the scene
-    bulk: float  # [°C]
-
-    def criterion(
-        self,
-        name: str,
-        unit: str,
-        values: Array,
-        exponents: Array | float,
-        scale: float = 1.0,
-        by_friction: bool = True,
-    ) -> _Criterion:
-        """A criterion from its values, at friction 1 where it is in proportion to friction."""
-        frictions, friction = (self.frictions, self.friction) if by_friction else (1.0, 1.0)
-        measured = frictions * values
-        scaled = (self.bulk if unit == "°C" else 0.0) + scale * measured
-        return _Criterion(name, unit, measured, friction * values, exponents, scaled)
-
-
 def rivals(study: Study) -> Report:
     """Blok's flash temperature, power, PV and F·Vⁿ at the four transitions, and the film."""
     sweep = study.scene("irg_transition")
-    measured = matching(sweep, [row.normal_load for row in TABLE_4])
     conditions = sweep.conditions
-    line = _Line(
-        np.array([entry.normal_load for entry in measured]),
-        np.array([entry.velocity for entry in measured]),
-        np.array([entry.friction or conditions.friction for entry in measured]),
-        conditions.friction,
-        float(celsius(conditions.bulk_temperature)),
+    measured = matching(sweep, TABLE_4.normal_load.tolist())
+    loads = np.array([entry.normal_load for entry in measured])
+    velocities = np.array([entry.velocity for entry in measured])
+    seeds = study.stages(study.seeds(_SURFACES), "surface {}".format)
+    smaller = replace(sweep, store_fields=False)
+    ends = on_surfaces(
+        [(smaller, entry) for entry in measured], seeds, partial(beside_boundary, step=_STEP)
     )
-    rises, exponents, critical = _simulated(study, sweep, measured)
-    share = f"exceeded on {100 * conditions.failing_share:g} % of the contact"
-    ours = line.criterion(share, "°C", rises, exponents)
-    criteria = {"ours": ours, **_simple(line, SmoothContact.of(sweep))}
+    criteria = _criteria(sweep, measured, mean(ends["rise"]), mean(ends["exponent"]))
+    critical = mean(velocities[:, None] * (1 + ends["velocity_off"]))
+    ours, unworn, worn = (criteria[name] for name in ("ours", "blok_unworn", "blok_worn"))
+    limit = conditions.known_critical_temperature() - conditions.bulk_temperature
+    exponents = {
+        "measured": load_speed_exponent(loads.tolist(), velocities.tolist()),
+        "computed": load_speed_exponent(loads.tolist(), critical.tolist()),
+    }
     values = {
         "share": conditions.failing_share,
-        "measured_exponent": load_speed_exponent(line.loads.tolist(), line.velocities.tolist()),
-        "computed_exponent": load_speed_exponent(line.loads.tolist(), critical.tolist()),
-        **_against_blok(
-            criteria, conditions.known_critical_temperature() - conditions.bulk_temperature
-        ),
+        "measured_exponent": exponents["measured"],
+        "computed_exponent": exponents["computed"],
+        "limit": limit,
+        "unworn": unworn,
+        "worn": worn,
+        "ours_off": _off(ours.values, ours.exponents, limit),
+        "unworn_off": _off(unworn.values, unworn.exponents, limit),
+        "worn_off": _off(worn.values, worn.exponents, limit),
         **_constancy(criteria),
     }
     verdicts = {
-        "blok": ours.spread < min(values["unworn"].spread, values["worn"].spread),
+        "blok": ours.spread < min(unworn.spread, worn.spread),
         "constancy": ours.spread < values["best"].spread,
     }
     oil, bulk = Lubrication.of(sweep), conditions.bulk_temperature
-    film = oil.film_parameter(line.loads, line.velocities, bulk) if oil else None
+    film = oil.film_parameter(loads, velocities, bulk) if oil else None
     if film is not None:
         regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
         values |= {"film": film, "regimes": ", ".join(regimes)}
@@ -133,9 +115,9 @@ def rivals(study: Study) -> Report:
         "rivals",
         values,
         verdicts=verdicts,
-        table=_table(criteria, measured, film, line),
+        table=_table(criteria, measured, film, conditions),
         data={
-            "load": line.loads,
+            "load": loads,
             "criteria": {
                 key: {
                     "unit": criterion.unit,
@@ -147,80 +129,54 @@ def rivals(study: Study) -> Report:
                 for key, criterion in criteria.items()
             },
             "film_parameter": film,
-            "load_speed_exponent": {
-                "measured": values["measured_exponent"],
-                "computed": values["computed_exponent"],
-            },
+            "load_speed_exponent": exponents,
         },
         figure=_draw(criteria, [name_of(entry) for entry in measured]),
     )
 
 
-def _simulated(study: Study, sweep: Sweep, measured: Sequence[Measurement]) -> Array:
-    """Deciding rise at friction 1, its exponent over velocity, and critical velocity.
+def _criteria(
+    sweep: Sweep, measured: Sequence[Measurement], rises: Array, exponents: Array
+) -> dict[str, _Criterion]:
+    """The criterion of the model, and those that need no simulation; worn ones as measured."""
+    conditions, contact = sweep.conditions, SmoothContact.of(sweep)
+    bulk = float(celsius(conditions.bulk_temperature))
+    F = np.array([entry.normal_load for entry in measured])
+    V = np.array([entry.velocity for entry in measured])
+    mu = np.array([entry.friction or conditions.friction for entry in measured])
 
-    Means over the surfaces, shape (3, transition); the velocity is at the scene's friction.
-    """
-    decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
-    outcomes = np.empty((3, len(measured), len(study.seeds(_SURFACES))))
-    for surface, seed in enumerate(study.seeds(_SURFACES)):
-        study.tell(f"surface {surface + 1} of {outcomes.shape[2]}")
-        scene = replace(sweep, store_fields=False).on_surface(seed)
-        for number, entry in enumerate(measured):
-            rise = float(end_of(scene, entry).rise(decisive))
-            exponent = exponent_of(scene, entry, rise, _STEP)
-            critical = entry.velocity * (1 + boundary_velocity_error(rise, limit, exponent))
-            outcomes[:, number, surface] = rise, exponent, critical
-    means: Array = outcomes.mean(axis=2)
-    return means
+    def by_friction(
+        name: str, unit: str, values: Array, exponents: Array | float, scale: float = 1.0
+    ) -> _Criterion:
+        scaled = (bulk if unit == "°C" else 0.0) + scale * (mu * values)
+        return _Criterion(name, unit, mu * values, conditions.friction * values, exponents, scaled)
 
-
-def _simple(line: _Line, contact: SmoothContact) -> dict[str, _Criterion]:
-    """The criteria that need no simulation; worn ones have the measured width."""
-    power = line.loads * line.velocities
-    widths = {
-        "unworn": [contact.width(load) for load in line.loads],
-        "worn": [row.measured_width for row in TABLE_4],
+    criteria = {
+        "ours": by_friction(conditions.decisive.temperature, "°C", rises, exponents),
+        "power": by_friction("friction power", "W", F * V, 1.0),
     }
-    criteria = {"power": line.criterion("friction power", "W", power, 1.0)}
-    for state, across in widths.items():
-        points = list(zip(line.loads, line.velocities, across, strict=True))
-        rises = np.array([contact.flash_rise(F, V, 1.0, width) for F, V, width in points])
-        density = np.array([F * V / contact.area(F, width) for F, V, width in points])
+    unworn = np.array([contact.width(load) for load in F])
+    for state, widths in (("unworn", unworn), ("worn", TABLE_4.measured_width)):
+        points = list(zip(F, V, widths, strict=True))
+        flash = np.array([contact.flash_rise(f, v, 1.0, width) for f, v, width in points])
+        density = np.array([f * v / contact.area(f, width) for f, v, width in points])
+        pv, per_area = f"PV, {state}", f"power per {state} area"
         criteria |= {
-            f"blok_{state}": line.criterion(f"Blok, smooth, {state}", "°C", rises, 0.5),
-            f"power_per_area_{state}": line.criterion(
-                f"power per {state} area", "W/mm²", density, 1.0, 1e-6
-            ),
-            f"pv_{state}": line.criterion(
-                f"PV, {state}", "GPa m/s", density, 1.0, 1e-9, by_friction=False
-            ),
+            f"blok_{state}": by_friction(f"Blok, smooth, {state}", "°C", flash, 0.5),
+            f"power_per_area_{state}": by_friction(per_area, "W/mm²", density, 1.0, 1e-6),
+            f"pv_{state}": _Criterion(pv, "GPa m/s", density, density, 1.0, 1e-9 * density),
         }
-    n = load_speed_exponent(line.loads.tolist(), line.velocities.tolist())
-    together = line.loads * line.velocities**n
+    n = load_speed_exponent(F.tolist(), V.tolist())
+    constant = F * V**n
     name = f"F·Vⁿ, n = {n:.2f} fitted here"
-    fitted = line.criterion(name, "N (m/s)ⁿ", together, n, by_friction=False)
-    return criteria | {"load_speed": replace(fitted, fitted=True)}
-
-
-def _against_blok(criteria: Mapping[str, _Criterion], limit: float) -> dict[str, Any]:
-    """Blok's criterion beside ours, and the errors of velocities with the critical temperature."""
-    chosen = {
-        "ours": criteria["ours"],
-        "unworn": criteria["blok_unworn"],
-        "worn": criteria["blok_worn"],
-    }
-    off = {
-        f"{name}_off": _off(criterion.values, criterion.exponents, limit)
-        for name, criterion in chosen.items()
-    }
-    return {"limit": limit, **chosen, **off}
+    fitted = _Criterion(name, "N (m/s)ⁿ", constant, constant, n, constant)
+    return {**criteria, _FITTED: fitted}
 
 
 def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
     """The most constant of the simple criteria, and those nearer than ours in velocity."""
     ours = criteria["ours"]
-    others = [other for other in criteria.values() if other is not ours and not other.fitted]
+    others = [criterion for name, criterion in criteria.items() if name not in ("ours", _FITTED)]
 
     def nearer(error: str) -> str:
         """Criteria with smaller errors of a velocity than ours."""
@@ -244,7 +200,7 @@ def _table(
     criteria: Mapping[str, _Criterion],
     measured: Sequence[Measurement],
     film: Array | None,
-    line: _Line,
+    conditions: Conditions,
 ) -> Table:
     rows = [
         (
@@ -262,8 +218,9 @@ def _table(
     ]
     if film is not None:
         texts = (f"{value:.2f}" for value in film)
-        rows.append((f"film parameter Λ at {line.bulk:g} °C", *texts, "", "", ""))
-    columns = ("highest over lowest", "velocity off", f"at friction {line.friction:g}")
+        label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
+        rows.append((label, *texts, "", "", ""))
+    columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
     return Table(("", *map(name_of, measured), *columns), tuple(rows))
 
 
