@@ -9,17 +9,18 @@ from typing import Any
 import numpy as np
 from scipy.special import logsumexp
 
+from pipeline.figures.style import celsius
 from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Sweep
 from tribo import Corrections, Cylinder, State, Stem, Track, contacts, heated
 from tribo.corrections import moment_of
 from tribo.criterion import Criterion
 from tribo.types import Array
+from workflows.paper.report import mean
 from workflows.paper.study import Study
-from workflows.paper.transitions import WearPattern, worn
+from workflows.paper.transitions import WearPattern, oil_a, white_oil, worn
 
 SURFACES = 4
-SCENES = {"irg_transition": "white oil", "oil_a": "oil A", "oil_a_hot": "oil A"}
 _STATIC = 145.0, 8.0  # °C and K: critical temperature of the white oil on the rig
 _OIL_A = 120.0, 500.0  # °C: critical temperature of oil A, evenly
 _SCATTER = 0.03, 0.3  # standard deviation of the rise, evenly in its logarithm
@@ -28,39 +29,26 @@ _TRACK, _STEM = 0.34, 4e-3  # m, as in pipeline.run.physics
 
 
 @dataclass(frozen=True, slots=True)
-class Transition:
-    """A measured transition, and the contact there.
+class Transitions:
+    """The eight measured transitions, and the contacts there.
 
     Attributes
     ----------
-    oil : str
+    oil : ndarray of str, shape (8,)
         ``"white oil"`` or ``"oil A"``.
-    scene : Sweep
-        Its scene.
-    measured : Measurement
-        Load, velocity and friction.
+    load, friction, bulk_celsius, film_parameter : ndarray, shape (8,)
+        Normal load [N], friction, bulk temperature [°C], and minimum film over the roughness, Λ.
     ends : dict
-        Scenes and last states, one for each surface, by wear pattern and conductivity [W/(m K)].
+        Scene and last state at each transition on each surface, by wear pattern and conductivity
+        [W/(m K)].
     """
 
-    oil: str
-    scene: Sweep
-    measured: Measurement
-    ends: dict[tuple[WearPattern, float], list[tuple[Sweep, State]]]
-
-    @property
-    def bulk_celsius(self) -> float:
-        """Bulk temperature [°C]."""
-        return self.scene.conditions.bulk_temperature - 273.15
-
-    @property
-    def film_parameter(self) -> float:
-        """Minimum film over the roughness, Λ."""
-        lubrication = Lubrication.of(self.scene)
-        if lubrication is None:
-            return 0.0
-        place, bulk = self.measured, self.scene.conditions.bulk_temperature
-        return float(lubrication.film_parameter(place.normal_load, place.velocity, bulk))
+    oil: Any
+    load: Array
+    friction: Array
+    bulk_celsius: Array
+    film_parameter: Array
+    ends: dict[tuple[WearPattern, float], list[list[tuple[Sweep, State]]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,16 +75,14 @@ class Physics:
     holds_heat: bool = False
     film: bool = False
 
-    def warming(self, transitions: Sequence[Transition]) -> Array:
+    def warming(self, transitions: Transitions) -> Array:
         """Logarithm of the deciding warming at each transition, its mean over surfaces."""
-        criterion, means = Criterion(self.criterion), []
-        for transition in transitions:
-            rises = [
-                criterion.rise(moment_of(scene, state, self._corrections(scene)))
-                for scene, state in transition.ends[self.pattern, self.conductivity]
-            ]
-            means.append(np.mean(np.log((transition.measured.friction or 0.0) * np.array(rises))))
-        return np.array(means)
+        criterion = Criterion(self.criterion)
+        rises = [
+            [criterion.rise(moment_of(*end, self._corrections(end[0]))) for end in surfaces]
+            for surfaces in transitions.ends[self.pattern, self.conductivity]
+        ]
+        return mean(np.log(transitions.friction[:, None] * np.array(rises)))
 
     def _corrections(self, scene: Sweep) -> Corrections:
         if not self.holds_heat:
@@ -109,27 +95,39 @@ class Physics:
 
 def transitions_of(
     study: Study, patterns: Sequence[WearPattern], conductivities: Sequence[float]
-) -> tuple[Transition, ...]:
+) -> Transitions:
     """Simulate all transitions with each pattern of wear and conductivity [W/(m K)].
 
     A contact is simulated once for all conductivities.
     """
-    transitions = []
-    for name, oil in SCENES.items():
-        scene = study.scene(name)
-        for measured in scene.measured:
-            ends: Any = {(pattern, K): [] for pattern in patterns for K in conductivities}
-            for pattern in patterns:
-                for seed in study.seeds(SURFACES):
-                    surface = worn(scene.on_surface(seed), pattern)
-                    *_, contact = contacts(surface, measured.normal_load, measured.velocity)
-                    for K in conductivities:
-                        other = _conducting(surface, K)
-                        state = heated(other, contact, measured.velocity)
-                        ends[pattern, K].append((other, state))
-            transitions.append(Transition(oil, scene, measured, ends))
-            study.tell(f"{oil}, {measured.normal_load:g} N at {measured.velocity:g} m/s")
-    return tuple(transitions)
+    tests = [("white oil", *test) for test in white_oil(study)]
+    tests += [("oil A", *test) for test in oil_a(study)]
+    ends: Any = {(pattern, K): [[] for _ in tests] for pattern in patterns for K in conductivities}
+    for number, (oil, scene, row) in enumerate(tests):
+        for pattern in patterns:
+            for seed in study.seeds(SURFACES):
+                surface = worn(scene.on_surface(seed), pattern)
+                *_, contact = contacts(surface, row.normal_load, row.velocity)
+                for K in conductivities:
+                    other = _conducting(surface, K)
+                    state = heated(other, contact, row.velocity)
+                    ends[pattern, K][number].append((other, state))
+        study.tell(f"{oil}, {row.normal_load:g} N at {row.velocity:g} m/s")
+    return Transitions(
+        oil=np.array([oil for oil, *_ in tests]),
+        load=np.array([row.normal_load for *_, row in tests]),
+        friction=np.array([row.friction for *_, row in tests]),
+        bulk_celsius=celsius(np.array([s.conditions.bulk_temperature for _, s, _ in tests])),
+        film_parameter=np.array([_film_parameter(scene, row) for _, scene, row in tests]),
+        ends=ends,
+    )
+
+
+def _film_parameter(scene: Sweep, test: Any) -> float:
+    lubrication, bulk = Lubrication.of(scene), scene.conditions.bulk_temperature
+    if lubrication is None:
+        return 0.0
+    return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))
 
 
 def _conducting(scene: Sweep, conductivity: float) -> Sweep:
@@ -139,7 +137,10 @@ def _conducting(scene: Sweep, conductivity: float) -> Sweep:
 
 
 def log_evidence(
-    transitions: Sequence[Transition], warming: Array, film: bool = False
+    transitions: Transitions,
+    warming: Array,
+    film: bool = False,
+    oils: Sequence[str] = ("white oil", "oil A"),
 ) -> tuple[Array, dict[str, Array]]:
     """Logarithm of the evidence for a model, over critical temperatures and scatters.
 
@@ -147,47 +148,47 @@ def log_evidence(
 
     Parameters
     ----------
-    transitions : sequence of Transition
+    transitions : Transitions
         Transitions, whose oils have a critical temperature each.
-    warming : ndarray, shape (..., n)
+    warming : ndarray, shape (..., 8)
         Logarithms of the deciding warming at each transition, as `Physics.warming` gives them.
     film : bool
         True to take a share of the load, from 0 to half of Λ, off the warming.
+    oils : sequence of str
+        Oils whose transitions count.
 
     Returns
     -------
     log : ndarray, shape (...)
         Evidence.
     critical : dict of ndarray, shape (...)
-        Mean critical temperature of each oil that has transitions [°C].
+        Mean critical temperature of each oil [°C].
     """
     sigma = np.geomspace(*_SCATTER, 12)
     shares = np.linspace(0.0, _MOST_SHARE, 6) if film else np.zeros(1)
-    films = np.array([transition.film_parameter for transition in transitions])
-    lowered = warming[..., None, :] + np.log(1 - np.minimum(0.9, shares[:, None] * films))
-    bulks = np.array([transition.bulk_celsius for transition in transitions])
+    carried = np.minimum(0.9, shares[:, None] * transitions.film_parameter)
+    lowered = warming[..., None, :] + np.log(1 - carried)
     total, critical = np.zeros((*lowered.shape[:-1], len(sigma))), {}
-    for oil, (temperatures, prior) in _temperatures().items():
-        of_oil = np.array([transition.oil == oil for transition in transitions])
-        if not of_oil.any():
-            continue
-        expected = np.log(temperatures[:, None] - bulks[of_oil])
+    for oil in oils:
+        (temperatures, prior), of_oil = _temperatures()[oil], transitions.oil == oil
+        expected = np.log(temperatures[:, None] - transitions.bulk_celsius[of_oil])
         squares = ((lowered[..., of_oil][..., None, :] - expected) ** 2).sum(axis=-1)
         log = prior[:, None] - squares[..., None] / (2 * sigma**2) - of_oil.sum() * np.log(sigma)
         total = total + logsumexp(log, axis=-2)
         weight = np.exp(log - log.max(axis=(-3, -2, -1), keepdims=True)).sum(axis=(-3, -1))
         critical[oil] = (weight * temperatures).sum(axis=-1) / weight.sum(axis=-1)
-    normal = len(transitions) / 2 * np.log(2 * np.pi) + np.log(len(sigma) * len(shares))
+    number = np.isin(transitions.oil, oils).sum()
+    normal = number / 2 * np.log(2 * np.pi) + np.log(len(sigma) * len(shares))
     return logsumexp(total, axis=(-2, -1)) - normal, critical
 
 
 def _temperatures() -> dict[str, tuple[Array, Array]]:
     """Critical temperatures of each oil [°C], and the logarithms of their probabilities."""
-    mean, sd = _STATIC
-    white, oil_a = np.linspace(mean - 4 * sd, mean + 4 * sd, 33), np.linspace(*_OIL_A, 128)
-    log = -(((white - mean) / sd) ** 2) / 2
-    even = np.zeros(oil_a.size)
-    return {"white oil": (white, log - logsumexp(log)), "oil A": (oil_a, even - logsumexp(even))}
+    middle, sd = _STATIC
+    white, other = np.linspace(middle - 4 * sd, middle + 4 * sd, 33), np.linspace(*_OIL_A, 128)
+    log = -(((white - middle) / sd) ** 2) / 2
+    even = np.zeros(other.size)
+    return {"white oil": (white, log - logsumexp(log)), "oil A": (other, even - logsumexp(even))}
 
 
 def rounded(ratio: float) -> str:

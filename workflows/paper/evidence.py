@@ -15,7 +15,7 @@ from tribo.types import Array
 from workflows.paper.eight import (
     SURFACES,
     Physics,
-    Transition,
+    Transitions,
     log_evidence,
     rounded,
     transitions_of,
@@ -55,7 +55,7 @@ def evidence(study: Study) -> Report:
     names = list(_MODELS)
     values: dict[str, Any] = {
         "surfaces": len(study.seeds(SURFACES)),
-        "number": len(transitions),
+        "number": len(transitions.oil),
         "sets": _DATA,
         "scatter": _SCATTER,
         **{short.replace(" ", "_"): _as_odds(odd) for short, odd in zip(_SHORT, odds, strict=True)},
@@ -92,22 +92,20 @@ def _as_odds(log: float) -> str:
     return f"{rounded(math.exp(min(abs(log), 50.0)))} to 1 {'for' if log > 0 else 'against'} it"
 
 
-def _confusions(transitions: Sequence[Transition], warmings: Array) -> list[list[float]]:
+def _confusions(transitions: Transitions, warmings: Array) -> list[list[float]]:
     """Share of sets of transitions, simulated by each model, at which each has most evidence.
 
     A transition of a model lies where its deciding temperature is critical. Its rise by another
     model is larger there by what it is larger at the measured place: both grow with velocity alike.
     """
     rng = np.random.default_rng(0)
-    films = np.array([transition.film_parameter for transition in transitions])
-    bulks = np.array([transition.bulk_celsius for transition in transitions])
     shares = []
     for number, model in enumerate(_MODELS.values()):
         critical = {oil: rng.normal(*its, size=_DATA) for oil, its in _CRITICAL.items()}
-        limits = np.array([critical[transition.oil] for transition in transitions]).T
-        carried = np.log(1 - _SHARE * films) if model.film else 0.0
+        limits = np.array([critical[oil] for oil in transitions.oil]).T
+        carried = np.log(1 - _SHARE * transitions.film_parameter) if model.film else 0.0
         noise = rng.normal(scale=_SCATTER, size=limits.shape)
-        moved = np.log(limits - bulks) + noise - warmings[number] - carried
+        moved = np.log(limits - transitions.bulk_celsius) + noise - warmings[number] - carried
         logs = [
             log_evidence(transitions, warming + moved, other.film)[0]
             for warming, other in zip(warmings, _MODELS.values(), strict=True)

@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Sweep
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
+from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Finding, Report, Table, judged, line, mean, spread
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, WearPattern, celsius_of, end_at, end_of, worn
@@ -29,6 +30,7 @@ _SCHEMES: dict[str, tuple[WearPattern, Any]] = {  # the latter for the fidelity
     "implicit, local": ("local", "implicit"),
     "explicit, local (as published)": ("local", "explicit"),
 }
+_POINT = TABLE_4[0]
 _SHOWN = 48  # elements of the pressure field
 _NO_EFFECT = 2.0  # K: what the text may mean by "little to no effect", 1 % in the figure
 
@@ -41,13 +43,12 @@ def fig6(study: Study) -> Report:
     sweep = study.scene("irg_transition")
     if study.preset is None:
         sweep = replace(sweep, fidelity=_PAPER)
-    measured = max(sweep.measured, key=lambda entry: entry.normal_load)
     surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
     blocks = [n for n in _BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
     sides = {sweep.pixels.shape[0] // block: block for block in blocks}
     by_elements: dict[str, _Row] = {"maximum": {}, "10 %": {}, "one step": {}}
     for side in study.stages(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
-        for name, temperatures in _on_grid(surfaces, sides[side], measured).items():
+        for name, temperatures in _on_grid(surfaces, sides[side]).items():
             by_elements[name][side] = temperatures
     counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
     shown = max(count for count in counts if count <= _PUBLISHED)
@@ -55,14 +56,14 @@ def fig6(study: Study) -> Report:
     for name, (pattern, scheme) in _SCHEMES.items():
         scenes = [_with(worn(surface, pattern), wear_scheme=scheme) for surface in surfaces]
         stages = study.stages(counts, (name + ", {} increments").format, weight=float)
-        by_increments[name], unstable[name], pressures = _with_steps(scenes, stages, measured)
+        by_increments[name], unstable[name], pressures = _with_steps(scenes, stages)
         if pattern == "local" and shown in pressures:
             fields[name] = pressures[shown]
     neighbours = {name: _neighbours(field) for name, field in fields.items()}
     values = {
-        "load": measured.normal_load,
-        "velocity": measured.velocity,
-        "friction": measured.friction,
+        "load": _POINT.normal_load,
+        "velocity": _POINT.velocity,
+        "friction": _POINT.friction,
         "bulk": celsius(sweep.conditions.bulk_temperature),
     }
     return Report.of(
@@ -84,14 +85,12 @@ def fig6(study: Study) -> Report:
     )
 
 
-def _on_grid(
-    surfaces: Sequence[Sweep], block: int, measured: Measurement
-) -> dict[str, list[float]]:
+def _on_grid(surfaces: Sequence[Sweep], block: int) -> dict[str, list[float]]:
     """Temperatures with elements of so many pixels along each side [°C]."""
     elements = {"pixels_per_element": block, "history_coarsening": 1, "averaging": "mean"}
     scenes = [_with(surface, **elements) for surface in surfaces]
-    ends = [end_of(scene, measured) for scene in scenes]
-    single = [end_of(worn(scene, "unworn"), measured) for scene in scenes]
+    ends = [end_of(scene, _POINT) for scene in scenes]
+    single = [end_of(worn(scene, "unworn"), _POINT) for scene in scenes]
     decisive = scenes[0].conditions.decisive
     return {
         "maximum": [float(celsius_of(end, HIGHEST)) for end in ends],
@@ -101,7 +100,7 @@ def _on_grid(
 
 
 def _with_steps(
-    surfaces: Sequence[Sweep], counts: Iterable[int], measured: Measurement
+    surfaces: Sequence[Sweep], counts: Iterable[int]
 ) -> tuple[_Row, dict[int, str], dict[int, Array]]:
     """Highest temperatures with several numbers of increments.
 
@@ -115,11 +114,11 @@ def _with_steps(
         for surface in surfaces:
             scene = _with(surface, increments=count, history_coarsening=1)
             try:
-                *_, state = simulate(scene, measured.normal_load, measured.velocity)
+                *_, state = simulate(scene, _POINT.normal_load, _POINT.velocity)
             except ConvergenceError as error:
                 unstable[count] = str(error)
                 continue
-            end = end_at(scene, state, measured.friction)
+            end = end_at(scene, state, _POINT.friction)
             highest.setdefault(count, []).append(float(celsius_of(end, HIGHEST)))
             if surface is surfaces[0]:
                 pressures[count] = state.pressure

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -15,13 +15,13 @@ from pipeline.figures.rivals import SmoothContact, load_speed_exponent
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Sweep
 from tribo import lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, Table, mean
 from workflows.paper.study import Study
-from workflows.paper.transitions import beside_boundary, matching, name_of, on_surfaces
+from workflows.paper.transitions import beside_boundary, name_of, on_surfaces
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
@@ -72,15 +72,13 @@ def rivals(study: Study) -> Report:
     """Blok's flash temperature, power, PV and F·Vⁿ at the four transitions, and the film."""
     sweep = study.scene("irg_transition")
     conditions = sweep.conditions
-    measured = matching(sweep, TABLE_4.normal_load.tolist())
-    loads = np.array([entry.normal_load for entry in measured])
-    velocities = np.array([entry.velocity for entry in measured])
+    loads, velocities = TABLE_4.normal_load, TABLE_4.velocity
     seeds = study.stages(study.seeds(_SURFACES), "surface {}".format)
     smaller = replace(sweep, store_fields=False)
     ends = on_surfaces(
-        [(smaller, entry) for entry in measured], seeds, partial(beside_boundary, step=_STEP)
+        [(smaller, row) for row in TABLE_4], seeds, partial(beside_boundary, step=_STEP)
     )
-    criteria = _criteria(sweep, measured, mean(ends["rise"]), mean(ends["exponent"]))
+    criteria = _criteria(sweep, mean(ends["rise"]), mean(ends["exponent"]))
     critical = mean(velocities[:, None] * (1 + ends["velocity_off"]))
     ours, unworn, worn = (criteria[name] for name in ("ours", "blok_unworn", "blok_worn"))
     limit = conditions.known_critical_temperature() - conditions.bulk_temperature
@@ -109,13 +107,13 @@ def rivals(study: Study) -> Report:
     if film is not None:
         regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
         values |= {"film": film, "regimes": ", ".join(regimes)}
-        values["place"] = name_of(measured[int(np.argmax(film))])
+        values["place"] = name_of(TABLE_4[np.argmax(film)])
         verdicts["film"] = set(regimes) == {"boundary lubrication"}
     return Report.of(
         "rivals",
         values,
         verdicts=verdicts,
-        table=_table(criteria, measured, film, conditions),
+        table=_table(criteria, film, conditions),
         data={
             "load": loads,
             "criteria": {
@@ -131,19 +129,15 @@ def rivals(study: Study) -> Report:
             "film_parameter": film,
             "load_speed_exponent": exponents,
         },
-        figure=_draw(criteria, [name_of(entry) for entry in measured]),
+        figure=_draw(criteria),
     )
 
 
-def _criteria(
-    sweep: Sweep, measured: Sequence[Measurement], rises: Array, exponents: Array
-) -> dict[str, _Criterion]:
+def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criterion]:
     """The criterion of the model, and those that need no simulation; worn ones as measured."""
     conditions, contact = sweep.conditions, SmoothContact.of(sweep)
     bulk = float(celsius(conditions.bulk_temperature))
-    F = np.array([entry.normal_load for entry in measured])
-    V = np.array([entry.velocity for entry in measured])
-    mu = np.array([entry.friction or conditions.friction for entry in measured])
+    F, V, mu = TABLE_4.normal_load, TABLE_4.velocity, TABLE_4.friction
 
     def by_friction(
         name: str, unit: str, values: Array, exponents: Array | float, scale: float = 1.0
@@ -198,7 +192,6 @@ def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
 
 def _table(
     criteria: Mapping[str, _Criterion],
-    measured: Sequence[Measurement],
     film: Array | None,
     conditions: Conditions,
 ) -> Table:
@@ -221,14 +214,14 @@ def _table(
         label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
         rows.append((label, *texts, "", "", ""))
     columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
-    return Table(("", *map(name_of, measured), *columns), tuple(rows))
+    return Table(("", *map(name_of, TABLE_4), *columns), tuple(rows))
 
 
 @in_house_style
-def _draw(criteria: Mapping[str, _Criterion], ticks: list[str]) -> Figure:
+def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
     figure = Figure(figsize=(8.4, 4.6))
     axes = figure.subplots()
-    places = np.arange(len(ticks))
+    places = np.arange(len(TABLE_4))
     for number, (key, criterion) in enumerate(criteria.items()):
         is_ours = key == "ours"
         axes.plot(
@@ -242,8 +235,8 @@ def _draw(criteria: Mapping[str, _Criterion], ticks: list[str]) -> Figure:
             label=criterion.name,
         )
     axes.axhline(1, color=BLACK, lw=0.8)
-    axes.set_xticks(places, ticks)
-    axes.set_xlim(-0.3, len(ticks) - 0.7)
+    axes.set_xticks(places, list(map(name_of, TABLE_4)))
+    axes.set_xlim(-0.3, len(TABLE_4) - 0.7)
     axes.set_ylabel("over its mean along the line")
     axes.set_title("criteria along the measured line; rises are above the bulk temperature")
     figure.legend(loc="outside lower center", ncols=3)

@@ -104,7 +104,7 @@ def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughnes
 
 
 def _outcome(study: Study, sweep: Sweep) -> _Outcome:
-    transitions = [(sweep, entry) for entry in sweep.measured]
+    transitions = [(sweep, row) for row in TABLE_4]
     ends = on_surfaces(transitions, study.seeds(_SURFACES), beside_boundary)
     return {
         "exceeded_celsius": celsius_of(ends, sweep.conditions.decisive),
@@ -120,7 +120,7 @@ def _worst(outcome: _Outcome) -> float:
 
 def _unworn_widths(study: Study, sweep: Sweep) -> Array:
     """Width of the unworn contact at each transition, averaged over the surfaces [µm]."""
-    transitions = [(worn(sweep, "unworn"), entry) for entry in sweep.measured]
+    transitions = [(worn(sweep, "unworn"), row) for row in TABLE_4]
     return 1e6 * mean(on_surfaces(transitions, study.seeds(_SURFACES))["contact_width"])
 
 
@@ -173,7 +173,7 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Ta
             )
             for name, outcome in variants.items()
         ]
-    velocities = (f"velocity at {entry.normal_load:g} N" for entry in sweep.measured)
+    velocities = (f"velocity at {load:g} N" for load in TABLE_4.normal_load)
     share = f"on {100 * sweep.conditions.failing_share:g} % [°C]"
     return Table(("", share, "highest [°C]", *velocities, "unworn width"), tuple(rows))
 

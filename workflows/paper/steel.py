@@ -17,7 +17,7 @@ from tribo.types import Array
 from workflows.paper.eight import (
     SURFACES,
     Physics,
-    Transition,
+    Transitions,
     log_evidence,
     rounded,
     transitions_of,
@@ -41,29 +41,28 @@ def steel(study: Study) -> Report:
     """Conductivity against critical temperature, by white oil, oil A and both."""
     transitions = transitions_of(study, ("swept",), _NODES)
     warmings = np.array([Physics(K).warming(transitions) for K in _NODES])
-    posteriors = {name: _posterior(transitions, warmings, oils) for name, oils in _SETS.items()}
-    boundary = _boundary(study)
-    named = [f"{t.oil}, {t.measured.normal_load:g} N, {t.bulk_celsius:g} °C" for t in transitions]
-    celsius = {
-        f"{K:g}": [t.bulk_celsius + float(np.exp(w)) for t, w in zip(transitions, row, strict=True)]
-        for K, row in zip(_NODES, warmings, strict=True)
-    }
-    hard, soft = (celsius[f"{K:g}"] for K in (_HARD, _SOFT))
-    mean = {name: its["mean"] for name, its in posteriors.items()}
+    fine = CubicSpline(_NODES, warmings)(_FINE)
+    posteriors = {name: _posterior(transitions, fine, oils) for name, oils in _SETS.items()}
+    boundary, bulks = _boundary(study), transitions.bulk_celsius
+    named = [
+        f"{oil}, {load:g} N, {bulk:g} °C"
+        for oil, load, bulk in zip(transitions.oil, transitions.load, bulks, strict=True)
+    ]
+    critical = {K: bulks + np.exp(row) for K, row in zip(_NODES, warmings, strict=True)}
+    both = posteriors["both oils"]
     values: dict[str, Any] = {
         "soft": _SOFT,
         "hard": _HARD,
         "surfaces": len(study.seeds(SURFACES)),
         **{f"{name.split()[0]}_{key}": its[key] for name, its in posteriors.items() for key in its},
         "changes": boundary["change"],
-        "odds": posteriors["both oils"]["odds"],
     }
     return Report.of(
         "steel",
         values,
         verdicts={
-            "conductivity": abs(mean["both oils"] / _SOFT - 1) < _STEADY,
-            "hardened": posteriors["both oils"]["odds"] < 1,
+            "conductivity": abs(both["mean"] / _SOFT - 1) < _STEADY,
+            "hardened": both["odds"] < 1,
         },
         table=Table(
             ("", f"K {_SOFT:g} W/(m K)", f"K {_HARD:g} W/(m K)"),
@@ -76,25 +75,24 @@ def steel(study: Study) -> Report:
                     )
                 ),
                 ("critical temperature from each transition [°C]",),
-                *(line(f"  {name}", pair) for name, *pair in zip(named, soft, hard, strict=True)),
+                *(
+                    line(f"  {name}", pair)
+                    for name, *pair in zip(named, critical[_SOFT], critical[_HARD], strict=True)
+                ),
             ),
         ),
         data={
-            "critical_celsius_by_conductivity": celsius,
+            "critical_celsius_by_conductivity": {f"{K:g}": row for K, row in critical.items()},
             "conductivity": posteriors,
             "boundary": boundary,
         },
-        figure=_draw(transitions, warmings, posteriors),
+        figure=_draw(transitions, fine, posteriors),
     )
 
 
-def _posterior(
-    transitions: Sequence[Transition], warmings: Array, oils: Sequence[str]
-) -> dict[str, Any]:
+def _posterior(transitions: Transitions, warmings: Array, oils: Sequence[str]) -> dict[str, Any]:
     """Conductivity by the transitions of some oils, evenly likely before."""
-    numbers = [number for number, transition in enumerate(transitions) if transition.oil in oils]
-    fine = CubicSpline(_NODES, warmings[:, numbers])(_FINE)
-    log, critical = log_evidence([transitions[number] for number in numbers], fine)
+    log, critical = log_evidence(transitions, warmings, oils=oils)
     probability = np.exp(log - logsumexp(log))
     mean = float(probability @ _FINE)
     below = np.cumsum(probability)
@@ -131,19 +129,15 @@ def _boundary(study: Study) -> dict[str, Any]:
 
 
 @in_house_style
-def _draw(
-    transitions: Sequence[Transition], warmings: Array, posteriors: Mapping[str, Any]
-) -> Figure:
+def _draw(transitions: Transitions, warmings: Array, posteriors: Mapping[str, Any]) -> Figure:
     figure = Figure(figsize=(7.0, 3.4))
     left, right = figure.subplots(1, 2)
     labelled = set()
-    for transition, row in zip(transitions, warmings.T, strict=True):
-        bulk = transition.bulk_celsius
-        label = f"{transition.oil}, bulk {bulk:.0f} °C"
+    for oil, bulk, row in zip(transitions.oil, transitions.bulk_celsius, warmings.T, strict=True):
+        label = f"{oil}, bulk {bulk:.0f} °C"
         left.plot(
-            _FINE, bulk + np.exp(CubicSpline(_NODES, row)(_FINE)), lw=1.2,
-            color=BLUE if transition.oil == "white oil" else VERMILION,
-            ls="-" if bulk < 50 else "--", label=None if label in labelled else label,
+            _FINE, bulk + np.exp(row), color=BLUE if oil == "white oil" else VERMILION,
+            ls="-" if bulk < 50 else "--", label=None if label in labelled else label, lw=1.2,
         )  # fmt: skip
         labelled.add(label)
     left.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")

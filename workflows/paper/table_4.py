@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +11,7 @@ from matplotlib.figure import Figure
 from pipeline.figures.style import GREY, celsius, in_house_style
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Sweep
 from tribo.criterion import Criterion
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, Table, line, mean
@@ -23,7 +22,6 @@ from workflows.paper.transitions import (
     celsius_of,
     ensemble,
     failed_percent,
-    matching,
     name_of,
     on_surfaces,
 )
@@ -39,8 +37,7 @@ _SHARES = 100 * TABLE_4.failed_share  # [%]
 def table4(study: Study) -> Report:
     """Contact width, failed share and temperatures at the four measured transitions."""
     sweep = study.scene("irg_transition")
-    measured = matching(sweep, TABLE_4.normal_load.tolist())
-    data = _simulated(study, sweep, measured)
+    data = _simulated(study, sweep)
     values = _compared(data, sweep.conditions)
     local_shares = mean(data["failed_percent"]["local"])
     return Report.of(
@@ -52,25 +49,25 @@ def table4(study: Study) -> Report:
             "highest": abs(values["apart"]).max() < _BAND and values["interval"] <= _BAND,
             "local": local_shares.min() > 5,
         },
-        table=_table(data, measured, sweep.conditions),
+        table=_table(data, sweep.conditions),
         data=data,
-        figure=_draw(data, measured, values["critical"]),
+        figure=_draw(data, values["critical"]),
     )
 
 
-def _simulated(study: Study, sweep: Sweep, measured: Sequence[Measurement]) -> dict[str, Any]:
+def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
     """Widths, shares and temperatures with each kind of wear, and on a longer patch."""
     conditions = sweep.conditions
-    ends = ensemble(study, ("unworn", "swept", "local"), [(sweep, entry) for entry in measured])
+    ends = ensemble(study, ("unworn", "swept", "local"), [(sweep, row) for row in TABLE_4])
     swept, unworn = ends["swept"], ends["unworn"]
     nx, ny = sweep.pixels.shape
     longer = replace(sweep, pixels=replace(sweep.pixels, shape=(nx, _LONGER * ny)))
     few = study.stages(study.seeds(_FEW)[:_FEW], "swept, longer patch, surface {}".format)
-    on_longer = on_surfaces([(longer, measured[-1])], few)
+    on_longer = on_surfaces([(longer, TABLE_4[-1])], few)
     critical = conditions.known_critical_temperature()
     limit = rise_limit(conditions.changed(friction=1.0))
     return {
-        "load": [entry.normal_load for entry in measured],
+        "load": TABLE_4.normal_load,
         "unworn_width_um": 1e6 * unworn["contact_width"],
         "bearing_width_um": 1e6 * unworn["bearing_width"],
         "failed_percent": {wear: failed_percent(its, critical) for wear, its in ends.items()},
@@ -128,7 +125,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
     }
 
 
-def _table(data: dict[str, Any], measured: Sequence[Measurement], conditions: Conditions) -> Table:
+def _table(data: dict[str, Any], conditions: Conditions) -> Table:
     critical = celsius(conditions.known_critical_temperature())
     needed = data["friction_for_printed_share"]
     alike = f"  swept, friction {conditions.friction:g} at each"
@@ -137,7 +134,7 @@ def _table(data: dict[str, Any], measured: Sequence[Measurement], conditions: Co
         return [line(f"  {wear}", data[key][wear], form) for wear in ("swept", "local", "unworn")]
 
     return Table(
-        ("", *map(name_of, measured)),
+        ("", *map(name_of, TABLE_4)),
         (
             ("unworn contact width [µm]",),
             line("  printed", _WIDTHS),
@@ -163,10 +160,10 @@ def _table(data: dict[str, Any], measured: Sequence[Measurement], conditions: Co
 
 
 @in_house_style
-def _draw(data: dict[str, Any], measured: Sequence[Measurement], critical: float) -> Figure:
+def _draw(data: dict[str, Any], critical: float) -> Figure:
     figure = Figure(figsize=(9.6, 7.0))
     (first, second), (third, fourth) = figure.subplots(2, 2)
-    ticks = [name_of(entry).replace(", ", "\n") for entry in measured]
+    ticks = [name_of(row).replace(", ", "\n") for row in TABLE_4]
     unworn = {"unworn": data["unworn_width_um"]}
     share = f"share of the contact above {critical:g} °C [%]"
     exceeded = "temperature exceeded on 10 % [°C]"

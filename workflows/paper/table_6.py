@@ -14,31 +14,25 @@ from tribo.types import Array
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import Report, Table, line, mean, spread
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, beside, celsius_of, ensemble, matching, name_of
+from workflows.paper.transitions import HIGHEST, beside, celsius_of, ensemble, name_of, oil_a
 
 _GOOD = 0.15  # relative, of a rise
 _DECISIVE = 3.0  # times as large a misfit, from which one reading is taken for the other
-_SCENES = {"oil_a": 25.0, "oil_a_hot": 100.0}  # bulk temperature by scene [°C]
 
 
 def table6(study: Study) -> Report:
     """Temperatures at the measured transitions of oil A, at two bulk temperatures."""
-    transitions = []
-    for name, bulk in _SCENES.items():
-        scene = study.scene(name)
-        loads = TABLE_6.normal_load[TABLE_6.bulk_celsius == bulk]
-        transitions += [(scene, entry) for entry in matching(scene, loads.tolist())]
+    transitions = oil_a(study)
     ends = ensemble(study, ("swept", "local"), transitions)
-    conditions, swept = scene.conditions, ends["swept"]
-    bulks = swept["bulk"][:, 0]
+    conditions, swept = transitions[0][0].conditions, ends["swept"]
     highest = {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()}
     exceeded = {wear: celsius_of(its, conditions.decisive) for wear, its in ends.items()}
     at_room = highest["swept"] - celsius(swept["bulk"]) + ROOM_CELSIUS
     misfit = {"25": _misfit(25.0), "100": _misfit(100.0)}
     data: dict[str, Any] = {
-        "load": [entry.normal_load for _, entry in transitions],
-        "velocity": [entry.velocity for _, entry in transitions],
-        "bulk_temperature": bulks,
+        "load": TABLE_6.normal_load,
+        "velocity": TABLE_6.velocity,
+        "bulk_temperature": swept["bulk"][:, 0],
         "max_celsius": highest,
         "exceeded_celsius": exceeded,
         "misfit_by_bulk_celsius": misfit,
@@ -58,10 +52,7 @@ def table6(study: Study) -> Report:
         "mean": mean(tenths),
         "deviation": spread(tenths),
     }
-    names = [
-        f"{name_of(entry)}, {celsius(bulk):g} °C"
-        for (_, entry), bulk in zip(transitions, bulks, strict=True)
-    ]
+    names = [f"{name_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
     share = f"{100 * conditions.failing_share:g} %"
     return Report.of(
         "table6",

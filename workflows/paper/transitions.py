@@ -12,11 +12,12 @@ from matplotlib.axes import Axes
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
 from pipeline.sweep.criterion import boundary_velocity_error, contact_temperature, rise_limit
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Sweep
 from tribo import InputError, State, failed_share, measures, simulate
 from tribo.corrections import moment_of
 from tribo.criterion import Criterion
 from tribo.types import Array
+from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import mean, spread
 from workflows.paper.study import Study
 
@@ -30,7 +31,7 @@ Ends = Mapping[str, Array]
 """Quantities at the ends of tests, as `end_at` names them; shape (), or (transition, surface)."""
 
 Transition = tuple[Sweep, Any]
-"""A scene and a transition in it: one that the scene says was measured, or of a printed table."""
+"""A scene, and a transition of a printed table."""
 
 _SURFACES = 8
 _EXPONENT = 0.6  # of the rise over velocity, for a second guess
@@ -40,6 +41,18 @@ _LOOKS = {
     "unworn": (GREEN, "^"),
     "swept, bulk 25 °C": (GREEN, "o"),
 }
+
+
+def white_oil(study: Study) -> list[Transition]:
+    """The transitions of Table 4, in their scene."""
+    scene = study.scene("irg_transition")
+    return [(scene, row) for row in TABLE_4]
+
+
+def oil_a(study: Study) -> list[Transition]:
+    """The transitions of Table 6, in the scene of their bulk temperature."""
+    cold, hot = study.scene("oil_a"), study.scene("oil_a_hot")
+    return [(cold if row.bulk_celsius == ROOM_CELSIUS else hot, row) for row in TABLE_6]
 
 
 def end_at(scene: Sweep, state: State, friction: float | None = None) -> Ends:
@@ -61,13 +74,13 @@ def end_at(scene: Sweep, state: State, friction: float | None = None) -> Ends:
     return {name: np.array(value) for name, value in end.items()}
 
 
-def end_of(scene: Sweep, test: Any) -> Ends:
-    """Simulate a test."""
-    *_, state = simulate(scene, test.normal_load, test.velocity)
+def end_of(scene: Sweep, test: Any, factor: float = 1.0) -> Ends:
+    """Simulate a test of a printed table, at its velocity times a factor."""
+    *_, state = simulate(scene, test.normal_load, test.velocity * factor)
     return end_at(scene, state, test.friction)
 
 
-def beside_boundary(scene: Sweep, test: Measurement, step: float | None = None) -> Ends:
+def beside_boundary(scene: Sweep, test: Any, step: float | None = None) -> Ends:
     """Simulate a test, and find the boundary from another velocity.
 
     Beside the quantities of `end_of`: ``rise``, the deciding one at friction 1 [K], its
@@ -79,8 +92,7 @@ def beside_boundary(scene: Sweep, test: Measurement, step: float | None = None) 
     end = end_of(scene, test)
     rise = float(decisive.rise(end))
     step = step or math.log(limit / rise) / _EXPONENT or 0.01
-    faster = replace(test, velocity=test.velocity * math.exp(step))
-    exponent = math.log(float(decisive.rise(end_of(scene, faster))) / rise) / step
+    exponent = math.log(float(decisive.rise(end_of(scene, test, math.exp(step)))) / rise) / step
     off = boundary_velocity_error(rise, limit, exponent)
     boundary = {"rise": rise, "exponent": exponent, "velocity_off": off}
     return {**end, **{name: np.array(value) for name, value in boundary.items()}}
@@ -138,14 +150,6 @@ def history(
     return np.array(times), np.array(temperatures), state
 
 
-def matching(sweep: Sweep, loads: Iterable[float]) -> list[Measurement]:
-    """The scene's measured transitions at the loads of a table, in the table's order."""
-    by_load = {entry.normal_load: entry for entry in sweep.measured}
-    if set(loads) - set(by_load):
-        raise InputError(f"the scene {sweep.name} must have measured transitions at {loads} N")
-    return [by_load[load] for load in loads]
-
-
 def worn(sweep: Sweep, wear: Wear) -> Sweep:
     """The scene unworn, or with its wear in a pattern."""
     if wear == "unworn":
@@ -155,9 +159,9 @@ def worn(sweep: Sweep, wear: Wear) -> Sweep:
     return replace(sweep, wear=replace(sweep.wear, pattern=wear))
 
 
-def name_of(entry: Measurement) -> str:
+def name_of(test: Any) -> str:
     """Load and velocity, in words."""
-    return f"{entry.normal_load:g} N, {entry.velocity:g} m/s"
+    return f"{test.normal_load:g} N, {test.velocity:g} m/s"
 
 
 def beside(
