@@ -10,7 +10,6 @@ import numpy as np
 from scipy.special import logsumexp
 
 from pipeline.figures.style import celsius
-from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from tribo import Corrections, Cylinder, State, Stem, Track, contacts, heated
 from tribo.corrections import moment_of
@@ -18,7 +17,7 @@ from tribo.criterion import Criterion
 from tribo.types import Array
 from workflows.paper.report import mean
 from workflows.paper.study import Study
-from workflows.paper.transitions import WearPattern, oil_a, white_oil, worn
+from workflows.paper.transitions import WearPattern, film_parameter, oil_a, white_oil, worn
 
 SURFACES = 4
 _STATIC = 145.0, 8.0  # °C and K: critical temperature of the white oil on the rig
@@ -118,16 +117,9 @@ def transitions_of(
         load=np.array([row.normal_load for *_, row in tests]),
         friction=np.array([row.friction for *_, row in tests]),
         bulk_celsius=celsius(np.array([s.conditions.bulk_temperature for _, s, _ in tests])),
-        film_parameter=np.array([_film_parameter(scene, row) for _, scene, row in tests]),
+        film_parameter=np.array([film_parameter(scene, row) for _, scene, row in tests]),
         ends=ends,
     )
-
-
-def _film_parameter(scene: Sweep, test: Any) -> float:
-    lubrication, bulk = Lubrication.of(scene), scene.conditions.bulk_temperature
-    if lubrication is None:
-        return 0.0
-    return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))
 
 
 def _conducting(scene: Sweep, conductivity: float) -> Sweep:

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.analysis.inference import critical_temperatures
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep.model import Sweep
 from tribo import InputError, Ramp, rig_heating, specific_wear_rate
@@ -24,9 +23,16 @@ from workflows.paper.publication import (
 )
 from workflows.paper.report import Report, Table, line, mean, spread
 from workflows.paper.study import Study
-from workflows.paper.transitions import end_of, name_of
+from workflows.paper.transitions import (
+    Transition,
+    celsius_of,
+    end_of,
+    ensemble,
+    name_of,
+    oil_a,
+    white_oil,
+)
 
-_SURFACES = 8
 _DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published
 _CHOSEN = 2  # of the durations: the one shown
 _FRICTIONS = (0.1, 0.2, 0.4)  # before the friction of the rig jumps, and after it
@@ -35,19 +41,15 @@ _UNIT = 1e15  # of 1e-6 mm³/(N m) in a m²/N
 
 def inverse(study: Study) -> Report:
     """Critical temperature, specific wear rate and heating of the rig."""
-    white = study.scene("irg_transition")
-    cold, hot = study.scene("oil_a"), study.scene("oil_a_hot")
-    oils = {"white oil": [white], "oil A": [cold, hot]}
-    critical = {oil: _critical(study, scenes) for oil, scenes in oils.items()}
+    tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
+    critical = {oil: _critical(study, transitions) for oil, transitions in tests.items()}
     study.tell("specific wear rate")
     rates = {
-        float(row.normal_load): [_wear_rate(white, row, duration) for duration in _DURATIONS]
-        for row in TABLE_4
+        float(row.normal_load): [_wear_rate(scene, row, duration) for duration in _DURATIONS]
+        for scene, row in tests["white oil"]
     }
-    rates_of_a = [
-        _wear_rate(cold if row.bulk_celsius == ROOM_CELSIUS else hot, row, _DURATIONS[_CHOSEN])
-        for row in TABLE_6
-    ]
+    rates_of_a = [_wear_rate(scene, row, _DURATIONS[_CHOSEN]) for scene, row in tests["oil A"]]
+    white = tests["white oil"][0][0]
     widening = _widening(white)
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
@@ -60,7 +62,7 @@ def inverse(study: Study) -> Report:
         "rates": _UNIT * chosen,
         "durations": list(durations.values()),
         "lower_rates": -((1 + widening) ** -3 - 1),
-        **_of_oil_a(rates_of_a, [cold, hot]),
+        **_of_oil_a(rates_of_a, tests["oil A"]),
         "printed_heating": RIG_HEATING,
         "heating": ", ".join(f"{value:.1f} K at friction {mu:g}" for mu, value in heating.items()),
         "most_friction": _FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]],
@@ -81,7 +83,7 @@ def inverse(study: Study) -> Report:
             ("", "printed", "computed"),
             (
                 ("critical temperature [°C], from each transition",),
-                *_temperatures(oils, critical, printed),
+                *_temperatures(tests, critical, printed),
                 *_rates(chosen, rates_of_a),
                 ("duration of the test that gives the printed wear rate [s]",),
                 *(line(f"  {load:g} N", ["", time], ".1f") for load, time in durations.items()),
@@ -105,14 +107,10 @@ def inverse(study: Study) -> Report:
     )
 
 
-def _critical(study: Study, scenes: Sequence[Sweep]) -> Array:
+def _critical(study: Study, transitions: Sequence[Transition]) -> Array:
     """Critical temperature [°C] by transition and surface."""
-    seeds = tuple(study.seeds(_SURFACES))
-    results = (
-        critical_temperatures(replace(scene, realizations=seeds), study.tell) for scene in scenes
-    )
-    temperatures: Array = celsius(np.concatenate([result.temperatures for result in results]))
-    return temperatures
+    ends = ensemble(study, ("swept",), transitions)["swept"]
+    return celsius_of(ends, transitions[0][0].conditions.decisive)
 
 
 def _held(sweep: Sweep, row: Any, duration: float, steps: int) -> Sweep:
@@ -162,12 +160,12 @@ def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
     }
 
 
-def _of_oil_a(rates: Sequence[float], scenes: Sequence[Sweep]) -> dict[str, Any]:
+def _of_oil_a(rates: Sequence[float], transitions: Sequence[Transition]) -> dict[str, Any]:
     """Specific wear rates of oil A [1e-6 mm³/(N m)], from its widths and in its scenes."""
-    is_cold = TABLE_6.bulk_celsius == ROOM_CELSIUS
-    cold, hot = (_UNIT * np.array(rates)[rows] for rows in (is_cold, ~is_cold))
+    cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
-    in_scenes = np.array([_UNIT * scene.wear.specific_wear_rate for scene in scenes if scene.wear])
+    wears = [scene.wear for scene, _ in transitions[::2]]
+    in_scenes = np.array([_UNIT * wear.specific_wear_rate for wear in wears if wear])
     return {
         "printed_rate": _UNIT * SPECIFIC_WEAR_RATE,
         "duration": _DURATIONS[_CHOSEN],
@@ -182,15 +180,14 @@ def _of_oil_a(rates: Sequence[float], scenes: Sequence[Sweep]) -> dict[str, Any]
 
 
 def _temperatures(
-    oils: dict[str, list[Sweep]], critical: dict[str, Array], printed: float
+    tests: dict[str, list[Transition]], critical: dict[str, Array], printed: float
 ) -> Iterator[tuple[str, ...]]:
     """Rows with the critical temperature from each transition."""
-    for oil, scenes in oils.items():
-        entries = [(entry, scene.conditions) for scene in scenes for entry in scene.measured]
-        for (entry, conditions), values in zip(entries, critical[oil], strict=True):
-            bulk = celsius(conditions.bulk_temperature)
-            of_rig = f"{printed:g}" if oil == "white oil" else ""
-            yield line(f"  {oil}, {name_of(entry)}, {bulk:g} °C", [of_rig, values], ".1f")
+    for oil, transitions in tests.items():
+        of_rig = f"{printed:g}" if oil == "white oil" else ""
+        for (scene, row), values in zip(transitions, critical[oil], strict=True):
+            bulk = celsius(scene.conditions.bulk_temperature)
+            yield line(f"  {oil}, {name_of(row)}, {bulk:g} °C", [of_rig, values], ".1f")
 
 
 def _rates(rates: Array, rates_of_a: Sequence[float]) -> Iterator[tuple[str, ...]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import string
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -96,8 +96,8 @@ def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any])
 class Table:
     """Texts in columns; a row of one text is a heading within the table."""
 
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
 
     def lines(self) -> Iterator[str]:
         r"""Aligned text: the first column to the left, the others to the right.
@@ -127,21 +127,24 @@ class Table:
 
 
 def line(label: str, values: Iterable[Any], form: str = ".0f") -> tuple[str, ...]:
-    """Row of a table: texts as they are, numbers by a format, of lists the mean and spread.
+    """Row of a table, its cells after a label.
 
     Examples
     --------
     >>> line("load", ["none", 2.0, [1.0, 3.0]], ".1f")
     ('load', 'none', '2.0', '2.0 ± 1.4')
     """
-    return (label, *(_cell(value, form) for value in values))
+    return (label, *cells(values, form))
 
 
-def _cell(value: Any, form: str) -> str:
-    if isinstance(value, str):
-        return value
-    parts = [mean(value), spread(value)] if np.size(value) > 1 else [value]
-    return " ± ".join(_WRITER.format_field(part, form) for part in parts)
+def cells(values: Iterable[Any], form: str) -> Iterator[str]:
+    """Cells of a table: texts as they are, numbers by a format, of lists the mean and spread."""
+    for value in values:
+        if isinstance(value, str):
+            yield value
+        else:
+            parts = [mean(value), spread(value)] if np.size(value) > 1 else [value]
+            yield " ± ".join(_WRITER.format_field(part, form) for part in parts)
 
 
 @dataclass(frozen=True, slots=True)

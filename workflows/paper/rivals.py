@@ -14,14 +14,13 @@ from matplotlib.figure import Figure
 from pipeline.figures.rivals import SmoothContact, load_speed_exponent
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from tribo import lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, mean
+from workflows.paper.report import Report, Table, cells, mean
 from workflows.paper.study import Study
-from workflows.paper.transitions import beside_boundary, name_of, on_surfaces
+from workflows.paper.transitions import beside_boundary, film_parameter, name_of, on_surfaces
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
@@ -86,6 +85,8 @@ def rivals(study: Study) -> Report:
         "measured": load_speed_exponent(loads.tolist(), velocities.tolist()),
         "computed": load_speed_exponent(loads.tolist(), critical.tolist()),
     }
+    film = np.array([film_parameter(sweep, row) for row in TABLE_4])
+    regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
     values = {
         "share": conditions.failing_share,
         "measured_exponent": exponents["measured"],
@@ -97,22 +98,18 @@ def rivals(study: Study) -> Report:
         "unworn_off": _off(unworn.values, unworn.exponents, limit),
         "worn_off": _off(worn.values, worn.exponents, limit),
         **_constancy(criteria),
+        "film": film,
+        "regimes": ", ".join(regimes),
+        "place": name_of(TABLE_4[np.argmax(film)]),
     }
-    verdicts = {
-        "blok": ours.spread < min(unworn.spread, worn.spread),
-        "constancy": ours.spread < values["best"].spread,
-    }
-    oil, bulk = Lubrication.of(sweep), conditions.bulk_temperature
-    film = oil.film_parameter(loads, velocities, bulk) if oil else None
-    if film is not None:
-        regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
-        values |= {"film": film, "regimes": ", ".join(regimes)}
-        values["place"] = name_of(TABLE_4[np.argmax(film)])
-        verdicts["film"] = set(regimes) == {"boundary lubrication"}
     return Report.of(
         "rivals",
         values,
-        verdicts=verdicts,
+        verdicts={
+            "blok": ours.spread < min(unworn.spread, worn.spread),
+            "constancy": ours.spread < values["best"].spread,
+            "film": set(regimes) == {"boundary lubrication"},
+        },
         table=_table(criteria, film, conditions),
         data={
             "load": loads,
@@ -175,11 +172,8 @@ def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
     def nearer(error: str) -> str:
         """Criteria with smaller errors of a velocity than ours."""
         errors = {other.name: getattr(other, error) for other in others}
-        texts = (
-            f"{name} ({100 * value:.0f} %)"
-            for name, value in errors.items()
-            if value < getattr(ours, error)
-        )
+        limit = getattr(ours, error)
+        texts = (f"{name} ({100 * off:.0f} %)" for name, off in errors.items() if off < limit)
         return ", ".join(texts) or "none"
 
     return {
@@ -190,31 +184,21 @@ def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
     }
 
 
-def _table(
-    criteria: Mapping[str, _Criterion],
-    film: Array | None,
-    conditions: Conditions,
-) -> Table:
+def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditions) -> Table:
     rows = [
         (
-            f"{criterion.name} [{criterion.unit}]",
-            *(
-                f"{value:.{0 if criterion.scaled.min() >= 10 else 2}f}"
-                for value in criterion.scaled
-            ),
-            *(
-                f"{100 * value:.0f} %"
-                for value in (criterion.spread, criterion.worst, criterion.worst_alike)
-            ),
+            f"{its.name} [{its.unit}]",
+            *cells(its.scaled, ".0f" if its.scaled.min() >= 10 else ".2f"),
+            *cells((its.spread, its.worst, its.worst_alike), ".0f%"),
         )
-        for criterion in criteria.values()
+        for its in criteria.values()
     ]
-    if film is not None:
-        texts = (f"{value:.2f}" for value in film)
-        label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
-        rows.append((label, *texts, "", "", ""))
+    label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
     columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
-    return Table(("", *map(name_of, TABLE_4), *columns), tuple(rows))
+    return Table(
+        ("", *map(name_of, TABLE_4), *columns),
+        [*rows, (label, *cells(film, ".2f"), "", "", "")],
+    )
 
 
 @in_house_style

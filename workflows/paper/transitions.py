@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
 from pipeline.sweep.criterion import boundary_velocity_error, contact_temperature, rise_limit
+from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from tribo import InputError, State, failed_share, measures, simulate
 from tribo.corrections import moment_of
@@ -157,6 +158,14 @@ def worn(sweep: Sweep, wear: Wear) -> Sweep:
     if sweep.wear is None:
         raise InputError(f"the scene {sweep.name} must have a [wear]")
     return replace(sweep, wear=replace(sweep.wear, pattern=wear))
+
+
+def film_parameter(scene: Sweep, test: Any) -> float:
+    """Minimum film over the roughness at a test, Λ."""
+    lubrication, bulk = Lubrication.of(scene), scene.conditions.bulk_temperature
+    if lubrication is None:
+        raise InputError(f"the scene {scene.name} must have an [oil]")
+    return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))
 
 
 def name_of(test: Any) -> str:
