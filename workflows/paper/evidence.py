@@ -20,7 +20,7 @@ from workflows.paper.eight import (
     rounded,
     transitions_of,
 )
-from workflows.paper.report import Report, Table, line
+from workflows.paper.report import Report, Table, cells
 from workflows.paper.study import Study
 
 _TAKEN = Physics()
@@ -73,10 +73,10 @@ def evidence(study: Study) -> Report:
         },
         table=Table(
             ("", "ln of the odds", "critical: white oil [°C]", "oil A [°C]", *_SHORT),
-            tuple(
-                line(name, [f"{odd:+.1f}", *of_oils, *(f"{share:.0%}" for share in row)])
+            [
+                (name, f"{odd:+.1f}", *cells(of_oils, ".0f"), *(f"{share:.0%}" for share in row))
                 for name, odd, of_oils, row in zip(names, odds, critical, confused, strict=True)
-            ),
+            ],
         ),
         data={
             "log_odds": dict(zip(names, odds, strict=True)),

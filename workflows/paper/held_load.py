@@ -59,7 +59,7 @@ def fig5(study: Study) -> Report:
         },
         table=Table(
             ("highest temperature [°C]", *(f"{time:g} s" for time in times), "in the hold"),
-            tuple(line(name, [*marks[name], f"{hold[name]:+.1f}"], ".1f") for name in curves),
+            [line(name, [*marks[name], f"{hold[name]:+.1f}"], ".1f") for name in curves],
         ),
         data={
             name: {"time": time, "max_celsius": celsius} for name, (time, celsius) in curves.items()

@@ -13,7 +13,7 @@ from pipeline.sweep.model import Sweep
 from tribo import InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, cells
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, celsius_of, end_at, history
 
@@ -70,14 +70,14 @@ def fig8(study: Study) -> Report:
         },
         table=Table(
             ("loading", "lasts [s]", "slides [m]", f"on {_share(sweep)} [°C]", "highest [°C]"),
-            tuple(
+            [
                 (
                     name,
-                    *(f"{run[column]:.2f}" for column in ("duration", "sliding_distance")),
-                    *(f"{run[column]:.1f}" for column in ("exceeded_celsius", "max_celsius")),
+                    *cells((run["duration"], run["sliding_distance"]), ".2f"),
+                    *cells((run["exceeded_celsius"], run["max_celsius"]), ".1f"),
                 )
                 for name, run in runs.items()
-            ),
+            ],
         ),
         data={"fit": {"rate": rate, "onset": onset}, "runs": runs},
         figure=_draw(sweep, record, curves),

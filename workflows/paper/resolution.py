@@ -17,7 +17,7 @@ from tribo.types import Array
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Finding, Report, Table, judged, line, mean, spread
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, WearPattern, celsius_of, end_at, end_of, worn
+from workflows.paper.transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, worn
 
 _BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
 _INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
@@ -43,18 +43,24 @@ def fig6(study: Study) -> Report:
     sweep = study.scene("irg_transition")
     if study.preset is None:
         sweep = replace(sweep, fidelity=_PAPER)
-    surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
+    seeds, decisive = study.seeds(1), sweep.conditions.decisive
     blocks = [n for n in _BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
     sides = {sweep.pixels.shape[0] // block: block for block in blocks}
     by_elements: dict[str, _Row] = {"maximum": {}, "10 %": {}, "one step": {}}
     for side in study.stages(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
-        for name, temperatures in _on_grid(surfaces, sides[side]).items():
-            by_elements[name][side] = temperatures
+        elements = {"pixels_per_element": sides[side], "history_coarsening": 1}
+        scene = _with(sweep, averaging="mean", **elements)
+        swept = on_surfaces([(scene, _POINT)], seeds)
+        unworn = on_surfaces([(worn(scene, "unworn"), _POINT)], seeds)
+        by_elements["maximum"][side] = celsius_of(swept, HIGHEST)[0].tolist()
+        by_elements["10 %"][side] = celsius_of(swept, decisive)[0].tolist()
+        by_elements["one step"][side] = celsius_of(unworn, HIGHEST)[0].tolist()
     counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
     shown = max(count for count in counts if count <= _PUBLISHED)
     by_increments, unstable, fields = {}, {}, {}
     for name, (pattern, scheme) in _SCHEMES.items():
-        scenes = [_with(worn(surface, pattern), wear_scheme=scheme) for surface in surfaces]
+        scene = _with(worn(sweep, pattern), wear_scheme=scheme)
+        scenes = [scene.on_surface(seed) for seed in seeds]
         stages = study.stages(counts, (name + ", {} increments").format, weight=float)
         by_increments[name], unstable[name], pressures = _with_steps(scenes, stages)
         if pattern == "local" and shown in pressures:
@@ -83,20 +89,6 @@ def fig6(study: Study) -> Report:
         },
         figure=_draw(sweep, by_elements, by_increments, fields, shown),
     )
-
-
-def _on_grid(surfaces: Sequence[Sweep], block: int) -> dict[str, list[float]]:
-    """Temperatures with elements of so many pixels along each side [°C]."""
-    elements = {"pixels_per_element": block, "history_coarsening": 1, "averaging": "mean"}
-    scenes = [_with(surface, **elements) for surface in surfaces]
-    ends = [end_of(scene, _POINT) for scene in scenes]
-    single = [end_of(worn(scene, "unworn"), _POINT) for scene in scenes]
-    decisive = scenes[0].conditions.decisive
-    return {
-        "maximum": [float(celsius_of(end, HIGHEST)) for end in ends],
-        "10 %": [float(celsius_of(end, decisive)) for end in ends],
-        "one step": [float(celsius_of(end, HIGHEST)) for end in single],
-    }
 
 
 def _with_steps(

@@ -15,7 +15,7 @@ from pipeline.sweep.model import Sweep
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, mean, spread
+from workflows.paper.report import Report, Table, cells, mean, spread
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, beside_boundary, celsius_of, on_surfaces, worn
 
@@ -167,7 +167,7 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Ta
         rows += [
             (
                 f"  {name}",
-                *(f"{np.mean(outcome[key]):.0f}" for key in ("exceeded_celsius", "max_celsius")),
+                *cells([outcome[key].mean() for key in ("exceeded_celsius", "max_celsius")], ".0f"),
                 *(f"{round(off) + 0:+d} %" for off in (100 * mean(outcome[_OFF])).tolist()),
                 f"{100 * _width_off(widths[name]):+.0f} %" if kind == "Ra" else "",
             )
@@ -175,7 +175,7 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Ta
         ]
     velocities = (f"velocity at {load:g} N" for load in TABLE_4.normal_load)
     share = f"on {100 * sweep.conditions.failing_share:g} % [°C]"
-    return Table(("", share, "highest [°C]", *velocities, "unworn width"), tuple(rows))
+    return Table(("", share, "highest [°C]", *velocities, "unworn width"), rows)
 
 
 @in_house_style

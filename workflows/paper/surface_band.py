@@ -60,7 +60,7 @@ def band(study: Study) -> Report:
         },
         table=Table(
             (*columns, f"median at friction {most:g} to {least:g}"),
-            tuple(
+            [
                 (
                     f"{entry.normal_load:g}",
                     f"{entry.velocity:g}",
@@ -70,7 +70,7 @@ def band(study: Study) -> Report:
                     f"{slow:.2f} to {fast:.2f}",
                 )
                 for entry, (low, middle, high), spread, (slow, fast) in rows
-            ),
+            ],
         ),
         data={
             "transitions": [

@@ -55,7 +55,7 @@ def fig10(study: Study) -> Report:
         "fig10",
         values,
         verdicts={"velocities": max(map(abs, off)) < _GOOD},
-        table=Table((*columns, "measured friction", "off"), tuple(rows)),
+        table=Table((*columns, "measured friction", "off"), rows),
         data={
             "transitions": transitions,
             "computed": outcome.computed,

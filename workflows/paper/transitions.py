@@ -28,8 +28,8 @@ HIGHEST = Criterion("highest")
 WearPattern = Literal["swept", "local"]
 Wear = WearPattern | Literal["unworn"]
 
-Ends = Mapping[str, Array]
-"""Quantities at the ends of tests, as `end_at` names them; shape (), or (transition, surface)."""
+Ends = Mapping[str, Any]
+"""Quantities at the ends of tests, as `end_at` names them; numbers, or (transition, surface)."""
 
 Transition = tuple[Sweep, Any]
 """A scene, and a transition of a printed table."""
@@ -65,14 +65,13 @@ def end_at(scene: Sweep, state: State, friction: float | None = None) -> Ends:
     """
     conditions, carried = scene.conditions.at_friction(friction), state.pressure.mean(axis=1)
     bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * scene.grid.spacing[0]
-    end = {
+    return {
         **measures(scene, state),
         **moment_of(scene, state, None),
         "bulk": conditions.bulk_temperature,
         "friction": conditions.friction,
         "bearing_width": bearing,
     }
-    return {name: np.array(value) for name, value in end.items()}
 
 
 def end_of(scene: Sweep, test: Any, factor: float = 1.0) -> Ends:
@@ -95,8 +94,7 @@ def beside_boundary(scene: Sweep, test: Any, step: float | None = None) -> Ends:
     step = step or math.log(limit / rise) / _EXPONENT or 0.01
     exponent = math.log(float(decisive.rise(end_of(scene, test, math.exp(step)))) / rise) / step
     off = boundary_velocity_error(rise, limit, exponent)
-    boundary = {"rise": rise, "exponent": exponent, "velocity_off": off}
-    return {**end, **{name: np.array(value) for name, value in boundary.items()}}
+    return {**end, "rise": rise, "exponent": exponent, "velocity_off": off}
 
 
 def on_surfaces(
