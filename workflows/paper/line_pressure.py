@@ -16,7 +16,7 @@ from tribo import Cylinder, Grid, InputError, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
 from workflows.paper.publication import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, cells
 from workflows.paper.study import Study
 
 _LOOKS = {
@@ -72,8 +72,7 @@ def fig4(study: Study) -> Report:
                 *(
                     (
                         label,
-                        f"{middle[name] / 1e9:.4f}",
-                        f"{highest[name] / 1e9:.4f}",
+                        *cells((middle[name] / 1e9, highest[name] / 1e9), ".4f"),
                         f"{100 * (middle[name] / peak - 1):+.3f} %",
                     )
                     for name, (label, _) in _LOOKS.items()

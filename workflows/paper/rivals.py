@@ -79,26 +79,15 @@ def rivals(study: Study) -> Report:
     )
     criteria = _criteria(sweep, mean(ends["rise"]), mean(ends["exponent"]))
     critical = mean(velocities[:, None] * (1 + ends["velocity_off"]))
-    ours, unworn, worn = (criteria[name] for name in ("ours", "blok_unworn", "blok_worn"))
     limit = conditions.known_critical_temperature() - conditions.bulk_temperature
-    exponents = {
-        "measured": load_speed_exponent(loads.tolist(), velocities.tolist()),
-        "computed": load_speed_exponent(loads.tolist(), critical.tolist()),
-    }
     film = np.array([film_parameter(sweep, row) for row in TABLE_4])
     regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
     values = {
         "share": conditions.failing_share,
-        "measured_exponent": exponents["measured"],
-        "computed_exponent": exponents["computed"],
         "limit": limit,
-        "unworn": unworn,
-        "worn": worn,
-        "ours_off": _off(ours.values, ours.exponents, limit),
-        "unworn_off": _off(unworn.values, unworn.exponents, limit),
-        "worn_off": _off(worn.values, worn.exponents, limit),
+        **criteria,
+        **{f"{name}_off": _off(its.values, its.exponents, limit) for name, its in criteria.items()},
         **_constancy(criteria),
-        "film": film,
         "regimes": ", ".join(regimes),
         "place": name_of(TABLE_4[np.argmax(film)]),
     }
@@ -106,8 +95,9 @@ def rivals(study: Study) -> Report:
         "rivals",
         values,
         verdicts={
-            "blok": ours.spread < min(unworn.spread, worn.spread),
-            "constancy": ours.spread < values["best"].spread,
+            "blok": criteria["ours"].spread
+            < min(criteria["blok_unworn"].spread, criteria["blok_worn"].spread),
+            "constancy": criteria["ours"].spread < values["best"].spread,
             "film": set(regimes) == {"boundary lubrication"},
         },
         table=_table(criteria, film, conditions),
@@ -124,7 +114,10 @@ def rivals(study: Study) -> Report:
                 for key, criterion in criteria.items()
             },
             "film_parameter": film,
-            "load_speed_exponent": exponents,
+            "load_speed_exponent": {
+                "measured": load_speed_exponent(loads.tolist(), velocities.tolist()),
+                "computed": load_speed_exponent(loads.tolist(), critical.tolist()),
+            },
         },
         figure=_draw(criteria),
     )
@@ -177,7 +170,6 @@ def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
         return ", ".join(texts) or "none"
 
     return {
-        "ours": ours,
         "best": min(others, key=lambda other: other.spread),
         "nearer": nearer("worst"),
         "nearer_alike": nearer("worst_alike"),

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pipeline.analysis.boundary import boundary
 from pipeline.figures.diagram import diagram
 from tribo import InputError
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, cells
 from workflows.paper.study import Study
 
 _SURFACES = 8
@@ -62,8 +62,7 @@ def band(study: Study) -> Report:
             (*columns, f"median at friction {most:g} to {least:g}"),
             [
                 (
-                    f"{entry.normal_load:g}",
-                    f"{entry.velocity:g}",
+                    *cells((entry.normal_load, entry.velocity), "g"),
                     f"{middle:.2f}",
                     f"{low:.2f} to {high:.2f}",
                     f"{100 * spread:.1f} %",

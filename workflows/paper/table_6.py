@@ -72,17 +72,17 @@ def _bulk_of_hot_rows() -> dict[str, Any]:
     """The bulk temperature that the printed temperatures of the hot rows are those of."""
     # The two tables at one velocity and nearly one load: the rise is proportional to friction, and
     # between loads so near it lies between unchanged and in proportion to them.
-    white, oil_a = TABLE_4[0], TABLE_6[2]
-    rise = (white.max_celsius - ROOM_CELSIUS) / white.friction * oil_a.friction
-    ends = rise * oil_a.normal_load / white.normal_load, rise
+    white, other = TABLE_4[0], TABLE_6[2]
+    rise = (white.max_celsius - ROOM_CELSIUS) / white.friction * other.friction
+    ends = rise * other.normal_load / white.normal_load, rise
     return {
-        "hot_bulk": oil_a.bulk_celsius,
+        "hot_bulk": other.bulk_celsius,
         "misfit_hot": _misfit(TABLE_6[-1].bulk_celsius),
         "misfit_room": _misfit(ROOM_CELSIUS),
         "white": white,
-        "oil_a": oil_a,
+        "oil_a": other,
         "from_room": [end + ROOM_CELSIUS for end in ends],
-        "from_hot": [end + oil_a.bulk_celsius for end in ends],
+        "from_hot": [end + other.bulk_celsius for end in ends],
     }
 
 
