@@ -53,7 +53,7 @@ def inverse(study: Study) -> Report:
     widening = _widening(white)
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
-    durations = {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in rates.items()}
+    durations = {load: _duration_for_printed(row) for load, row in rates.items()}
     printed = float(celsius(white.conditions.known_critical_temperature()))
     chosen = np.array([row[_CHOSEN] for row in rates.values()])
     values = {
@@ -137,10 +137,10 @@ def _widening(sweep: Sweep) -> float:
     return float(rough["contact_width"] / smooth["contact_width"] - 1)
 
 
-def _duration_for(rates: Sequence[float], wanted: float) -> float:
-    """Duration at which the wear rate takes a value, linear in the logarithms."""
+def _duration_for_printed(rates: Sequence[float]) -> float:
+    """Duration at which the wear rate is the printed one, linear in the logarithms."""
     slope, offset = np.polyfit(np.log(_DURATIONS), np.log(rates), 1)
-    return math.exp((math.log(wanted) - offset) / slope)
+    return math.exp((math.log(SPECIFIC_WEAR_RATE) - offset) / slope)
 
 
 def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
