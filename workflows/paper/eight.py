@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.special import logsumexp
 
-from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.model import Measurement, Sweep
-from tribo import Corrections, Cylinder, Stem, Track, contacts, heated, measures
-from tribo.criterion import Criterion, columns_of
+from pipeline.figures.style import celsius
+from pipeline.sweep.model import Sweep
+from tribo import Corrections, Cylinder, State, Stem, Track, contacts, heated
+from tribo.corrections import moment_of
+from tribo.criterion import Criterion
 from tribo.types import Array
+from workflows.paper.report import mean
 from workflows.paper.study import Study
-from workflows.paper.transitions import WearPattern, worn
+from workflows.paper.transitions import WearPattern, film_parameter, oil_a, white_oil, worn
 
-SCENES = ("irg_transition", "oil_a", "oil_a_hot")
-_SURFACES = 4
+SURFACES = 4
 _STATIC = 145.0, 8.0  # °C and K: critical temperature of the white oil on the rig
 _OIL_A = 120.0, 500.0  # °C: critical temperature of oil A, evenly
 _SCATTER = 0.03, 0.3  # standard deviation of the rise, evenly in its logarithm
@@ -27,39 +28,26 @@ _TRACK, _STEM = 0.34, 4e-3  # m, as in pipeline.run.physics
 
 
 @dataclass(frozen=True, slots=True)
-class Transition:
-    """A measured transition, and the contact there.
+class Transitions:
+    """The eight measured transitions, and the contacts there.
 
     Attributes
     ----------
-    oil : str
+    oil : ndarray of str, shape (8,)
         ``"white oil"`` or ``"oil A"``.
-    scene : Sweep
-        Its scene.
-    measured : Measurement
-        Load, velocity and friction.
-    columns : dict
-        Columns of the contact by wear pattern, conductivity [W/(m K)] and surface.
+    load, friction, bulk_celsius, film_parameter : ndarray, shape (8,)
+        Normal load [N], friction, bulk temperature [°C], and minimum film over the roughness, Λ.
+    ends : dict
+        Scene and last state at each transition on each surface, by wear pattern and conductivity
+        [W/(m K)].
     """
 
-    oil: str
-    scene: Sweep
-    measured: Measurement
-    columns: dict[tuple[WearPattern, float], list[Mapping[str, Any]]]
-
-    @property
-    def bulk_celsius(self) -> float:
-        """Bulk temperature [°C]."""
-        return self.scene.conditions.bulk_temperature - 273.15
-
-    @property
-    def film_parameter(self) -> float:
-        """Minimum film over the roughness, Λ."""
-        lubrication = Lubrication.of(self.scene)
-        if lubrication is None:
-            return 0.0
-        place, bulk = self.measured, self.scene.conditions.bulk_temperature
-        return float(lubrication.film_parameter(place.normal_load, place.velocity, bulk))
+    oil: Any
+    load: Array
+    friction: Array
+    bulk_celsius: Array
+    film_parameter: Array
+    ends: dict[tuple[WearPattern, float], list[list[tuple[Sweep, State]]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,63 +74,52 @@ class Physics:
     holds_heat: bool = False
     film: bool = False
 
-    def warming(self, transitions: Sequence[Transition]) -> Array:
+    def warming(self, transitions: Transitions) -> Array:
         """Logarithm of the deciding warming at each transition, its mean over surfaces."""
-        return np.array([self._warming(transition) for transition in transitions])
-
-    def _warming(self, transition: Transition) -> float:
-        parts = Corrections()
-        if self.holds_heat:
-            pin, disk = transition.scene.pin, _conducting(transition.scene, self.conductivity).disk
-            across = 2 * pin.radius * (pin.length if isinstance(pin, Cylinder) else pin.radius)
-            rod = _STEM, across, self.conductivity, disk.thermal_diffusivity
-            parts = Corrections(track=Track.under(pin, disk, _TRACK), stem=Stem.rod(*rod))
-        criterion, friction = Criterion(self.criterion), transition.measured.friction or 0.0
+        criterion = Criterion(self.criterion)
         rises = [
-            criterion.rise(parts.applied(columns))[0]
-            for columns in transition.columns[self.pattern, self.conductivity]
+            [criterion.rise(moment_of(*end, self._corrections(end[0]))) for end in surfaces]
+            for surfaces in transitions.ends[self.pattern, self.conductivity]
         ]
-        return float(np.mean(np.log(friction * np.array(rises))))
+        return mean(np.log(transitions.friction[:, None] * np.array(rises)))
+
+    def _corrections(self, scene: Sweep) -> Corrections:
+        if not self.holds_heat:
+            return Corrections()
+        pin, disk = scene.pin, scene.disk
+        across = 2 * pin.radius * (pin.length if isinstance(pin, Cylinder) else pin.radius)
+        stem = Stem.rod(_STEM, across, self.conductivity, disk.thermal_diffusivity)
+        return Corrections(track=Track.under(pin, disk, _TRACK), stem=stem)
 
 
 def transitions_of(
-    study: Study, kinds: Iterable[tuple[WearPattern, Sequence[float]]]
-) -> tuple[Transition, ...]:
-    """Simulate all transitions on each surface: a contact once for all conductivities.
+    study: Study, patterns: Sequence[WearPattern], conductivities: Sequence[float]
+) -> Transitions:
+    """Simulate all transitions with each pattern of wear and conductivity [W/(m K)].
 
-    Parameters
-    ----------
-    study : Study
-        Scenes and surfaces.
-    kinds : iterable
-        Wear patterns, each with its conductivities [W/(m K)].
+    A contact is simulated once for all conductivities.
     """
-    kinds, transitions = list(kinds), []
-    for name in SCENES:
-        scene = study.scene(name)
-        for measured in scene.measured:
-            columns: dict[tuple[WearPattern, float], list[Mapping[str, Any]]] = {}
-            for pattern, conductivities in kinds:
-                for seed in study.seeds(_SURFACES):
-                    surface = worn(scene.on_surface(seed), pattern)
-                    for K, column in _columns(surface, measured, conductivities):
-                        columns.setdefault((pattern, K), []).append(column)
-            oil = "oil A" if "oil_a" in name else "white oil"
-            transitions.append(Transition(oil, scene, measured, columns))
-            study.tell(f"{oil}, {measured.normal_load:g} N at {measured.velocity:g} m/s")
-    return tuple(transitions)
-
-
-def _columns(
-    scene: Sweep, measured: Measurement, conductivities: Sequence[float]
-) -> Iterable[tuple[float, Mapping[str, Any]]]:
-    *_, contact = contacts(scene, measured.normal_load, measured.velocity)
-    for K in conductivities:
-        other = _conducting(scene, K)
-        state = heated(other, contact, measured.velocity)
-        if state.heat is not None:
-            record = {**measures(other, state), **columns_of(state.heat)}
-            yield K, {name: np.array([value]) for name, value in record.items()}
+    tests = [("white oil", *test) for test in white_oil(study)]
+    tests += [("oil A", *test) for test in oil_a(study)]
+    ends: Any = {(pattern, K): [[] for _ in tests] for pattern in patterns for K in conductivities}
+    for number, (oil, scene, row) in enumerate(tests):
+        for pattern in patterns:
+            for seed in study.seeds(SURFACES):
+                surface = worn(scene.on_surface(seed), pattern)
+                *_, contact = contacts(surface, row.normal_load, row.velocity)
+                for K in conductivities:
+                    other = _conducting(surface, K)
+                    state = heated(other, contact, row.velocity)
+                    ends[pattern, K][number].append((other, state))
+        study.tell(f"{oil}, {row.normal_load:g} N at {row.velocity:g} m/s")
+    return Transitions(
+        oil=np.array([oil for oil, *_ in tests]),
+        load=np.array([row.normal_load for *_, row in tests]),
+        friction=np.array([row.friction for *_, row in tests]),
+        bulk_celsius=celsius(np.array([s.conditions.bulk_temperature for _, s, _ in tests])),
+        film_parameter=np.array([film_parameter(scene, row) for _, scene, row in tests]),
+        ends=ends,
+    )
 
 
 def _conducting(scene: Sweep, conductivity: float) -> Sweep:
@@ -152,58 +129,58 @@ def _conducting(scene: Sweep, conductivity: float) -> Sweep:
 
 
 def log_evidence(
-    transitions: Sequence[Transition], warming: Array, film: bool = False
-) -> tuple[Array, Array, Array]:
+    transitions: Transitions,
+    warming: Array,
+    film: bool = False,
+    oils: Sequence[str] = ("white oil", "oil A"),
+) -> tuple[Array, dict[str, Array]]:
     """Logarithm of the evidence for a model, over critical temperatures and scatters.
 
     ln(µr) at each transition is normal about ln(Θcr − Θb), with a scatter that is not known.
 
     Parameters
     ----------
-    transitions : sequence of Transition
+    transitions : Transitions
         Transitions, whose oils have a critical temperature each.
-    warming : ndarray, shape (..., n)
+    warming : ndarray, shape (..., 8)
         Logarithms of the deciding warming at each transition, as `Physics.warming` gives them.
     film : bool
         True to take a share of the load, from 0 to half of Λ, off the warming.
+    oils : sequence of str
+        Oils whose transitions count.
 
     Returns
     -------
-    tuple of ndarray
-        Evidence, shape (...); and the mean critical temperatures of white oil and of oil A [°C],
-        NaN for an oil that has no transition.
+    log : ndarray, shape (...)
+        Evidence.
+    critical : dict of ndarray, shape (...)
+        Mean critical temperature of each oil [°C].
     """
     sigma = np.geomspace(*_SCATTER, 12)
     shares = np.linspace(0.0, _MOST_SHARE, 6) if film else np.zeros(1)
-    films = np.array([transition.film_parameter for transition in transitions])
-    lowered = warming[..., None, :] + np.log(1 - np.minimum(0.9, shares[:, None] * films))
-    total = np.zeros((*lowered.shape[:-1], len(sigma)))
-    means = []
-    for oil, temperatures, prior in _temperatures():
-        of_oil = np.array([transition.oil == oil for transition in transitions])
-        if not of_oil.any():
-            means.append(np.full(warming.shape[:-1], np.nan))
-            continue
-        bulks = np.array([t.bulk_celsius for t in transitions])[of_oil]
-        expected = np.log(temperatures[:, None] - bulks)
+    carried = np.minimum(0.9, shares[:, None] * transitions.film_parameter)
+    lowered = warming[..., None, :] + np.log(1 - carried)
+    total, critical = np.zeros((*lowered.shape[:-1], len(sigma))), {}
+    for oil in oils:
+        (temperatures, prior), of_oil = _temperatures()[oil], transitions.oil == oil
+        expected = np.log(temperatures[:, None] - transitions.bulk_celsius[of_oil])
         squares = ((lowered[..., of_oil][..., None, :] - expected) ** 2).sum(axis=-1)
         log = prior[:, None] - squares[..., None] / (2 * sigma**2) - of_oil.sum() * np.log(sigma)
         total = total + logsumexp(log, axis=-2)
         weight = np.exp(log - log.max(axis=(-3, -2, -1), keepdims=True)).sum(axis=(-3, -1))
-        means.append((weight * temperatures).sum(axis=-1) / weight.sum(axis=-1))
-    normal = len(transitions) / 2 * np.log(2 * np.pi) + np.log(len(sigma) * len(shares))
-    return logsumexp(total, axis=(-2, -1)) - normal, means[0], means[1]
+        critical[oil] = (weight * temperatures).sum(axis=-1) / weight.sum(axis=-1)
+    number = np.isin(transitions.oil, oils).sum()
+    normal = number / 2 * np.log(2 * np.pi) + np.log(len(sigma) * len(shares))
+    return logsumexp(total, axis=(-2, -1)) - normal, critical
 
 
-def _temperatures() -> Iterable[tuple[str, Array, Array]]:
+def _temperatures() -> dict[str, tuple[Array, Array]]:
     """Critical temperatures of each oil [°C], and the logarithms of their probabilities."""
-    mean, sd = _STATIC
-    white = np.linspace(mean - 4 * sd, mean + 4 * sd, 33)
-    for oil, values, log in (
-        ("white oil", white, -(((white - mean) / sd) ** 2) / 2),
-        ("oil A", (a := np.linspace(*_OIL_A, 128)), np.zeros(a.size)),
-    ):
-        yield oil, values, log - logsumexp(log)
+    middle, sd = _STATIC
+    white, other = np.linspace(middle - 4 * sd, middle + 4 * sd, 33), np.linspace(*_OIL_A, 128)
+    log = -(((white - middle) / sd) ** 2) / 2
+    even = np.zeros(other.size)
+    return {"white oil": (white, log - logsumexp(log)), "oil A": (other, even - logsumexp(even))}
 
 
 def rounded(ratio: float) -> str:

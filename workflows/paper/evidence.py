@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,24 +12,24 @@ from matplotlib.figure import Figure
 from pipeline.figures.style import BLUE, GREY, VERMILION, in_house_style
 from tribo.types import Array
 from workflows.paper.eight import (
+    SURFACES,
     Physics,
-    Transition,
+    Transitions,
     log_evidence,
     rounded,
     transitions_of,
 )
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, cells
 from workflows.paper.study import Study
 
-_TAKEN = Physics()
 _MODELS = {
-    "as taken": _TAKEN,
-    "K 21 for 45 W/(m K)": replace(_TAKEN, conductivity=21.0),
-    "mean of the contact for 10 %": replace(_TAKEN, criterion="mean"),
-    "highest for 10 %": replace(_TAKEN, criterion="highest"),
-    "local for swept wear": replace(_TAKEN, pattern="local"),
-    "with stem and track": replace(_TAKEN, holds_heat=True),
-    "with an oil film's share": replace(_TAKEN, film=True),
+    "as taken": Physics(),
+    "K 21 for 45 W/(m K)": Physics(conductivity=21.0),
+    "mean of the contact for 10 %": Physics(criterion="mean"),
+    "highest for 10 %": Physics(criterion="highest"),
+    "local for swept wear": Physics(pattern="local"),
+    "with stem and track": Physics(holds_heat=True),
+    "with an oil film's share": Physics(film=True),
 }
 _SHORT = ("taken", "K 21", "mean", "highest", "local", "stem", "film")
 _STRONG, _WEAK = math.log(10), math.log(3)  # of odds, after Jeffreys
@@ -42,18 +41,19 @@ _SHARE = 0.25  # of the load on the film over the film parameter, in them
 
 def evidence(study: Study) -> Report:
     """Odds of other physics against what the scenes take, and each model on its own data."""
-    transitions = transitions_of(study, [("swept", (45.0, 21.0)), ("local", (45.0,))])
+    transitions = transitions_of(study, ("swept", "local"), (45.0, 21.0))
     warmings = np.array([model.warming(transitions) for model in _MODELS.values()])
     weighed = [
         log_evidence(transitions, warming, model.film)
         for warming, model in zip(warmings, _MODELS.values(), strict=True)
     ]
-    odds = [float(log - weighed[0][0]) for log, *_ in weighed]
+    odds = [float(log - weighed[0][0]) for log, _ in weighed]
+    critical = [[float(celsius[oil]) for oil in ("white oil", "oil A")] for _, celsius in weighed]
     confused = _confusions(transitions, warmings)
     names = list(_MODELS)
     values: dict[str, Any] = {
-        "surfaces": len(next(iter(transitions[0].columns.values()))),
-        "number": len(transitions),
+        "surfaces": len(study.seeds(SURFACES)),
+        "number": len(transitions.oil),
         "sets": _DATA,
         "scatter": _SCATTER,
         **{short.replace(" ", "_"): _as_odds(odd) for short, odd in zip(_SHORT, odds, strict=True)},
@@ -71,26 +71,18 @@ def evidence(study: Study) -> Report:
         },
         table=Table(
             ("", "ln of the odds", "critical: white oil [°C]", "oil A [°C]", *_SHORT),
-            tuple(
-                (
-                    name, f"{odd:+.1f}", f"{white:.0f}", f"{oil_a:.0f}",
-                    *(f"{share:.0%}" for share in row),
-                )
-                for name, odd, (_, white, oil_a), row in zip(
-                    names, odds, weighed, confused, strict=True
-                )
-            ),
+            [
+                (name, f"{odd:+.1f}", *cells(of_oils, ".0f"), *(f"{share:.0%}" for share in row))
+                for name, odd, of_oils, row in zip(names, odds, critical, confused, strict=True)
+            ],
         ),
         data={
             "log_odds": dict(zip(names, odds, strict=True)),
-            "critical_celsius": {
-                name: [float(white), float(oil_a)]
-                for name, (_, white, oil_a) in zip(names, weighed, strict=True)
-            },
+            "critical_celsius": dict(zip(names, critical, strict=True)),
             "chosen_on_data_of": dict(zip(names, confused, strict=True)),
         },
         figure=_draw(names, odds, confused),
-    )  # fmt: skip
+    )
 
 
 def _as_odds(log: float) -> str:
@@ -98,22 +90,20 @@ def _as_odds(log: float) -> str:
     return f"{rounded(math.exp(min(abs(log), 50.0)))} to 1 {'for' if log > 0 else 'against'} it"
 
 
-def _confusions(transitions: Sequence[Transition], warmings: Array) -> list[list[float]]:
+def _confusions(transitions: Transitions, warmings: Array) -> list[list[float]]:
     """Share of sets of transitions, simulated by each model, at which each has most evidence.
 
     A transition of a model lies where its deciding temperature is critical. Its rise by another
     model is larger there by what it is larger at the measured place: both grow with velocity alike.
     """
     rng = np.random.default_rng(0)
-    films = np.array([transition.film_parameter for transition in transitions])
-    bulks = np.array([transition.bulk_celsius for transition in transitions])
     shares = []
     for number, model in enumerate(_MODELS.values()):
         critical = {oil: rng.normal(*its, size=_DATA) for oil, its in _CRITICAL.items()}
-        limits = np.array([critical[transition.oil] for transition in transitions]).T
-        carried = np.log(1 - _SHARE * films) if model.film else 0.0
+        limits = np.array([critical[oil] for oil in transitions.oil]).T
+        carried = np.log(1 - _SHARE * transitions.film_parameter) if model.film else 0.0
         noise = rng.normal(scale=_SCATTER, size=limits.shape)
-        moved = np.log(limits - bulks) + noise - warmings[number] - carried
+        moved = np.log(limits - transitions.bulk_celsius) + noise - warmings[number] - carried
         logs = [
             log_evidence(transitions, warming + moved, other.film)[0]
             for warming, other in zip(warmings, _MODELS.values(), strict=True)
@@ -138,8 +128,8 @@ def _draw(names: Sequence[str], odds: Sequence[float], confused: list[list[float
     left.set_xlabel("ln of the odds over the model as taken (dotted: 10 to 1)")
     left.set_title("by the measured transitions", loc="left")
     right.imshow(confused, cmap="Blues", vmin=0, vmax=1, aspect="auto")
-    for row, line in enumerate(confused):
-        for column, share in enumerate(line):
+    for row, shares in enumerate(confused):
+        for column, share in enumerate(shares):
             colour = "white" if share > 0.6 else "black"
             right.text(column, row, f"{100 * share:.0f}", ha="center", va="center", color=colour,
                        fontsize=8)  # fmt: skip

@@ -12,12 +12,10 @@ _PAGE = Path(__file__).with_name("gallery.md")
 
 def page(reports: Sequence[Report]) -> str:
     """Markdown of the gallery; figures lie beside it under the names of their results."""
-    lines = [*_summary(reports), *(line for report in reports for line in _section(report))]
-    results = "\n".join(lines)
-    return _PAGE.read_text(encoding="utf-8").replace("<!-- results -->", results)
+    return _PAGE.read_text(encoding="utf-8").replace("<!-- results -->", "\n".join(_lines(reports)))
 
 
-def _summary(reports: Sequence[Report]) -> Iterator[str]:
+def _lines(reports: Sequence[Report]) -> Iterator[str]:
     yield "| result | | verdicts | takes about |"
     yield "|---|---|---|---|"
     for report in reports:
@@ -26,23 +24,17 @@ def _summary(reports: Sequence[Report]) -> Iterator[str]:
             f"| [{report.name}](#{report.name}) | {report.title} | "
             f"{agree} of {len(report.findings)} agree | {_about(report.seconds)} |"
         )
-
-
-def _section(report: Report) -> Iterator[str]:
-    yield ""
-    yield f"## {report.name}"
-    yield ""
-    yield f"{report.title[0].upper()}{report.title[1:]}. `irg reproduce {report.name}`"
-    yield ""
-    yield f"![{report.title}]({report.name}.png)"
-    yield ""
-    yield from report.table.markdown()
-    yield ""
-    for finding in report.findings:
-        verdict = "agrees" if finding.agrees else "differs"
-        yield f"- **{verdict}** — *{finding.printed}*: {finding.computed}.{finding.reason}"
-    yield ""
-    yield " ".join(report.notes)
+    for report in reports:
+        name, title = report.name, report.title
+        yield f"\n## {name}\n"
+        yield f"{title[0].upper()}{title[1:]}. `irg reproduce {name}`\n"
+        yield f"![{title}]({name}.png)\n"
+        yield from report.table.markdown()
+        yield ""
+        for finding in report.findings:
+            verdict = "agrees" if finding.agrees else "differs"
+            yield f"- **{verdict}** — *{finding.printed}*: {finding.computed}.{finding.reason}"
+        yield f"\n{' '.join(report.notes)}"
 
 
 def _about(seconds: float) -> str:

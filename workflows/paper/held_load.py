@@ -12,9 +12,13 @@ from tribo import InputError, Ramp
 from tribo.types import Array
 from workflows.paper.report import Report, Table, line
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, history, worn
+from workflows.paper.transitions import HIGHEST, Wear, history, worn
 
-_LOOKS = {"no wear": (BLACK, "--"), "swept wear": (BLUE, "-"), "local wear": (VERMILION, "-")}
+_LOOKS: dict[str, tuple[Wear, str, str]] = {
+    "no wear": ("unworn", BLACK, "--"),
+    "swept wear": ("swept", BLUE, "-"),
+    "local wear": ("local", VERMILION, "-"),
+}
 _Curves = Mapping[str, tuple[Array, Array]]
 """Times [s] and highest temperatures [°C], by the kind of wear."""
 
@@ -25,14 +29,9 @@ def fig5(study: Study) -> Report:
     if not isinstance(sweep.loading, Ramp):
         raise InputError(f"the scene {sweep.name} must have a ramp, `rate` under [loading]")
     load, velocity = sweep.loads[-1], sweep.velocities[-1]
-    variants = {
-        "no wear": worn(sweep, "unworn"),
-        "swept wear": worn(sweep, "swept"),
-        "local wear": worn(sweep, "local"),
-    }
     curves = {
-        name: history(variants[name], load, velocity, HIGHEST)[:2]
-        for name in study.stages(variants)
+        name: history(worn(sweep, _LOOKS[name][0]), load, velocity, HIGHEST)[:2]
+        for name in study.stages(_LOOKS)
     }
     full = load / sweep.loading.rate
     times = (full / 2, full, float(curves["no wear"][0][-1]))
@@ -50,22 +49,20 @@ def fig5(study: Study) -> Report:
         "hold": hold,
         "pace": pace,
     }
-    worn_ones = ("swept wear", "local wear")
     return Report.of(
         "fig5",
         values,
         verdicts={
-            "level": min(cooler[name] for name in worn_ones) > 0,
-            "hold": max(hold[name] for name in worn_ones) < 0,
-            "pace": max(pace[name] for name in worn_ones) < pace["no wear"],
+            "level": min(cooler["swept wear"], cooler["local wear"]) > 0,
+            "hold": max(hold["swept wear"], hold["local wear"]) < 0,
+            "pace": max(pace["swept wear"], pace["local wear"]) < pace["no wear"],
         },
         table=Table(
             ("highest temperature [°C]", *(f"{time:g} s" for time in times), "in the hold"),
-            tuple(line(name, [*marks[name], f"{hold[name]:+.1f}"], ".1f") for name in curves),
+            [line(name, [*marks[name], f"{hold[name]:+.1f}"], ".1f") for name in curves],
         ),
         data={
-            name: {"time": list(map(float, time)), "max_celsius": list(map(float, value))}
-            for name, (time, value) in curves.items()
+            name: {"time": time, "max_celsius": celsius} for name, (time, celsius) in curves.items()
         },
         figure=_draw(curves, full, heating(sweep.conditions)),
     )
@@ -76,7 +73,7 @@ def _draw(curves: _Curves, full: float, title: str) -> Figure:
     figure = Figure(figsize=(7.4, 4.6))
     axes = figure.subplots()
     for name, (time, temperature) in curves.items():
-        colour, style = _LOOKS[name]
+        _, colour, style = _LOOKS[name]
         axes.plot(time, temperature, color=colour, ls=style, label=name)
     axes.axvline(full, color=GREY, lw=0.9)
     bottom, top = axes.get_ylim()

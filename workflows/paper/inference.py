@@ -8,10 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.inference import critical_temperatures
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep.model import Sweep
 from tribo import InputError, Ramp, rig_heating, specific_wear_rate
@@ -22,14 +20,19 @@ from workflows.paper.publication import (
     SPECIFIC_WEAR_RATE,
     TABLE_4,
     TABLE_6,
-    Row4,
-    Row6,
 )
 from workflows.paper.report import Report, Table, line, mean, spread
 from workflows.paper.study import Study
-from workflows.paper.transitions import end_of, name_of
+from workflows.paper.transitions import (
+    Transition,
+    celsius_of,
+    end_of,
+    ensemble,
+    name_of,
+    oil_a,
+    white_oil,
+)
 
-_SURFACES = 8
 _DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published
 _CHOSEN = 2  # of the durations: the one shown
 _FRICTIONS = (0.1, 0.2, 0.4)  # before the friction of the rig jumps, and after it
@@ -38,20 +41,19 @@ _UNIT = 1e15  # of 1e-6 mm³/(N m) in a m²/N
 
 def inverse(study: Study) -> Report:
     """Critical temperature, specific wear rate and heating of the rig."""
-    white = study.scene("irg_transition")
-    oils_a = tuple(study.scene(name) for name in ("oil_a", "oil_a_hot"))
-    critical = {"white oil": _critical(study, (white,)), "oil A": _critical(study, oils_a)}
+    tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
+    critical = {oil: _critical(study, transitions) for oil, transitions in tests.items()}
     study.tell("specific wear rate")
     rates = {
-        row.normal_load: [_wear_rate(white, row, duration) for duration in _DURATIONS]
-        for row in TABLE_4
+        float(row.normal_load): [_wear_rate(scene, row, duration) for duration in _DURATIONS]
+        for scene, row in tests["white oil"]
     }
-    pairs = ((scene, row) for scene in oils_a for row in _rows_of(scene))
-    rates_of_a = [_wear_rate(scene, row, _DURATIONS[_CHOSEN]) for scene, row in pairs]
+    rates_of_a = [_wear_rate(scene, row, _DURATIONS[_CHOSEN]) for scene, row in tests["oil A"]]
+    white = tests["white oil"][0][0]
     widening = _widening(white)
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
-    durations = {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in rates.items()}
+    durations = {load: _duration_for_printed(row) for load, row in rates.items()}
     printed = float(celsius(white.conditions.known_critical_temperature()))
     chosen = np.array([row[_CHOSEN] for row in rates.values()])
     values = {
@@ -59,9 +61,8 @@ def inverse(study: Study) -> Report:
         **_of_temperatures(critical),
         "rates": _UNIT * chosen,
         "durations": list(durations.values()),
-        "widening": widening,
         "lower_rates": -((1 + widening) ** -3 - 1),
-        **_of_oil_a(rates_of_a, oils_a),
+        **_of_oil_a(rates_of_a, tests["oil A"]),
         "printed_heating": RIG_HEATING,
         "heating": ", ".join(f"{value:.1f} K at friction {mu:g}" for mu, value in heating.items()),
         "most_friction": _FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]],
@@ -82,8 +83,7 @@ def inverse(study: Study) -> Report:
             ("", "printed", "computed"),
             (
                 ("critical temperature [°C], from each transition",),
-                *_temperatures("white oil", (white,), critical, f"{printed:g}"),
-                *_temperatures("oil A", oils_a, critical, ""),
+                *_temperatures(tests, critical, printed),
                 *_rates(chosen, rates_of_a),
                 ("duration of the test that gives the printed wear rate [s]",),
                 *(line(f"  {load:g} N", ["", time], ".1f") for load, time in durations.items()),
@@ -107,23 +107,13 @@ def inverse(study: Study) -> Report:
     )
 
 
-def _critical(study: Study, scenes: Sequence[Sweep]) -> Array:
+def _critical(study: Study, transitions: Sequence[Transition]) -> Array:
     """Critical temperature [°C] by transition and surface."""
-    seeds = tuple(study.seeds(_SURFACES))
-    results = (
-        critical_temperatures(replace(scene, realizations=seeds), study.tell) for scene in scenes
-    )
-    temperatures: Array = celsius(np.concatenate([result.temperatures for result in results]))
-    return temperatures
+    ends = ensemble(study, ("swept",), transitions)["swept"]
+    return celsius_of(ends, transitions[0][0].conditions.decisive)
 
 
-def _rows_of(scene: Sweep) -> list[Row6]:
-    """The columns of Table 6 at the bulk temperature of a scene."""
-    bulk = float(celsius(scene.conditions.bulk_temperature))
-    return [row for row in TABLE_6 if math.isclose(row.bulk_celsius, bulk)]
-
-
-def _held(sweep: Sweep, row: Row4 | Row6, duration: float, steps: int) -> Sweep:
+def _held(sweep: Sweep, row: Any, duration: float, steps: int) -> Sweep:
     """The scene with its load held to the end of a test of some duration [s]."""
     if not isinstance(sweep.loading, Ramp):
         raise InputError("the wear rate of a width needs a scene with a ramp")
@@ -131,7 +121,7 @@ def _held(sweep: Sweep, row: Row4 | Row6, duration: float, steps: int) -> Sweep:
     return replace(sweep, loading=replace(sweep.loading, hold=hold, hold_steps=steps))
 
 
-def _wear_rate(sweep: Sweep, row: Row4 | Row6, duration: float) -> float:
+def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
     """Specific wear rate that gives a measured width by the end of a test [m²/N]."""
     fidelity = replace(sweep.fidelity, averaging="mean", temperature_interval=0)
     smooth = replace(sweep, roughness=None, fidelity=fidelity)
@@ -143,16 +133,14 @@ def _widening(sweep: Sweep) -> float:
     """Widening of the contact by the roughness after a test, relative."""
     row = TABLE_4[0]
     held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2], steps=20)
-    rough, smooth = (
-        float(end_of(scene, row).contact_width) for scene in (held, replace(held, roughness=None))
-    )
-    return rough / smooth - 1
+    rough, smooth = (end_of(scene, row) for scene in (held, replace(held, roughness=None)))
+    return float(rough["contact_width"] / smooth["contact_width"] - 1)
 
 
-def _duration_for(rates: Sequence[float], wanted: float) -> float:
-    """Duration at which the wear rate takes a value, linear in the logarithms."""
+def _duration_for_printed(rates: Sequence[float]) -> float:
+    """Duration at which the wear rate is the printed one, linear in the logarithms."""
     slope, offset = np.polyfit(np.log(_DURATIONS), np.log(rates), 1)
-    return math.exp((math.log(wanted) - offset) / slope)
+    return math.exp((math.log(SPECIFIC_WEAR_RATE) - offset) / slope)
 
 
 def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
@@ -168,16 +156,16 @@ def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
         "of_oil_a": of_oil_a,
         "oil_a_mean": mean(of_oil_a),
         "oil_a_spread": spread(of_oil_a),
-        "printed_spread": spread([row.max_celsius for row in TABLE_6]),
+        "printed_spread": spread(TABLE_6.max_celsius),
     }
 
 
-def _of_oil_a(rates: Sequence[float], scenes: Sequence[Sweep]) -> dict[str, Any]:
+def _of_oil_a(rates: Sequence[float], transitions: Sequence[Transition]) -> dict[str, Any]:
     """Specific wear rates of oil A [1e-6 mm³/(N m)], from its widths and in its scenes."""
-    is_cold = np.array([row.bulk_celsius == ROOM_CELSIUS for row in TABLE_6])
-    cold, hot = (_UNIT * np.array(rates)[rows] for rows in (is_cold, ~is_cold))
+    cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
-    in_scenes = np.array([_UNIT * scene.wear.specific_wear_rate for scene in scenes if scene.wear])
+    wears = [scene.wear for scene, _ in transitions[::2]]
+    in_scenes = np.array([_UNIT * wear.specific_wear_rate for wear in wears if wear])
     return {
         "printed_rate": _UNIT * SPECIFIC_WEAR_RATE,
         "duration": _DURATIONS[_CHOSEN],
@@ -192,14 +180,14 @@ def _of_oil_a(rates: Sequence[float], scenes: Sequence[Sweep]) -> dict[str, Any]
 
 
 def _temperatures(
-    name: str, scenes: Sequence[Sweep], critical: dict[str, Array], printed: str
+    tests: dict[str, list[Transition]], critical: dict[str, Array], printed: float
 ) -> Iterator[tuple[str, ...]]:
-    """Rows with the critical temperature from each transition of an oil."""
-    entries = [(entry, scene.conditions) for scene in scenes for entry in scene.measured]
-    for (entry, conditions), values in zip(entries, critical[name], strict=True):
-        bulk = celsius(conditions.bulk_temperature)
-        label = f"  {name}, {name_of(entry)}, {bulk:g} °C"
-        yield line(label, [printed, values], ".1f")
+    """Rows with the critical temperature from each transition."""
+    for oil, transitions in tests.items():
+        of_rig = f"{printed:g}" if oil == "white oil" else ""
+        for (scene, row), values in zip(transitions, critical[oil], strict=True):
+            bulk = celsius(scene.conditions.bulk_temperature)
+            yield line(f"  {oil}, {name_of(row)}, {bulk:g} °C", [of_rig, values], ".1f")
 
 
 def _rates(rates: Array, rates_of_a: Sequence[float]) -> Iterator[tuple[str, ...]]:
@@ -217,40 +205,29 @@ def _rates(rates: Array, rates_of_a: Sequence[float]) -> Iterator[tuple[str, ...
 def _draw(critical: dict[str, Array], printed: float, rates: dict[float, list[float]]) -> Figure:
     figure = Figure(figsize=(9.6, 4.4))
     left, right = figure.subplots(1, 2)
-    _draw_temperatures(left, critical, printed)
-    _draw_rates(right, rates)
-    return figure
-
-
-def _draw_temperatures(axes: Axes, critical: dict[str, Array], printed: float) -> None:
     start = 0
     for (name, values), colour in zip(critical.items(), (BLUE, VERMILION), strict=True):
         places = np.arange(start, start + len(values))
-        axes.errorbar(
+        left.errorbar(
             places, mean(values), spread(values),
             color=colour, marker="o", ls="none", capsize=3, label=name,
         )  # fmt: skip
-        axes.hlines(values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
+        left.hlines(values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
         start += len(values)
     label = f"white oil on the rig, {printed:g} °C"
-    axes.axhline(printed, color=GREY, ls=":", lw=1.4, label=label)
+    left.axhline(printed, color=GREY, ls=":", lw=1.4, label=label)
     ticks = [f"{row.normal_load:g} N" for row in TABLE_4]
     ticks += [f"{row.normal_load:g} N\n{row.bulk_celsius:g} °C" for row in TABLE_6]
-    axes.set_xticks(range(start), ticks[:start])
-    axes.tick_params(axis="x", labelsize=8)
-    bottom, top = axes.get_ylim()
-    axes.set(ylim=(bottom, top + 0.25 * (top - bottom)), ylabel="critical temperature [°C]")
-    axes.set_title("from each measured transition", loc="left")
-    axes.legend(loc="upper left")
-
-
-def _draw_rates(axes: Axes, rates: dict[float, list[float]]) -> None:
-    colours = (BLACK, BLUE, VERMILION, GREEN)
-    for (load, row), colour in zip(rates.items(), colours, strict=True):
-        axes.plot(_DURATIONS, _UNIT * np.array(row), "o-", color=colour, label=f"{load:g} N")
-    axes.axhline(_UNIT * SPECIFIC_WEAR_RATE, color=GREY, ls=":", lw=1.4, label="printed")
-    axes.set_xlabel("duration of the test [s]")
-    axes.set_ylabel("specific wear rate [10$^{-6}$ mm³/(N m)]")
-    axes.set_ylim(0, None)
-    axes.set_title("from each measured contact width", loc="left")
-    axes.legend(loc="lower left", ncols=2)
+    left.set_xticks(range(start), ticks[:start], fontsize=8)
+    bottom, top = left.get_ylim()
+    left.set(ylim=(bottom, top + 0.25 * (top - bottom)), ylabel="critical temperature [°C]")
+    left.set_title("from each measured transition", loc="left")
+    left.legend(loc="upper left")
+    for (load, row), colour in zip(rates.items(), (BLACK, BLUE, VERMILION, GREEN), strict=True):
+        right.plot(_DURATIONS, _UNIT * np.array(row), "o-", color=colour, label=f"{load:g} N")
+    right.axhline(_UNIT * SPECIFIC_WEAR_RATE, color=GREY, ls=":", lw=1.4, label="printed")
+    right.set(xlabel="duration of the test [s]", ylim=(0, None))
+    right.set_ylabel("specific wear rate [10$^{-6}$ mm³/(N m)]")
+    right.set_title("from each measured contact width", loc="left")
+    right.legend(loc="lower left", ncols=2)
+    return figure

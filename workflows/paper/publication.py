@@ -5,7 +5,7 @@ Every number is the paper's own, from its tables, its text or its figures.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import numpy as np
 
 CYLINDER_PEAK_PRESSURE = 1.01e9
 """Peak pressure in the example of Fig. 4 [Pa]."""
@@ -21,40 +21,26 @@ SPECIFIC_WEAR_RATE = 1.2e-15
 """Specific wear rate from the measured contact widths [m²/N]."""
 
 
-class Row4(NamedTuple):
-    """A column of Table 4, in SI but for the temperature, which is in °C."""
-
-    normal_load: float
-    velocity: float
-    friction: float
-    measured_width: float
-    unworn_width: float
-    failed_share: float
-    max_celsius: float
-
-
-TABLE_4 = (
-    Row4(750.0, 1.25, 0.103, 348e-6, 186e-6, 0.109, 157.0),
-    Row4(600.0, 1.5, 0.100, 364e-6, 171e-6, 0.087, 153.0),
-    Row4(400.0, 2.25, 0.091, 354e-6, 153e-6, 0.121, 162.0),
-    Row4(200.0, 3.75, 0.094, 384e-6, 129e-6, 0.117, 160.0),
+TABLE_4 = np.rec.array(
+    [
+        (750.0, 1.25, 0.103, 348e-6, 186e-6, 0.109, 157.0),
+        (600.0, 1.5, 0.100, 364e-6, 171e-6, 0.087, 153.0),
+        (400.0, 2.25, 0.091, 354e-6, 153e-6, 0.121, 162.0),
+        (200.0, 3.75, 0.094, 384e-6, 129e-6, 0.117, 160.0),
+    ],
+    formats=7 * ["f8"],
+    names="normal_load,velocity,friction,measured_width,unworn_width,failed_share,max_celsius",
 )
+"""Transitions of Table 4, in SI but for the temperature, which is in °C."""
 
-
-class Row6(NamedTuple):
-    """A column of Table 6, in SI but for the temperatures, which are in °C."""
-
-    bulk_celsius: float
-    normal_load: float
-    velocity: float
-    friction: float
-    measured_width: float
-    max_celsius: float
-
-
-TABLE_6 = (
-    Row6(25.0, 700.0, 3.25, 0.1, 332e-6, 210.0),
-    Row6(25.0, 550.0, 5.75, 0.091, 390e-6, 230.0),
-    Row6(100.0, 700.0, 1.25, 0.14, 321e-6, 208.0),
-    Row6(100.0, 400.0, 1.88, 0.14, 333e-6, 200.0),
+TABLE_6 = np.rec.array(
+    [
+        (25.0, 700.0, 3.25, 0.1, 332e-6, 210.0),
+        (25.0, 550.0, 5.75, 0.091, 390e-6, 230.0),
+        (100.0, 700.0, 1.25, 0.14, 321e-6, 208.0),
+        (100.0, 400.0, 1.88, 0.14, 333e-6, 200.0),
+    ],
+    formats=6 * ["f8"],
+    names="bulk_celsius,normal_load,velocity,friction,measured_width,max_celsius",
 )
+"""Transitions of Table 6, in SI but for the temperatures, which are in °C."""

@@ -79,39 +79,25 @@ class Finding:
         return f" {self.why}" if self.why else ""
 
 
-def judged(
-    result: str, values: Mapping[str, Any], verdicts: Mapping[str, bool]
-) -> tuple[Finding, ...]:
-    """Findings of a result, their words filled with values.
+def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any]) -> Finding:
+    """Judge a statement of the paper, in the words of a result filled with values.
 
-    Parameters
-    ----------
-    result : str
-        Name of the result.
-    values : mapping
-        Numbers in its prose, by name. ``why`` names another reason than the usual one.
-    verdicts : mapping
-        Names of statements, true if one agrees with what is computed.
+    The reason is the one that ``why`` among the values names, or else the usual one.
     """
-    texts = {name: WORDS[result]["findings"][name] for name in verdicts}
-    why = values.get("why", "why")
-    return tuple(
-        Finding(
-            _WRITER.vformat(text["printed"], (), values),
-            _WRITER.vformat(text["computed"], (), values),
-            bool(verdicts[name]),
-            _WRITER.vformat(text.get(why, text.get("why", "")), (), values),
-        )
-        for name, text in texts.items()
+    texts = WORDS[result]["findings"][statement]
+    why = texts.get(values.get("why"), texts.get("why", ""))
+    printed, computed, why = (
+        _WRITER.vformat(text, (), values) for text in (texts["printed"], texts["computed"], why)
     )
+    return Finding(printed, computed, bool(agrees), why)
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
     """Texts in columns; a row of one text is a heading within the table."""
 
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
 
     def lines(self) -> Iterator[str]:
         r"""Aligned text: the first column to the left, the others to the right.
@@ -141,21 +127,24 @@ class Table:
 
 
 def line(label: str, values: Iterable[Any], form: str = ".0f") -> tuple[str, ...]:
-    """Row of a table: texts as they are, numbers by a format, of lists the mean and spread.
+    """Row of a table, its cells after a label.
 
     Examples
     --------
     >>> line("load", ["none", 2.0, [1.0, 3.0]], ".1f")
     ('load', 'none', '2.0', '2.0 ± 1.4')
     """
-    return (label, *(_cell(value, form) for value in values))
+    return (label, *cells(values, form))
 
 
-def _cell(value: Any, form: str) -> str:
-    if isinstance(value, str):
-        return value
-    parts = [mean(value), spread(value)] if np.size(value) > 1 else [value]
-    return " ± ".join(_WRITER.format_field(part, form) for part in parts)
+def cells(values: Iterable[Any], form: str) -> Iterator[str]:
+    """Cells of a table: texts as they are, numbers by a format, of lists the mean and spread."""
+    for value in values:
+        if isinstance(value, str):
+            yield value
+        else:
+            parts = [mean(value), spread(value)] if np.size(value) > 1 else [value]
+            yield " ± ".join(_WRITER.format_field(part, form) for part in parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,16 +189,23 @@ class Report:
         name: str,
         values: Mapping[str, Any],
         verdicts: Mapping[str, bool],
-        findings: Sequence[Finding] = (),
+        data: dict[str, Any],
+        findings: Iterable[Finding] = (),
         **parts: Any,
     ) -> Report:
-        """Report on a result, its words filled with values; verdicts as for `judged`."""
+        """Report on a result, its words filled with values and data.
+
+        Verdicts go by the names of statements, true if one agrees with what is computed.
+        """
+        values = {**data, **values}
         notes = (_WRITER.vformat(note, (), values) for note in WORDS[name]["notes"])
+        usual = (judged(name, statement, agrees, values) for statement, agrees in verdicts.items())
         return cls(
             name,
             title=_WRITER.vformat(WORDS[name]["title"], (), values),
-            findings=(*judged(name, values, verdicts), *findings),
+            findings=(*usual, *findings),
             notes=tuple(filter(None, notes)),
+            data=data,
             **parts,
         )
 

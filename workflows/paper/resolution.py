@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,41 +11,117 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.sweep.model import Sweep
+from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
-from workflows.paper.refinement import PUBLISHED, SCHEMES, Refinement, Row, refined
+from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Finding, Report, Table, judged, line, mean, spread
 from workflows.paper.study import Study
+from workflows.paper.transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, worn
 
+_BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
+_INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
+_PUBLISHED = 100  # increments
+_PAPER = Fidelity(pixels_per_element=2, increments=_PUBLISHED, averaging="mean")
+"""The grid and the increments of the paper, on which each is varied alone."""
+_SCHEMES: dict[str, tuple[WearPattern, Any]] = {  # the latter for the fidelity
+    "implicit, swept": ("swept", "implicit"),
+    "explicit, swept": ("swept", "explicit"),
+    "implicit, local": ("local", "implicit"),
+    "explicit, local (as published)": ("local", "explicit"),
+}
+_POINT = TABLE_4[0]
 _SHOWN = 48  # elements of the pressure field
 _NO_EFFECT = 2.0  # K: what the text may mean by "little to no effect", 1 % in the figure
+
+_Row = dict[int, list[float]]
+"""Temperatures over the surfaces [°C], by the number of elements along a side or of increments."""
 
 
 def fig6(study: Study) -> Report:
     """Highest temperature at 750 N and 1.25 m/s on other grids and with other steps."""
-    refinement = refined(study)
-    measured, steps = refinement.measured, refinement.by_increments
+    sweep = study.scene("irg_transition")
+    if study.preset is None:
+        sweep = replace(sweep, fidelity=_PAPER)
+    seeds, decisive = study.seeds(1), sweep.conditions.decisive
+    blocks = [n for n in _BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
+    sides = {sweep.pixels.shape[0] // block: block for block in blocks}
+    by_elements: dict[str, _Row] = {"maximum": {}, "10 %": {}, "one step": {}}
+    for side in study.stages(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
+        elements = {"pixels_per_element": sides[side], "history_coarsening": 1}
+        scene = _with(sweep, averaging="mean", **elements)
+        swept = on_surfaces([(scene, _POINT)], seeds)
+        unworn = on_surfaces([(worn(scene, "unworn"), _POINT)], seeds)
+        by_elements["maximum"][side] = celsius_of(swept, HIGHEST)[0].tolist()
+        by_elements["10 %"][side] = celsius_of(swept, decisive)[0].tolist()
+        by_elements["one step"][side] = celsius_of(unworn, HIGHEST)[0].tolist()
+    counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
+    shown = max(count for count in counts if count <= _PUBLISHED)
+    by_increments, unstable, fields = {}, {}, {}
+    for name, (pattern, scheme) in _SCHEMES.items():
+        scene = _with(worn(sweep, pattern), wear_scheme=scheme)
+        scenes = [scene.on_surface(seed) for seed in seeds]
+        stages = study.stages(counts, (name + ", {} increments").format, weight=float)
+        by_increments[name], unstable[name], pressures = _with_steps(scenes, stages)
+        if pattern == "local" and shown in pressures:
+            fields[name] = pressures[shown]
+    neighbours = {name: _neighbours(field) for name, field in fields.items()}
     values = {
-        "load": measured.normal_load,
-        "velocity": measured.velocity,
-        "friction": measured.friction,
-        "bulk": celsius(refinement.sweep.conditions.bulk_temperature),
+        "load": _POINT.normal_load,
+        "velocity": _POINT.velocity,
+        "friction": _POINT.friction,
+        "bulk": celsius(sweep.conditions.bulk_temperature),
     }
-    on_increments = (_on_increments(refinement, name) for name in steps)
-    neighbours = {name: _neighbours(field) for name, field in refinement.fields.items()}
     return Report.of(
         "fig6",
         values,
         verdicts={},
-        findings=(_on_elements(refinement.by_elements), *on_increments),
-        table=_table(refinement),
+        findings=(
+            _on_elements(by_elements),
+            *(_on_increments(n, by_increments[n], unstable[n], neighbours) for n in _SCHEMES),
+        ),
+        table=_table(by_elements, by_increments),
         data={
-            "by_elements": refinement.by_elements,
-            "by_increments": {name: its.highest for name, its in steps.items()},
+            "by_elements": by_elements,
+            "by_increments": by_increments,
             "neighbours": neighbours,
-            "warnings": {name: its.unstable for name, its in steps.items()},
+            "warnings": unstable,
         },
-        figure=_draw(refinement),
+        figure=_draw(sweep, by_elements, by_increments, fields, shown),
     )
+
+
+def _with_steps(
+    surfaces: Sequence[Sweep], counts: Iterable[int]
+) -> tuple[_Row, dict[int, str], dict[int, Array]]:
+    """Highest temperatures with several numbers of increments.
+
+    Beside them, by the number of increments, warnings of unstable steps, and pressures on the
+    first surface [Pa].
+    """
+    highest: _Row = {}
+    unstable: dict[int, str] = {}
+    pressures: dict[int, Array] = {}
+    for count in counts:
+        for surface in surfaces:
+            scene = _with(surface, increments=count, history_coarsening=1)
+            try:
+                *_, state = simulate(scene, _POINT.normal_load, _POINT.velocity)
+            except ConvergenceError as error:
+                unstable[count] = str(error)
+                continue
+            end = end_at(scene, state, _POINT.friction)
+            highest.setdefault(count, []).append(float(celsius_of(end, HIGHEST)))
+            if surface is surfaces[0]:
+                pressures[count] = state.pressure
+            for warning in map(str, warnings(scene, state)):
+                if "explicit" in warning:
+                    unstable[count] = warning
+    return highest, unstable, pressures
+
+
+def _with(scene: Sweep, **changes: Any) -> Sweep:
+    return replace(scene, fidelity=replace(scene.fidelity, **changes))
 
 
 def _neighbours(pressure: Array) -> float:
@@ -53,10 +130,9 @@ def _neighbours(pressure: Array) -> float:
     return float(np.corrcoef(rows[:-1].ravel(), rows[1:].ravel())[0, 1])
 
 
-def _table(refinement: Refinement) -> Table:
-    by_elements, by_increments = refinement.by_elements, refinement.by_increments
+def _table(by_elements: Mapping[str, _Row], by_increments: Mapping[str, _Row]) -> Table:
     sides = list(by_elements["maximum"])
-    counts = sorted({count for steps in by_increments.values() for count in steps.highest})
+    counts = sorted({count for row in by_increments.values() for count in row})
     width = max(len(sides), len(counts))
 
     def padded(name: str, cells: Iterable[Any]) -> tuple[str, ...]:
@@ -74,29 +150,28 @@ def _table(refinement: Refinement) -> Table:
             *(padded(text, (by_elements[n][side] for side in sides)) for n, text in labels.items()),
             padded("b  increments", map(str, counts)),
             *(
-                padded(name, (steps.highest.get(count, "fails") for count in counts))
-                for name, steps in by_increments.items()
+                padded(name, (row.get(count, "fails") for count in counts))
+                for name, row in by_increments.items()
             ),
         ),
     )
 
 
-def _on_elements(by_elements: Mapping[str, Row]) -> Finding:
+def _on_elements(by_elements: Mapping[str, _Row]) -> Finding:
     *_, coarse, fine = by_elements["maximum"]
     change = {name: _difference(row, fine, coarse) for name, row in by_elements.items()}
     values = {"coarse": coarse, "fine": fine, "change": change}
     largest = max(abs(change["maximum"]), abs(change["10 %"]))
-    (finding,) = judged("fig6", values, {"elements": largest < _NO_EFFECT})
-    return finding
+    return judged("fig6", "elements", largest < _NO_EFFECT, values)
 
 
-def _on_increments(refinement: Refinement, name: str) -> Finding:
-    row, unstable = refinement.by_increments[name].highest, refinement.by_increments[name].unstable
+def _on_increments(
+    name: str, row: _Row, unstable: Mapping[int, str], neighbours: Mapping[str, float]
+) -> Finding:
     if not row:
-        (finding,) = judged("fig6", {"name": name}, {"no_contact": False})
-        return finding
+        return judged("fig6", "no_contact", False, {"name": name})
     first, last = min(row), max(row)
-    base = PUBLISHED if PUBLISHED in row else first
+    base = _PUBLISHED if _PUBLISHED in row else first
     moved = _difference(row, base, last)
     values: dict[str, Any] = {
         "name": name,
@@ -108,23 +183,17 @@ def _on_increments(refinement: Refinement, name: str) -> Finding:
     }
     if unstable:
         values |= {
-            "why": "why_unstable",
+            "why": "why_checkerboard" if name in neighbours else "why_unstable",
             "least": min(unstable),
             "most": max(unstable),
             "warning": unstable[max(unstable)],
+            "neighbours": neighbours.get(name),
+            "neighbours_implicit": neighbours.get("implicit, local"),
         }
-    if unstable and name in refinement.fields:
-        implicit = refinement.fields[f"implicit, {SCHEMES[name][0]}"]
-        values |= {
-            "why": "why_checkerboard",
-            "neighbours": _neighbours(refinement.fields[name]),
-            "neighbours_implicit": _neighbours(implicit),
-        }
-    (finding,) = judged("fig6", values, {"increments": abs(moved) < _NO_EFFECT})
-    return finding
+    return judged("fig6", "increments", abs(moved) < _NO_EFFECT, values)
 
 
-def _difference(row: Row, number: int, other: int) -> float:
+def _difference(row: _Row, number: int, other: int) -> float:
     """Temperature at a number of elements or increments above that at another [K]."""
     return float(mean(row[number]) - mean(row[other]))
 
@@ -135,27 +204,34 @@ def _signed(value: float) -> str:
 
 
 @in_house_style
-def _draw(refinement: Refinement) -> Figure:
+def _draw(
+    sweep: Sweep,
+    by_elements: Mapping[str, _Row],
+    by_increments: Mapping[str, _Row],
+    fields: Mapping[str, Array],
+    shown: int,
+) -> Figure:
     figure = Figure(figsize=(9.6, 8.2))
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1))
     upper, lower = halves
     left, right = upper.subplots(1, 2, sharey=True)
-    _patches(lower, refinement)
+    if fields:
+        _patches(lower, sweep, fields, shown)
     for name, label, colour, style in (
         ("one step", "unworn, highest", BLACK, "--"),
         ("maximum", "swept wear, highest", BLUE, "-"),
         ("10 %", "swept wear, exceeded on 10 %", GREEN, "-"),
     ):
-        _curve(left, refinement.by_elements[name], label, colour, style)
+        _curve(left, by_elements[name], label, colour, style)
     left.set_xlabel("elements along each side")
     left.set_ylabel("contact temperature [°C]")
     left.set_xticks([60, 120, 240, 480])
     looks = ((BLUE, "-"), (BLUE, ":"), (VERMILION, "-"), (VERMILION, ":"))
-    for (name, steps), look in zip(refinement.by_increments.items(), looks, strict=True):
-        if steps.highest:
-            _curve(right, steps.highest, name, *look)
+    for (name, row), look in zip(by_increments.items(), looks, strict=True):
+        if row:
+            _curve(right, row, name, *look)
     right.set_xlabel("increments of the ramp")
-    right.axvline(PUBLISHED, color=GREY, lw=0.9)
+    right.axvline(_PUBLISHED, color=GREY, lw=0.9)
     bottom, top = left.get_ylim()
     left.set_ylim(bottom, top + 0.3 * (top - bottom))
     for letter, axes in (("a", left), ("b", right)):
@@ -164,7 +240,7 @@ def _draw(refinement: Refinement) -> Figure:
     return figure
 
 
-def _curve(axes: Axes, row: Row, name: str, colour: str, style: str) -> None:
+def _curve(axes: Axes, row: _Row, name: str, colour: str, style: str) -> None:
     numbers = sorted(row)
     values = [row[n] for n in numbers]
     bars = spread(values) if len(values[0]) > 1 else None
@@ -174,11 +250,9 @@ def _curve(axes: Axes, row: Row, name: str, colour: str, style: str) -> None:
     )  # fmt: skip
 
 
-def _patches(figure: SubFigure, refinement: Refinement) -> None:
+def _patches(figure: SubFigure, sweep: Sweep, fields: Mapping[str, Array], increments: int) -> None:
     """Draw the middle of the contact after explicit and implicit steps, on one scale."""
-    fields, sweep = dict(sorted(refinement.fields.items())), refinement.sweep  # explicit first
-    if not fields:
-        return
+    fields = dict(sorted(fields.items()))  # explicit first
     row = np.atleast_1d(figure.subplots(1, len(fields), sharey=True))
     dx, dy = (1e6 * side * sweep.fidelity.pixels_per_element for side in sweep.pixels.spacing)
     parts = []
@@ -192,7 +266,7 @@ def _patches(figure: SubFigure, refinement: Refinement) -> None:
             part.T, origin="lower", cmap="viridis_r", vmin=0, vmax=highest, aspect="auto",
             extent=(0, dx * part.shape[0], 0, dy * part.shape[1]), interpolation="nearest",
         )  # fmt: skip
-        axes.set_title(f"{letter}  {name}, {refinement.pictured} increments", loc="left")
+        axes.set_title(f"{letter}  {name}, {increments} increments", loc="left")
         axes.set_xlabel("x [µm]")
         axes.grid(visible=False)
     row[0].set_ylabel("y [µm], a part of the contact")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,18 +14,18 @@ from matplotlib.figure import Figure
 from pipeline.figures.rivals import SmoothContact, load_speed_exponent
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.store.identity import describe
-from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
-from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.model import Sweep
 from tribo import lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, cells, mean
 from workflows.paper.study import Study
-from workflows.paper.transitions import end_of, exponent_of, matching, name_of
+from workflows.paper.transitions import beside_boundary, film_parameter, name_of, on_surfaces
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
+_FITTED = "load_speed"  # the criterion with a parameter fitted to these very transitions
 _LOOKS = {"ours": BLUE, "blok": VERMILION, "power": GREEN, "pv": GREY, "load": BLACK}
 
 
@@ -38,7 +39,6 @@ class _Criterion:
     alike: Array  # at the scene's friction everywhere
     exponents: Array | float  # of the number over the velocity
     scaled: Array  # values in the unit, bulk temperature added where it is a rise
-    fitted: bool = False  # True if it has a parameter fitted to these very transitions
 
     @property
     def spread(self) -> float:
@@ -68,75 +68,42 @@ def _mean(values: Array) -> float:
     return math.exp(float(np.mean(np.log(values))))
 
 
-@dataclass(frozen=True, slots=True)
-class _Line:
-    """The measured line, on which every criterion is evaluated."""
-
-    loads: Array  # [N]
-    velocities: Array  # [m/s]
-    frictions: Array  # measured at each transition
-    friction: float  # of the scene
-    bulk: float  # [°C]
-
-    def criterion(
-        self,
-        name: str,
-        unit: str,
-        values: Array,
-        exponents: Array | float,
-        scale: float = 1.0,
-        by_friction: bool = True,
-    ) -> _Criterion:
-        """A criterion from its values, at friction 1 where it is in proportion to friction."""
-        frictions, friction = (self.frictions, self.friction) if by_friction else (1.0, 1.0)
-        measured = frictions * values
-        scaled = (self.bulk if unit == "°C" else 0.0) + scale * measured
-        return _Criterion(name, unit, measured, friction * values, exponents, scaled)
-
-
 def rivals(study: Study) -> Report:
     """Blok's flash temperature, power, PV and F·Vⁿ at the four transitions, and the film."""
     sweep = study.scene("irg_transition")
-    measured = matching(sweep, [row.normal_load for row in TABLE_4])
     conditions = sweep.conditions
-    line = _Line(
-        np.array([entry.normal_load for entry in measured]),
-        np.array([entry.velocity for entry in measured]),
-        np.array([entry.friction or conditions.friction for entry in measured]),
-        conditions.friction,
-        float(celsius(conditions.bulk_temperature)),
+    loads, velocities = TABLE_4.normal_load, TABLE_4.velocity
+    seeds = study.stages(study.seeds(_SURFACES), "surface {}".format)
+    smaller = replace(sweep, store_fields=False)
+    ends = on_surfaces(
+        [(smaller, row) for row in TABLE_4], seeds, partial(beside_boundary, step=_STEP)
     )
-    rises, exponents, critical = _simulated(study, sweep, measured)
-    share = f"exceeded on {100 * conditions.failing_share:g} % of the contact"
-    ours = line.criterion(share, "°C", rises, exponents)
-    criteria = {"ours": ours, **_simple(line, SmoothContact.stored({"scene": describe(sweep)}))}
+    criteria = _criteria(sweep, mean(ends["rise"]), mean(ends["exponent"]))
+    critical = mean(velocities[:, None] * (1 + ends["velocity_off"]))
+    limit = conditions.known_critical_temperature() - conditions.bulk_temperature
+    film = np.array([film_parameter(sweep, row) for row in TABLE_4])
+    regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
     values = {
         "share": conditions.failing_share,
-        "measured_exponent": load_speed_exponent(line.loads.tolist(), line.velocities.tolist()),
-        "computed_exponent": load_speed_exponent(line.loads.tolist(), critical.tolist()),
-        **_against_blok(
-            criteria, conditions.known_critical_temperature() - conditions.bulk_temperature
-        ),
+        "limit": limit,
+        **criteria,
+        **{f"{name}_off": _off(its.values, its.exponents, limit) for name, its in criteria.items()},
         **_constancy(criteria),
+        "regimes": ", ".join(regimes),
+        "place": name_of(TABLE_4[np.argmax(film)]),
     }
-    verdicts = {
-        "blok": ours.spread < min(values["unworn"].spread, values["worn"].spread),
-        "constancy": ours.spread < values["best"].spread,
-    }
-    oil, bulk = Lubrication.of(sweep), conditions.bulk_temperature
-    film = oil.film_parameter(line.loads, line.velocities, bulk) if oil else None
-    if film is not None:
-        regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
-        values |= {"film": film, "regimes": ", ".join(regimes)}
-        values["place"] = name_of(measured[int(np.argmax(film))])
-        verdicts["film"] = set(regimes) == {"boundary lubrication"}
     return Report.of(
         "rivals",
         values,
-        verdicts=verdicts,
-        table=_table(criteria, measured, film, line),
+        verdicts={
+            "blok": criteria["ours"].spread
+            < min(criteria["blok_unworn"].spread, criteria["blok_worn"].spread),
+            "constancy": criteria["ours"].spread < values["best"].spread,
+            "film": set(regimes) == {"boundary lubrication"},
+        },
+        table=_table(criteria, film, conditions),
         data={
-            "load": line.loads,
+            "load": loads,
             "criteria": {
                 key: {
                     "unit": criterion.unit,
@@ -149,130 +116,89 @@ def rivals(study: Study) -> Report:
             },
             "film_parameter": film,
             "load_speed_exponent": {
-                "measured": values["measured_exponent"],
-                "computed": values["computed_exponent"],
+                "measured": load_speed_exponent(loads.tolist(), velocities.tolist()),
+                "computed": load_speed_exponent(loads.tolist(), critical.tolist()),
             },
         },
-        figure=_draw(criteria, [name_of(entry) for entry in measured]),
+        figure=_draw(criteria),
     )
 
 
-def _simulated(study: Study, sweep: Sweep, measured: Sequence[Measurement]) -> Array:
-    """Deciding rise at friction 1, its exponent over velocity, and critical velocity.
+def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criterion]:
+    """The criterion of the model, and those that need no simulation; worn ones as measured."""
+    conditions, contact = sweep.conditions, SmoothContact.stored({"scene": describe(sweep)})
+    bulk = float(celsius(conditions.bulk_temperature))
+    F, V, mu = TABLE_4.normal_load, TABLE_4.velocity, TABLE_4.friction
 
-    Means over the surfaces, shape (3, transition); the velocity is at the scene's friction.
-    """
-    decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
-    outcomes = np.empty((3, len(measured), len(study.seeds(_SURFACES))))
-    for surface, seed in enumerate(study.seeds(_SURFACES)):
-        study.tell(f"surface {surface + 1} of {outcomes.shape[2]}")
-        scene = replace(sweep, store_fields=False).on_surface(seed)
-        for number, entry in enumerate(measured):
-            rise = float(end_of(scene, entry).rise(decisive))
-            exponent = exponent_of(scene, entry, rise, _STEP)
-            critical = entry.velocity * (1 + boundary_velocity_error(rise, limit, exponent))
-            outcomes[:, number, surface] = rise, exponent, critical
-    means: Array = outcomes.mean(axis=2)
-    return means
+    def by_friction(
+        name: str, unit: str, values: Array, exponents: Array | float, scale: float = 1.0
+    ) -> _Criterion:
+        scaled = (bulk if unit == "°C" else 0.0) + scale * (mu * values)
+        return _Criterion(name, unit, mu * values, conditions.friction * values, exponents, scaled)
 
-
-def _simple(line: _Line, contact: SmoothContact) -> dict[str, _Criterion]:
-    """The criteria that need no simulation; worn ones have the measured width."""
-    power = line.loads * line.velocities
-    widths = {
-        "unworn": [contact.width(load) for load in line.loads],
-        "worn": [row.measured_width for row in TABLE_4],
+    criteria = {
+        "ours": by_friction(conditions.decisive.temperature, "°C", rises, exponents),
+        "power": by_friction("friction power", "W", F * V, 1.0),
     }
-    criteria = {"power": line.criterion("friction power", "W", power, 1.0)}
-    for state, across in widths.items():
-        points = list(zip(line.loads, line.velocities, across, strict=True))
-        rises = np.array([contact.flash_rise(F, V, 1.0, width) for F, V, width in points])
-        density = np.array([F * V / contact.area(F, width) for F, V, width in points])
+    unworn = np.array([contact.width(load) for load in F])
+    for state, widths in (("unworn", unworn), ("worn", TABLE_4.measured_width)):
+        points = list(zip(F, V, widths, strict=True))
+        flash = np.array([contact.flash_rise(f, v, 1.0, width) for f, v, width in points])
+        density = np.array([f * v / contact.area(f, width) for f, v, width in points])
+        pv, per_area = f"PV, {state}", f"power per {state} area"
         criteria |= {
-            f"blok_{state}": line.criterion(f"Blok, smooth, {state}", "°C", rises, 0.5),
-            f"power_per_area_{state}": line.criterion(
-                f"power per {state} area", "W/mm²", density, 1.0, 1e-6
-            ),
-            f"pv_{state}": line.criterion(
-                f"PV, {state}", "GPa m/s", density, 1.0, 1e-9, by_friction=False
-            ),
+            f"blok_{state}": by_friction(f"Blok, smooth, {state}", "°C", flash, 0.5),
+            f"power_per_area_{state}": by_friction(per_area, "W/mm²", density, 1.0, 1e-6),
+            f"pv_{state}": _Criterion(pv, "GPa m/s", density, density, 1.0, 1e-9 * density),
         }
-    n = load_speed_exponent(line.loads.tolist(), line.velocities.tolist())
-    together = line.loads * line.velocities**n
+    n = load_speed_exponent(F.tolist(), V.tolist())
+    constant = F * V**n
     name = f"F·Vⁿ, n = {n:.2f} fitted here"
-    fitted = line.criterion(name, "N (m/s)ⁿ", together, n, by_friction=False)
-    return criteria | {"load_speed": replace(fitted, fitted=True)}
-
-
-def _against_blok(criteria: Mapping[str, _Criterion], limit: float) -> dict[str, Any]:
-    """Blok's criterion beside ours, and the errors of velocities with the critical temperature."""
-    chosen = {
-        "ours": criteria["ours"],
-        "unworn": criteria["blok_unworn"],
-        "worn": criteria["blok_worn"],
-    }
-    off = {
-        f"{name}_off": _off(criterion.values, criterion.exponents, limit)
-        for name, criterion in chosen.items()
-    }
-    return {"limit": limit, **chosen, **off}
+    fitted = _Criterion(name, "N (m/s)ⁿ", constant, constant, n, constant)
+    return {**criteria, _FITTED: fitted}
 
 
 def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
     """The most constant of the simple criteria, and those nearer than ours in velocity."""
     ours = criteria["ours"]
-    others = [other for other in criteria.values() if other is not ours and not other.fitted]
+    others = [criterion for name, criterion in criteria.items() if name not in ("ours", _FITTED)]
 
     def nearer(error: str) -> str:
         """Criteria with smaller errors of a velocity than ours."""
         errors = {other.name: getattr(other, error) for other in others}
-        texts = (
-            f"{name} ({100 * value:.0f} %)"
-            for name, value in errors.items()
-            if value < getattr(ours, error)
-        )
+        limit = getattr(ours, error)
+        texts = (f"{name} ({100 * off:.0f} %)" for name, off in errors.items() if off < limit)
         return ", ".join(texts) or "none"
 
     return {
-        "ours": ours,
         "best": min(others, key=lambda other: other.spread),
         "nearer": nearer("worst"),
         "nearer_alike": nearer("worst_alike"),
     }
 
 
-def _table(
-    criteria: Mapping[str, _Criterion],
-    measured: Sequence[Measurement],
-    film: Array | None,
-    line: _Line,
-) -> Table:
+def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditions) -> Table:
     rows = [
         (
-            f"{criterion.name} [{criterion.unit}]",
-            *(
-                f"{value:.{0 if criterion.scaled.min() >= 10 else 2}f}"
-                for value in criterion.scaled
-            ),
-            *(
-                f"{100 * value:.0f} %"
-                for value in (criterion.spread, criterion.worst, criterion.worst_alike)
-            ),
+            f"{its.name} [{its.unit}]",
+            *cells(its.scaled, ".0f" if its.scaled.min() >= 10 else ".2f"),
+            *cells((its.spread, its.worst, its.worst_alike), ".0f%"),
         )
-        for criterion in criteria.values()
+        for its in criteria.values()
     ]
-    if film is not None:
-        texts = (f"{value:.2f}" for value in film)
-        rows.append((f"film parameter Λ at {line.bulk:g} °C", *texts, "", "", ""))
-    columns = ("highest over lowest", "velocity off", f"at friction {line.friction:g}")
-    return Table(("", *map(name_of, measured), *columns), tuple(rows))
+    label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
+    columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
+    return Table(
+        ("", *map(name_of, TABLE_4), *columns),
+        [*rows, (label, *cells(film, ".2f"), "", "", "")],
+    )
 
 
 @in_house_style
-def _draw(criteria: Mapping[str, _Criterion], ticks: list[str]) -> Figure:
+def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
     figure = Figure(figsize=(8.4, 4.6))
     axes = figure.subplots()
-    places = np.arange(len(ticks))
+    places = np.arange(len(TABLE_4))
     for number, (key, criterion) in enumerate(criteria.items()):
         is_ours = key == "ours"
         axes.plot(
@@ -286,8 +212,8 @@ def _draw(criteria: Mapping[str, _Criterion], ticks: list[str]) -> Figure:
             label=criterion.name,
         )
     axes.axhline(1, color=BLACK, lw=0.8)
-    axes.set_xticks(places, ticks)
-    axes.set_xlim(-0.3, len(ticks) - 0.7)
+    axes.set_xticks(places, list(map(name_of, TABLE_4)))
+    axes.set_xlim(-0.3, len(TABLE_4) - 0.7)
     axes.set_ylabel("over its mean along the line")
     axes.set_title("criteria along the measured line; rises are above the bulk temperature")
     figure.legend(loc="outside lower center", ncols=3)

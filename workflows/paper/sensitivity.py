@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -12,14 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Sweep
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, mean, spread
+from workflows.paper.report import Report, Table, cells, mean, spread
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, end_of, exponent_of, worn
+from workflows.paper.transitions import HIGHEST, beside_boundary, celsius_of, on_surfaces, worn
 
 _LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 _LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
@@ -28,7 +26,7 @@ _RAS = (0.15, 0.2)  # µm, beside the scene's own
 _SMOOTH_RA, _SMOOTH_LENGTH = 0.2, 12.0  # that fit the unworn widths and the shares [µm]
 _SMOOTHER = f"{_SMOOTH_RA:g} µm, length {_SMOOTH_LENGTH:g} µm"
 _SURFACES = 4
-_EXPONENT = 0.6  # of the rise over velocity, for a second guess
+_OFF = "critical_velocity_off"
 _GOOD = 0.15  # relative, of the boundary velocity
 
 
@@ -106,37 +104,30 @@ def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughnes
 
 
 def _outcome(study: Study, sweep: Sweep) -> _Outcome:
-    decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
-    names = ("exceeded_celsius", "max_celsius", "critical_velocity_off")
-    seeds = study.seeds(_SURFACES)
-    values = np.empty((len(names), len(sweep.measured), len(seeds)))
-    for surface, seed in enumerate(seeds):
-        scene = sweep.on_surface(seed)
-        for number, entry in enumerate(sweep.measured):
-            end = end_of(scene, entry)
-            rise = float(end.rise(decisive))
-            step = math.log(limit / rise) / _EXPONENT or 0.01
-            off = boundary_velocity_error(rise, limit, exponent_of(scene, entry, rise, step))
-            values[:, number, surface] = end.celsius(decisive), end.celsius(HIGHEST), off
-    return dict(zip(names, values, strict=True))
+    transitions = [(sweep, row) for row in TABLE_4]
+    ends = on_surfaces(transitions, study.seeds(_SURFACES), beside_boundary)
+    return {
+        "exceeded_celsius": celsius_of(ends, sweep.conditions.decisive),
+        "max_celsius": celsius_of(ends, HIGHEST),
+        _OFF: ends["velocity_off"],
+    }
 
 
 def _worst(outcome: _Outcome) -> float:
     """Largest relative error of a critical velocity, averaged over the surfaces."""
-    return float(abs(mean(outcome["critical_velocity_off"])).max())
+    return float(abs(mean(outcome[_OFF])).max())
 
 
 def _unworn_widths(study: Study, sweep: Sweep) -> Array:
     """Width of the unworn contact at each transition, averaged over the surfaces [µm]."""
-    surfaces = [worn(sweep, "unworn").on_surface(seed) for seed in study.seeds(_SURFACES)]
-    widths = [[end_of(s, entry).contact_width for s in surfaces] for entry in sweep.measured]
-    return 1e6 * mean(widths)
+    transitions = [(worn(sweep, "unworn"), row) for row in TABLE_4]
+    return 1e6 * mean(on_surfaces(transitions, study.seeds(_SURFACES))["contact_width"])
 
 
 def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
     """Errors of the critical velocities, averaged over transitions and surfaces."""
     off = {
-        kind: [float(np.mean(outcome["critical_velocity_off"])) for outcome in variants.values()]
+        kind: [float(np.mean(outcome[_OFF])) for outcome in variants.values()]
         for kind, variants in outcomes.items()
     }
     lengths = outcomes["correlation length"]
@@ -147,7 +138,7 @@ def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
         "lengths": ", ".join(good) or "none",
         "lays": off["lay"],
         "hursts": off["Hurst exponent"],
-        "seeds": 100 * spread(usual["critical_velocity_off"]).max(),
+        "seeds": 100 * spread(usual[_OFF]).max(),
     }
 
 
@@ -160,14 +151,13 @@ def _of_widths(widths: Mapping[str, Array], smoother: _Outcome) -> dict[str, Any
         "nearest": min(of_ra, key=lambda name: abs(of_ra[name])),
         "smoother": _SMOOTHER,
         "smoother_off": off[_SMOOTHER],
-        "smoother_velocities": 100 * mean(smoother["critical_velocity_off"]),
+        "smoother_velocities": 100 * mean(smoother[_OFF]),
     }
 
 
 def _width_off(widths: Array) -> float:
     """Relative error of the unworn widths [µm], averaged over the transitions."""
-    printed = np.array([1e6 * row.unworn_width for row in TABLE_4])
-    return float(np.mean(widths / printed - 1))
+    return float(np.mean(widths / (1e6 * TABLE_4.unworn_width) - 1))
 
 
 def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Table:
@@ -177,32 +167,28 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Ta
         rows += [
             (
                 f"  {name}",
-                f"{np.mean(outcome['exceeded_celsius']):.0f}",
-                f"{np.mean(outcome['max_celsius']):.0f}",
-                *(
-                    f"{round(100 * off) + 0:+d} %"
-                    for off in mean(outcome["critical_velocity_off"]).tolist()
-                ),
+                *cells([outcome[key].mean() for key in ("exceeded_celsius", "max_celsius")], ".0f"),
+                *(f"{round(off) + 0:+d} %" for off in (100 * mean(outcome[_OFF])).tolist()),
                 f"{100 * _width_off(widths[name]):+.0f} %" if kind == "Ra" else "",
             )
             for name, outcome in variants.items()
         ]
-    velocities = (f"velocity at {entry.normal_load:g} N" for entry in sweep.measured)
+    velocities = (f"velocity at {load:g} N" for load in TABLE_4.normal_load)
     share = f"on {100 * sweep.conditions.failing_share:g} % [°C]"
-    return Table(("", share, "highest [°C]", *velocities, "unworn width"), tuple(rows))
+    return Table(("", share, "highest [°C]", *velocities, "unworn width"), rows)
 
 
 @in_house_style
 def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
     figure = Figure(figsize=(12.4, 6.4))
     rows = figure.subplots(2, len(outcomes), sharex="col", sharey="row")
+    printed = TABLE_4.max_celsius.mean()
     critical = celsius(sweep.conditions.known_critical_temperature())
-    printed = sum(row.max_celsius for row in TABLE_4) / len(TABLE_4)
     for number, (kind, variants) in enumerate(outcomes.items()):
         upper, lower = rows[0][number], rows[1][number]
         highest, exceeded, off = (
             np.array([mean(outcome[name]) for outcome in variants.values()])
-            for name in ("max_celsius", "exceeded_celsius", "critical_velocity_off")
+            for name in ("max_celsius", "exceeded_celsius", _OFF)
         )
         _line(upper, highest, BLUE, "highest")
         _line(upper, exceeded, GREEN, "exceeded on 10 %")

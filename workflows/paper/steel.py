@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 from scipy.special import logsumexp
@@ -16,8 +15,9 @@ from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, in_house
 from pipeline.run.vary import vary
 from tribo.types import Array
 from workflows.paper.eight import (
+    SURFACES,
     Physics,
-    Transition,
+    Transitions,
     log_evidence,
     rounded,
     transitions_of,
@@ -39,31 +39,30 @@ _STEADY = 0.2  # of the conductivity that was taken, which the transitions have 
 
 def steel(study: Study) -> Report:
     """Conductivity against critical temperature, by white oil, oil A and both."""
-    transitions = transitions_of(study, [("swept", _NODES)])
+    transitions = transitions_of(study, ("swept",), _NODES)
     warmings = np.array([Physics(K).warming(transitions) for K in _NODES])
-    posteriors = {name: _posterior(transitions, warmings, oils) for name, oils in _SETS.items()}
-    boundary = _boundary(study)
-    named = [f"{t.oil}, {t.measured.normal_load:g} N, {t.bulk_celsius:g} °C" for t in transitions]
-    celsius = {
-        f"{K:g}": [t.bulk_celsius + float(np.exp(w)) for t, w in zip(transitions, row, strict=True)]
-        for K, row in zip(_NODES, warmings, strict=True)
-    }
-    hard, soft = (celsius[f"{K:g}"] for K in (_HARD, _SOFT))
-    mean = {name: its["mean"] for name, its in posteriors.items()}
+    fine = CubicSpline(_NODES, warmings)(_FINE)
+    posteriors = {name: _posterior(transitions, fine, oils) for name, oils in _SETS.items()}
+    boundary, bulks = _boundary(study), transitions.bulk_celsius
+    named = [
+        f"{oil}, {load:g} N, {bulk:g} °C"
+        for oil, load, bulk in zip(transitions.oil, transitions.load, bulks, strict=True)
+    ]
+    critical = {K: bulks + np.exp(row) for K, row in zip(_NODES, warmings, strict=True)}
+    both = posteriors["both oils"]
     values: dict[str, Any] = {
         "soft": _SOFT,
         "hard": _HARD,
-        "surfaces": len(next(iter(transitions[0].columns.values()))),
+        "surfaces": len(study.seeds(SURFACES)),
         **{f"{name.split()[0]}_{key}": its[key] for name, its in posteriors.items() for key in its},
         "changes": boundary["change"],
-        "odds": posteriors["both oils"]["odds"],
     }
     return Report.of(
         "steel",
         values,
         verdicts={
-            "conductivity": abs(mean["both oils"] / _SOFT - 1) < _STEADY,
-            "hardened": posteriors["both oils"]["odds"] < 1,
+            "conductivity": abs(both["mean"] / _SOFT - 1) < _STEADY,
+            "hardened": both["odds"] < 1,
         },
         table=Table(
             ("", f"K {_SOFT:g} W/(m K)", f"K {_HARD:g} W/(m K)"),
@@ -76,25 +75,24 @@ def steel(study: Study) -> Report:
                     )
                 ),
                 ("critical temperature from each transition [°C]",),
-                *(line(f"  {name}", pair) for name, *pair in zip(named, soft, hard, strict=True)),
+                *(
+                    line(f"  {name}", pair)
+                    for name, *pair in zip(named, critical[_SOFT], critical[_HARD], strict=True)
+                ),
             ),
         ),
         data={
-            "critical_celsius_by_conductivity": celsius,
+            "critical_celsius_by_conductivity": {f"{K:g}": row for K, row in critical.items()},
             "conductivity": posteriors,
             "boundary": boundary,
         },
-        figure=_draw(transitions, warmings, posteriors),
+        figure=_draw(transitions, fine, posteriors),
     )
 
 
-def _posterior(
-    transitions: Sequence[Transition], warmings: Array, oils: Sequence[str]
-) -> dict[str, Any]:
+def _posterior(transitions: Transitions, warmings: Array, oils: Sequence[str]) -> dict[str, Any]:
     """Conductivity by the transitions of some oils, evenly likely before."""
-    numbers = [number for number, transition in enumerate(transitions) if transition.oil in oils]
-    fine = CubicSpline(_NODES, warmings[:, numbers])(_FINE)
-    log, white, oil_a = log_evidence([transitions[number] for number in numbers], fine)
+    log, critical = log_evidence(transitions, warmings, oils=oils)
     probability = np.exp(log - logsumexp(log))
     mean = float(probability @ _FINE)
     below = np.cumsum(probability)
@@ -108,7 +106,7 @@ def _posterior(
         "odds": float(1 / odds),
         "times": rounded(float(odds)),
         "density": (probability / (_FINE[1] - _FINE[0])).tolist(),
-        "critical": (white if "white oil" in oils else oil_a).tolist(),
+        "critical": critical[oils[0]].tolist(),
     }
 
 
@@ -131,12 +129,20 @@ def _boundary(study: Study) -> dict[str, Any]:
 
 
 @in_house_style
-def _draw(
-    transitions: Sequence[Transition], warmings: Array, posteriors: Mapping[str, Any]
-) -> Figure:
+def _draw(transitions: Transitions, warmings: Array, posteriors: Mapping[str, Any]) -> Figure:
     figure = Figure(figsize=(7.0, 3.4))
     left, right = figure.subplots(1, 2)
-    _draw_temperatures(left, transitions, warmings)
+    labelled = set()
+    for oil, bulk, row in zip(transitions.oil, transitions.bulk_celsius, warmings.T, strict=True):
+        label = f"{oil}, bulk {bulk:.0f} °C"
+        left.plot(
+            _FINE, bulk + np.exp(row), color=BLUE if oil == "white oil" else VERMILION,
+            ls="-" if bulk < 50 else "--", label=None if label in labelled else label, lw=1.2,
+        )  # fmt: skip
+        labelled.add(label)
+    left.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")
+    left.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
+    left.set_title("from each measured transition", loc="left")
     for name, posterior in posteriors.items():
         right.plot(_FINE, posterior["density"], color=_LOOKS[name], label=name)
     for K, label in ((_SOFT, "taken, as annealed"), (_HARD, "measured, hardened")):
@@ -146,26 +152,8 @@ def _draw(
             textcoords="offset points", color=GREY, rotation=90,
         )  # fmt: skip
     right.set_ylim(0, 1.4 * right.get_ylim()[1])  # room for the names of both
-    right.set_xlabel("conductivity of the steel [W/(m K)]")
-    right.set_ylabel("probability per W/(m K)")
+    right.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="probability per W/(m K)")
     right.set_title("what the transitions say", loc="left")
-    right.legend(loc="upper right", fontsize=7.5)
+    for axes in (left, right):
+        axes.legend(loc="upper right", fontsize=7.5)
     return figure
-
-
-def _draw_temperatures(axes: Axes, transitions: Sequence[Transition], warmings: Array) -> None:
-    looks = {25.0: "-", 100.0: "--"}
-    labelled = set()
-    for number, transition in enumerate(transitions):
-        bulk = transition.bulk_celsius
-        label = f"{transition.oil}, bulk {bulk:.0f} °C"
-        axes.plot(
-            _FINE, bulk + np.exp(CubicSpline(_NODES, warmings[:, number])(_FINE)),
-            color=BLUE if transition.oil == "white oil" else VERMILION, ls=looks[round(bulk)],
-            label=None if label in labelled else label, lw=1.2,
-        )  # fmt: skip
-        labelled.add(label)
-    axes.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")
-    axes.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
-    axes.set_title("from each measured transition", loc="left")
-    axes.legend(loc="upper right", fontsize=7.5)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pipeline.analysis.boundary import boundary
 from pipeline.figures.diagram import diagram
 from tribo import InputError
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, Table, cells
 from workflows.paper.study import Study
 
 _SURFACES = 8
@@ -32,62 +32,54 @@ def band(study: Study) -> Report:
 
     measured = sorted(sweep.measured, key=lambda entry: -entry.normal_load)
     loads = [entry.normal_load for entry in measured]
-    at_load = boundary(ds).sel(load=loads)
-    quantiles = at_load["critical_velocity_quantile"].transpose("load", ...).values.tolist()
+    at_load = boundary(ds).sel(load=loads).transpose("load", ...)
+    velocities = at_load["critical_velocity"].values
+    quantiles = at_load["critical_velocity_quantile"].values
     spreads = (at_load["critical_velocity_spread"] / at_load["critical_velocity_mean"]).values
-    velocities = at_load["critical_velocity"].transpose("load", ...).values.tolist()
-    medians = boundary(ds, friction=(most, least))["critical_velocity_quantile"].sel(quantile=0.5)
-    ends = medians.sel(load=loads).transpose("load", ...).values.tolist()
-
-    transitions = list(zip(measured, quantiles, spreads.tolist(), velocities, ends, strict=True))
-    inside = sum(slow <= entry.velocity <= fast for entry, *_, (slow, fast) in transitions)
+    at_ends = boundary(ds, friction=(most, least))["critical_velocity_quantile"]
+    ends = at_ends.sel(load=loads, quantile=0.5).transpose("load", ...).values
+    rows = list(zip(measured, quantiles, spreads, ends, strict=True))
+    inside = sum(slow <= entry.velocity <= fast for entry, *_, (slow, fast) in rows)
     values = {
         "surfaces": len(seeds),
         "friction": sweep.conditions.friction,
         "least": least,
         "most": most,
-        "spreads": spreads.tolist(),
-        "shifts": [end / middle - 1 for _, (_, middle, _), *_, pair in transitions for end in pair],
+        "spreads": spreads,
+        "shifts": (ends / quantiles[:, 1:2] - 1).ravel(),
         "inside": inside,
-        "number": len(transitions),
+        "number": len(measured),
     }
+    columns = ("load [N]", "measured [m/s]", "median", "10 to 90 % of the surfaces", "spread")
     return Report.of(
         "band",
         values,
         verdicts={
             "surfaces": max(spreads) < _SMALL,
-            "friction": inside == len(transitions),
+            "friction": inside == len(measured),
         },
         table=Table(
-            (
-                "load [N]",
-                "measured [m/s]",
-                "median",
-                "10 to 90 % of the surfaces",
-                "spread",
-                f"median at friction {most:g} to {least:g}",
-            ),
-            tuple(
+            (*columns, f"median at friction {most:g} to {least:g}"),
+            [
                 (
-                    f"{entry.normal_load:g}",
-                    f"{entry.velocity:g}",
+                    *cells((entry.normal_load, entry.velocity), "g"),
                     f"{middle:.2f}",
                     f"{low:.2f} to {high:.2f}",
                     f"{100 * spread:.1f} %",
                     f"{slow:.2f} to {fast:.2f}",
                 )
-                for entry, (low, middle, high), spread, _, (slow, fast) in transitions
-            ),
+                for entry, (low, middle, high), spread, (slow, fast) in rows
+            ],
         ),
         data={
             "transitions": [
                 {
                     "load": entry.normal_load,
                     "measured_velocity": entry.velocity,
-                    "critical_velocities": on_surfaces,
-                    "at_ends_of_friction_band": pair,
+                    "critical_velocities": on_surfaces.tolist(),
+                    "at_ends_of_friction_band": pair.tolist(),
                 }
-                for entry, _, _, on_surfaces, pair in transitions
+                for entry, on_surfaces, pair in zip(measured, velocities, ends, strict=True)
             ]
         },
         figure=diagram(ds),

@@ -10,53 +10,49 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import celsius, in_house_style
-from tribo.types import Array, Mask
-from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6, Row4, Row6
+from tribo.types import Array
+from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import Report, Table, line, mean, spread
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, PATTERNS, beside, ensemble, matching, name_of
+from workflows.paper.transitions import HIGHEST, beside, celsius_of, ensemble, name_of, oil_a
 
-_PRINTED = np.array([row.max_celsius for row in TABLE_6])  # [°C]
 _GOOD = 0.15  # relative, of a rise
 _DECISIVE = 3.0  # times as large a misfit, from which one reading is taken for the other
-_SCENES = {"oil_a": 25.0, "oil_a_hot": 100.0}  # bulk temperature by scene [°C]
 
 
 def table6(study: Study) -> Report:
     """Temperatures at the measured transitions of oil A, at two bulk temperatures."""
-    transitions = []
-    for name, bulk in _SCENES.items():
-        scene = study.scene(name)
-        loads = [row.normal_load for row in TABLE_6 if row.bulk_celsius == bulk]
-        transitions += [(scene, entry) for entry in matching(scene, loads)]
-    ends = ensemble(study, PATTERNS, transitions)
-    conditions, measured = scene.conditions, [entry for _, entry in transitions]
-    bulks = ends["swept"].bulk[:, :1]
-    highest = {wear: its.celsius(HIGHEST) for wear, its in ends.items()}
-    at_room = highest["swept"] - celsius(bulks) + ROOM_CELSIUS
+    transitions = oil_a(study)
+    ends = ensemble(study, ("swept", "local"), transitions)
+    conditions, swept = transitions[0][0].conditions, ends["swept"]
+    highest = {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()}
+    exceeded = {wear: celsius_of(its, conditions.decisive) for wear, its in ends.items()}
+    at_room = highest["swept"] - celsius(swept["bulk"]) + ROOM_CELSIUS
+    misfit = {"25": _misfit(25.0), "100": _misfit(100.0)}
     data: dict[str, Any] = {
-        "load": [entry.normal_load for entry in measured],
-        "velocity": [entry.velocity for entry in measured],
-        "bulk_temperature": bulks[:, 0],
+        "load": TABLE_6.normal_load,
+        "velocity": TABLE_6.velocity,
+        "bulk_temperature": swept["bulk"][:, 0],
         "max_celsius": highest,
-        "exceeded_celsius": {wear: its.celsius(conditions.decisive) for wear, its in ends.items()},
-        "misfit_by_bulk_celsius": {"25": _misfit(25.0), "100": _misfit(100.0)},
-        "width_um": 1e6 * ends["swept"].contact_width,
+        "exceeded_celsius": exceeded,
+        "misfit_by_bulk_celsius": misfit,
+        "width_um": 1e6 * swept["contact_width"],
         "max_celsius_at_room_temperature": at_room,
     }
+    tenths = mean(exceeded["swept"])
     values = {
         "surfaces": at_room.shape[1],
         "share": conditions.failing_share,
         "room": ROOM_CELSIUS,
         **_bulk_of_hot_rows(),
-        **_levels(mean(at_room), celsius(bulks[:, 0]) > ROOM_CELSIUS),
-        **_intervals(mean(highest["swept"]), mean(data["exceeded_celsius"]["swept"])),
+        **_levels(mean(at_room)),
+        "printed_interval": np.ptp(TABLE_6.max_celsius),
+        "interval": np.ptp(tenths),
+        "interval_of_maxima": np.ptp(mean(highest["swept"])),
+        "mean": mean(tenths),
+        "deviation": spread(tenths),
     }
-    misfit = data["misfit_by_bulk_celsius"]
-    names = [
-        f"{name_of(entry)}, {bulk:g} °C"
-        for entry, bulk in zip(measured, celsius(bulks[:, 0]), strict=True)
-    ]
+    names = [f"{name_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
     share = f"{100 * conditions.failing_share:g} %"
     return Report.of(
         "table6",
@@ -76,17 +72,17 @@ def _bulk_of_hot_rows() -> dict[str, Any]:
     """The bulk temperature that the printed temperatures of the hot rows are those of."""
     # The two tables at one velocity and nearly one load: the rise is proportional to friction, and
     # between loads so near it lies between unchanged and in proportion to them.
-    white, oil_a = TABLE_4[0], TABLE_6[2]
-    rise = (white.max_celsius - ROOM_CELSIUS) / white.friction * oil_a.friction
-    ends = rise * oil_a.normal_load / white.normal_load, rise
+    white, other = TABLE_4[0], TABLE_6[2]
+    rise = (white.max_celsius - ROOM_CELSIUS) / white.friction * other.friction
+    ends = rise * other.normal_load / white.normal_load, rise
     return {
-        "hot_bulk": oil_a.bulk_celsius,
+        "hot_bulk": other.bulk_celsius,
         "misfit_hot": _misfit(TABLE_6[-1].bulk_celsius),
         "misfit_room": _misfit(ROOM_CELSIUS),
         "white": white,
-        "oil_a": oil_a,
+        "oil_a": other,
         "from_room": [end + ROOM_CELSIUS for end in ends],
-        "from_hot": [end + oil_a.bulk_celsius for end in ends],
+        "from_hot": [end + other.bulk_celsius for end in ends],
     }
 
 
@@ -95,7 +91,7 @@ def _misfit(bulk_celsius: float) -> float:
 
     Standard deviation of the logarithms, with the bulk of the hot rows as given [°C].
     """
-    rows: list[tuple[Row4 | Row6, float]] = [(row, ROOM_CELSIUS) for row in TABLE_4]
+    rows = [(row, ROOM_CELSIUS) for row in TABLE_4]
     rows += [(row, min(row.bulk_celsius, bulk_celsius)) for row in TABLE_6]
     logarithms = [math.log((row.max_celsius - bulk) / row.friction) for row, bulk in rows]
     terms = [(1.0, math.log(row.normal_load), math.log(row.velocity)) for row, _ in rows]
@@ -104,10 +100,10 @@ def _misfit(bulk_celsius: float) -> float:
     return float(np.sqrt(off @ off / (len(rows) - len(law))))
 
 
-def _levels(at_room: Array, is_hot: Mask) -> dict[str, Any]:
+def _levels(at_room: Array) -> dict[str, Any]:
     """Printed rises over ours with the bulk at room temperature."""
-    ratios = (_PRINTED - ROOM_CELSIUS) / (at_room - ROOM_CELSIUS)
-    good = abs(ratios - 1) < _GOOD
+    ratios = (TABLE_6.max_celsius - ROOM_CELSIUS) / (at_room - ROOM_CELSIUS)
+    good, is_hot = abs(ratios - 1) < _GOOD, TABLE_6.bulk_celsius > ROOM_CELSIUS
     return {
         "at_room": at_room,
         "ratios": ratios,
@@ -117,29 +113,18 @@ def _levels(at_room: Array, is_hot: Mask) -> dict[str, Any]:
     }
 
 
-def _intervals(maxima: Array, tenths: Array) -> dict[str, Any]:
-    """Intervals of the temperatures, printed and ours [K]."""
-    return {
-        "printed_interval": np.ptp(_PRINTED),
-        "interval": np.ptp(tenths),
-        "interval_of_maxima": np.ptp(maxima),
-        "mean": mean(tenths),
-        "deviation": spread(tenths),
-    }
-
-
 def _table(data: dict[str, Any], names: Sequence[str], share: str) -> Table:
     return Table(
         ("", *names),
         (
             ("highest temperature [°C]",),
-            line("  printed", _PRINTED),
+            line("  printed", TABLE_6.max_celsius),
             *(line(f"  {wear}", values) for wear, values in data["max_celsius"].items()),
             line("  swept, with the bulk at 25 °C", data["max_celsius_at_room_temperature"]),
             (f"temperature exceeded on {share} of the contact [°C]",),
             *(line(f"  {wear}", values) for wear, values in data["exceeded_celsius"].items()),
             ("contact width at the end of the ramp [µm]",),
-            line("  printed, measured later", [1e6 * row.measured_width for row in TABLE_6]),
+            line("  printed, measured later", 1e6 * TABLE_6.measured_width),
             line("  swept", data["width_um"]),
         ),
     )
@@ -151,7 +136,8 @@ def _draw(data: dict[str, Any], names: Sequence[str], share: str) -> Figure:
     figure = Figure(figsize=(9.6, 4.6))
     left, right = figure.subplots(1, 2, sharey=True)
     at_room = {"swept, bulk 25 °C": data["max_celsius_at_room_temperature"]}
-    beside(left, ticks, _PRINTED, data["max_celsius"] | at_room, "highest temperature [°C]")
+    highest = data["max_celsius"] | at_room
+    beside(left, ticks, TABLE_6.max_celsius, highest, "highest temperature [°C]")
     title = f"temperature exceeded on {share} [°C]"
     beside(right, ticks, None, data["exceeded_celsius"], title)
     for axes in (left, right):

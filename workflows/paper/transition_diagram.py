@@ -19,61 +19,45 @@ def fig10(study: Study) -> Report:
     def critical(load: float, friction: float | None = None) -> float:
         return float(boundary(ds, friction=friction)["critical_velocity"].sel(load=load))
 
-    computed = [
-        (critical(entry.normal_load), critical(entry.normal_load, entry.friction))
-        for entry in sweep.measured
-    ]
-    transitions = list(zip(sweep.measured, computed, strict=True))
-    off = [velocity / entry.velocity - 1 for entry, (velocity, _) in transitions]
+    rows, transitions, off = [], [], []
+    for entry in sweep.measured:
+        load, measured = entry.normal_load, entry.velocity
+        pair = critical(load), critical(load, entry.friction)
+        errors = [velocity / measured - 1 for velocity in pair]
+        off.append(errors[0])
+        texts = [
+            text
+            for velocity, error in zip(pair, errors, strict=True)
+            for text in (f"{velocity:.2f}", f"{100 * error:+.0f} %")
+        ]
+        rows.append((f"{load:g}", f"{measured:g}", *texts))
+        transitions.append(
+            {
+                "load": load,
+                "measured_velocity": measured,
+                "critical_velocity": pair[0],
+                "measured_friction": entry.friction,
+                "critical_velocity_at_measured_friction": pair[1],
+            }
+        )
+    failed = len(outcome.failed)
     values = {
         "friction": sweep.conditions.friction,
         "off": off,
         "low": sum(value < 0 for value in off),
         "number": len(off),
-        "points": outcome.total,
         "loads": len(sweep.loads),
         "velocities": len(sweep.velocities),
-        "failed": f"{len(outcome.failed)} points failed and are left out."
-        if outcome.failed
-        else "",
+        "failed": f"{failed} points failed and are left out." if failed else "",
     }
+    columns = ("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off")
     return Report.of(
         "fig10",
         values,
-        verdicts={
-            "velocities": max(map(abs, off)) < _GOOD,
-        },
-        table=Table(
-            (
-                *("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off"),
-                *("measured friction", "off"),
-            ),
-            tuple(
-                (
-                    *(f"{value:g}" for value in (entry.normal_load, entry.velocity)),
-                    *(
-                        text
-                        for velocity in pair
-                        for text in (
-                            f"{velocity:.2f}",
-                            f"{100 * (velocity / entry.velocity - 1):+.0f} %",
-                        )
-                    ),
-                )
-                for entry, pair in transitions
-            ),
-        ),
+        verdicts={"velocities": max(map(abs, off)) < _GOOD},
+        table=Table((*columns, "measured friction", "off"), rows),
         data={
-            "transitions": [
-                {
-                    "load": entry.normal_load,
-                    "measured_velocity": entry.velocity,
-                    "critical_velocity": at_scene_friction,
-                    "measured_friction": entry.friction,
-                    "critical_velocity_at_measured_friction": at_measured_friction,
-                }
-                for entry, (at_scene_friction, at_measured_friction) in transitions
-            ],
+            "transitions": transitions,
             "computed": outcome.computed,
             "points": outcome.total,
         },

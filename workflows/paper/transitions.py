@@ -1,22 +1,24 @@
-"""Ends of points: of one, or of all measured transitions on each of several surfaces."""
+"""Ends of tests: of one, or of measured transitions on each of several surfaces."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import Literal, Self, get_args
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
-from pipeline.sweep.criterion import contact_temperature
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.criterion import boundary_velocity_error, contact_temperature, rise_limit
+from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.model import Sweep
 from tribo import InputError, State, failed_share, measures, simulate
-from tribo.criterion import Criterion, columns_of
+from tribo.corrections import moment_of
+from tribo.criterion import Criterion
 from tribo.types import Array
-from workflows.paper.publication import Row4
+from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import mean, spread
 from workflows.paper.study import Study
 
@@ -24,10 +26,16 @@ HIGHEST = Criterion("highest")
 """The highest temperature of the contact."""
 
 WearPattern = Literal["swept", "local"]
-PATTERNS: tuple[WearPattern, ...] = get_args(WearPattern)
-"""Patterns of wear."""
+Wear = WearPattern | Literal["unworn"]
+
+Ends = Mapping[str, Any]
+"""Quantities at the ends of tests, as `end_at` names them; numbers, or (transition, surface)."""
+
+Transition = tuple[Sweep, Any]
+"""A scene, and a transition of a printed table."""
 
 _SURFACES = 8
+_EXPONENT = 0.6  # of the rise over velocity, for a second guess
 _LOOKS = {
     "swept": (BLUE, "o"),
     "local": (VERMILION, "s"),
@@ -36,74 +44,97 @@ _LOOKS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Ends:
-    """Ends of points, each quantity of the shape (), or (transition, surface).
+def white_oil(study: Study) -> list[Transition]:
+    """The transitions of Table 4, in their scene."""
+    scene = study.scene("irg_transition")
+    return [(scene, row) for row in TABLE_4]
 
-    Attributes
-    ----------
-    bulk, friction : ndarray
-        Bulk temperature [K] and measured friction.
-    contact_width : ndarray
-        Distance between the outermost elements in contact [m].
-    bearing_width : ndarray
-        Width of the rows of elements across the sliding direction that carry at least 5 % of
-        what the most loaded one carries [m].
-    mean_rise, rise_quantile : ndarray
-        Rises of the contact at friction 1 [K]; the latter with `tribo.QUANTILES` last.
+
+def oil_a(study: Study) -> list[Transition]:
+    """The transitions of Table 6, in the scene of their bulk temperature."""
+    cold, hot = study.scene("oil_a"), study.scene("oil_a_hot")
+    return [(cold if row.bulk_celsius == ROOM_CELSIUS else hot, row) for row in TABLE_6]
+
+
+def end_at(scene: Sweep, state: State, friction: float | None = None) -> Ends:
+    """Quantities at the last state of a test, at the scene's friction or a measured one.
+
+    ``bulk`` is the bulk temperature [K], ``bearing_width`` the width of the rows of elements across
+    the sliding direction that carry at least 5 % of what the most loaded one carries [m]; besides,
+    the rises at friction 1 and `tribo.measures`.
     """
-
-    bulk: Array
-    friction: Array
-    contact_width: Array
-    bearing_width: Array
-    mean_rise: Array
-    rise_quantile: Array
-
-    @classmethod
-    def of(cls, scene: Sweep, state: State, friction: float | None = None) -> Self:
-        """The end of one point, at the scene's friction or a measured one."""
-        if state.heat is None:
-            raise InputError("a point ended without a temperature")
-        carried = state.pressure.mean(axis=1)
-        bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * scene.grid.spacing[0]
-        width = measures(scene, state)["contact_width"]
-        conditions, rises = scene.conditions.at_friction(friction), columns_of(state.heat)
-        return cls(
-            bulk=np.array(conditions.bulk_temperature),
-            friction=np.array(conditions.friction),
-            contact_width=np.array(width),
-            bearing_width=np.array(bearing),
-            mean_rise=np.array(rises["mean_rise"]),
-            rise_quantile=rises["rise_quantile"],
-        )
-
-    @classmethod
-    def stacked(cls, ends: Sequence[Self], axis: int = 0) -> Self:
-        """Several ends along a new axis."""
-        names = [field.name for field in fields(cls)]
-        return cls(*(np.stack([getattr(end, name) for end in ends], axis) for name in names))
-
-    def rise(self, criterion: Criterion) -> Array:
-        """Rise at friction 1 that decides by a criterion [K]."""
-        columns = {"mean_rise": self.mean_rise, "rise_quantile": self.rise_quantile}
-        return np.asarray(criterion.rise(columns))
-
-    def celsius(self, criterion: Criterion) -> Array:
-        """Temperature that decides by a criterion [°C]."""
-        return np.asarray(celsius(self.bulk + self.friction * self.rise(criterion)))
-
-    def failed_percent(self, critical: float, friction: float | None = None) -> Array:
-        """Share of the contact above a critical temperature [K], in percent."""
-        limit = (critical - self.bulk) / (friction or self.friction)
-        share = np.vectorize(failed_share, signature="(n),()->()")
-        return np.asarray(100 * share(self.rise_quantile, limit))
+    conditions, carried = scene.conditions.at_friction(friction), state.pressure.mean(axis=1)
+    bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * scene.grid.spacing[0]
+    return {
+        **measures(scene, state),
+        **moment_of(scene, state, None),
+        "bulk": conditions.bulk_temperature,
+        "friction": conditions.friction,
+        "bearing_width": bearing,
+    }
 
 
-def end_of(scene: Sweep, test: Measurement | Row4) -> Ends:
-    """Simulate a test."""
-    *_, state = simulate(scene, test.normal_load, test.velocity)
-    return Ends.of(scene, state, test.friction)
+def end_of(scene: Sweep, test: Any, factor: float = 1.0) -> Ends:
+    """Simulate a test of a printed table, at its velocity times a factor."""
+    *_, state = simulate(scene, test.normal_load, test.velocity * factor)
+    return end_at(scene, state, test.friction)
+
+
+def beside_boundary(scene: Sweep, test: Any, step: float | None = None) -> Ends:
+    """Simulate a test, and find the boundary from another velocity.
+
+    Beside the quantities of `end_of`: ``rise``, the deciding one at friction 1 [K], its
+    ``exponent`` over the velocity, and ``velocity_off``, the relative error of the critical
+    velocity at the scene's friction. The step, of the velocity's logarithm, is to about the
+    boundary if not given.
+    """
+    decisive, limit = scene.conditions.decisive, rise_limit(scene.conditions)
+    end = end_of(scene, test)
+    rise = float(decisive.rise(end))
+    step = step or math.log(limit / rise) / _EXPONENT or 0.01
+    exponent = math.log(float(decisive.rise(end_of(scene, test, math.exp(step)))) / rise) / step
+    off = boundary_velocity_error(rise, limit, exponent)
+    return {**end, "rise": rise, "exponent": exponent, "velocity_off": off}
+
+
+def on_surfaces(
+    transitions: Sequence[Transition],
+    seeds: Iterable[int],
+    end: Callable[[Sweep, Any], Ends] = end_of,
+) -> Ends:
+    """Simulate transitions on each surface, by `end_of` or another function."""
+    surfaces = [
+        _stacked([end(scene.on_surface(seed), test) for scene, test in transitions])
+        for seed in seeds
+    ]
+    return _stacked(surfaces, axis=1)
+
+
+def ensemble(
+    study: Study, wears: Sequence[Wear], transitions: Sequence[Transition]
+) -> dict[str, Ends]:
+    """Simulate transitions with each kind of wear on each of eight surfaces."""
+    ends: dict[str, Ends] = {}
+    for wear in wears:
+        seeds = study.stages(study.seeds(_SURFACES), f"{wear}, surface {{}}".format)
+        ends[wear] = on_surfaces([(worn(scene, wear), test) for scene, test in transitions], seeds)
+    return ends
+
+
+def _stacked(ends: Sequence[Ends], axis: int = 0) -> Ends:
+    return {name: np.stack([end[name] for end in ends], axis) for name in ends[0]}
+
+
+def celsius_of(ends: Ends, criterion: Criterion) -> Array:
+    """Temperature that decides by a criterion [°C]."""
+    return np.asarray(celsius(ends["bulk"] + ends["friction"] * criterion.rise(ends)))
+
+
+def failed_percent(ends: Ends, critical: float, friction: float | None = None) -> Array:
+    """Share of the contact above a critical temperature [K], in percent."""
+    limit = (critical - ends["bulk"]) / (friction or ends["friction"])
+    share = np.vectorize(failed_share, signature="(n),()->()")
+    return np.asarray(100 * share(ends["rise_quantile"], limit))
 
 
 def history(
@@ -114,49 +145,11 @@ def history(
     for state in simulate(scene, load, velocity):
         if state.heat is not None:
             times.append(state.time)
-            temperatures.append(float(Ends.of(scene, state).celsius(criterion)))
+            temperatures.append(float(celsius_of(end_at(scene, state), criterion)))
     return np.array(times), np.array(temperatures), state
 
 
-def exponent_of(scene: Sweep, entry: Measurement, rise: float, step: float) -> float:
-    """Exponent of the deciding rise over the velocity, from a step of the latter's logarithm."""
-    faster = replace(entry, velocity=entry.velocity * math.exp(step))
-    other = float(end_of(scene, faster).rise(scene.conditions.decisive))
-    return math.log(other / rise) / step
-
-
-Transition = tuple[Sweep, Measurement]
-"""A measured transition in its scene."""
-
-
-def ensemble(
-    study: Study,
-    wears: Sequence[WearPattern | Literal["unworn"]],
-    transitions: Sequence[Transition],
-    what: str = "{}",
-    surfaces: int = _SURFACES,
-) -> dict[str, Ends]:
-    """Simulate measured transitions with each kind of wear on each surface."""
-    ends: dict[str, Ends] = {}
-    for wear in wears:
-        on_surfaces = []
-        label = f"{what.format(wear)}, surface {{}}".format
-        for seed in study.stages(study.seeds(surfaces), label):
-            points = [end_of(worn(s.on_surface(seed), wear), test) for s, test in transitions]
-            on_surfaces.append(Ends.stacked(points))
-        ends[wear] = Ends.stacked(on_surfaces, axis=1)
-    return ends
-
-
-def matching(sweep: Sweep, loads: Sequence[float]) -> list[Measurement]:
-    """The scene's measured transitions at the loads of a table, in the table's order."""
-    by_load = {entry.normal_load: entry for entry in sweep.measured}
-    if set(loads) - set(by_load):
-        raise InputError(f"the scene {sweep.name} must have measured transitions at {loads} N")
-    return [by_load[load] for load in loads]
-
-
-def worn(sweep: Sweep, wear: WearPattern | Literal["unworn"]) -> Sweep:
+def worn(sweep: Sweep, wear: Wear) -> Sweep:
     """The scene unworn, or with its wear in a pattern."""
     if wear == "unworn":
         return replace(sweep, wear=None)
@@ -165,9 +158,17 @@ def worn(sweep: Sweep, wear: WearPattern | Literal["unworn"]) -> Sweep:
     return replace(sweep, wear=replace(sweep.wear, pattern=wear))
 
 
-def name_of(entry: Measurement) -> str:
+def film_parameter(scene: Sweep, test: Any) -> float:
+    """Minimum film over the roughness at a test, Λ."""
+    lubrication, bulk = Lubrication.of(scene), scene.conditions.bulk_temperature
+    if lubrication is None:
+        raise InputError(f"the scene {scene.name} must have an [oil]")
+    return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))
+
+
+def name_of(test: Any) -> str:
     """Load and velocity, in words."""
-    return f"{entry.normal_load:g} N, {entry.velocity:g} m/s"
+    return f"{test.normal_load:g} N, {test.velocity:g} m/s"
 
 
 def beside(

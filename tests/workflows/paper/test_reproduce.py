@@ -161,7 +161,7 @@ def test_the_diagram_is_computed_once(small, folder, scenes):
 
 def test_only_swept_wear_leaves_the_temperatures_of_table_4(small):
     data = small("table4").data
-    assert data["load"] == [row.normal_load for row in TABLE_4]
+    assert data["load"].tolist() == TABLE_4.normal_load.tolist()
     assert np.shape(data["max_celsius"]["swept"]) == (len(TABLE_4), SMALL["surfaces"])
     assert np.mean(data["failed_percent"]["swept"]) == pytest.approx(10, abs=10)
     assert np.mean(data["failed_percent"]["local"]) < 1
@@ -170,16 +170,16 @@ def test_only_swept_wear_leaves_the_temperatures_of_table_4(small):
 
 def test_table_6_takes_the_bulk_temperatures_of_its_scenes(small):
     data = small("table6").data
-    assert data["load"] == [row.normal_load for row in TABLE_6]
-    assert data["bulk_temperature"] == pytest.approx([row.bulk_celsius + 273.15 for row in TABLE_6])
-    assert [row.velocity for row in TABLE_6] == data["velocity"]
+    assert data["load"].tolist() == TABLE_6.normal_load.tolist()
+    assert data["bulk_temperature"] == pytest.approx(TABLE_6.bulk_celsius + 273.15)
+    assert data["velocity"].tolist() == TABLE_6.velocity.tolist()
 
 
 def test_one_friction_gives_the_shares_of_table_4_and_the_measured_ones_scatter_them(small):
     data = small("table4").data
     single = np.mean(data["failed_percent"]["swept"], axis=1)
     level = np.mean(data["failed_percent_at_scene_friction"], axis=1)
-    printed = [100 * row.failed_share for row in TABLE_4]
+    printed = 100 * TABLE_4.failed_share
     assert np.ptp(level) < 0.7 * np.ptp(single)
     assert np.abs(level - printed).max() < 8
     assert np.abs(level - printed).max() < 0.8 * np.abs(single - printed).max()
@@ -225,7 +225,7 @@ def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
     ours = np.mean(data["max_celsius_at_room_temperature"], axis=1)
     rig = np.mean(data["max_celsius"]["swept"], axis=1)
     assert rig - ours == pytest.approx([0, 0, 75, 75])
-    cold, second, hot, last = (np.array([row.max_celsius for row in TABLE_6]) - 25) / (ours - 25)
+    cold, second, hot, last = (TABLE_6.max_celsius - 25) / (ours - 25)
     assert cold == pytest.approx(second, rel=0.06)
     assert hot == pytest.approx(last, rel=0.06)
     assert cold < 0.8 * hot
@@ -250,7 +250,7 @@ def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, sc
 
 def test_the_unworn_widths_come_nearest_with_less_roughness_than_printed(small):
     widths = small("sensitivity").data["unworn_width_um"]
-    printed = np.array([1e6 * row.unworn_width for row in TABLE_4])
+    printed = 1e6 * TABLE_4.unworn_width
     off = {name: np.mean(values / printed - 1) for name, values in widths.items()}
     assert off["0.15 µm"] < off["0.2 µm"] < off["0.27 µm"]
     assert abs(off["0.2 µm"]) < abs(off["0.27 µm"])
