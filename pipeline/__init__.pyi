@@ -79,8 +79,8 @@ from .uncertain.answers import probabilities as probabilities
 from .uncertain.answers import risk_lines as risk_lines
 from .uncertain.ensemble import Ensemble as Ensemble
 from .uncertain.plan import Candidate as Candidate
-from .uncertain.plan import batch as batch
 from .uncertain.plan import candidates as candidates
+from .uncertain.plan import plan_tests as plan_tests
 from .uncertain.points import MarginIntervals as MarginIntervals
 from .uncertain.points import Risk as Risk
 from .uncertain.points import margin_intervals as margin_intervals

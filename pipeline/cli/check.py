@@ -192,7 +192,7 @@ def _unknown(sweep: Sweep) -> dict[str, Any]:
 
 
 def _on_unknown(sweep: Sweep) -> Iterator[str]:
-    """Inputs that are not known exactly, and the samples that are drawn of them."""
+    """Inputs that are not known exactly, and the samples drawn from them."""
     if sweep.samples is None:
         return
     design = sweep.samples.design

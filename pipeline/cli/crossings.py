@@ -36,7 +36,7 @@ def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads."""
     ds, conditions = opened(options), conditions_in(options)
     if "sample" in ds.dims:
-        return boundary_of_samples(ds, conditions)
+        return boundary_of_samples(options, ds, conditions)
     crossings = pipeline.boundary(ds, **conditions)
     command = _command(crossings, options.store, ds)
     text = [*text_of(crossings, command), *after_boundary(attributes_of(ds), options.store)]

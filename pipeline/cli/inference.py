@@ -119,7 +119,7 @@ def infer(options: argparse.Namespace) -> Result:
         return _of_stores(options)
     scene, *others = options.scene
     if others:
-        raise InputError(f"{others[0]} is no store; give one scene, or several stores")
+        raise InputError(f"{others[0]} is not a store; give one scene, or several stores")
     bulks = options.bulk_temperature or [None]
     options.scene, options.bulk_temperature = scene, bulks[0]
     # Several bulk temperatures are to choose from: those of a test to plan, of samples.
@@ -128,8 +128,8 @@ def infer(options: argparse.Namespace) -> Result:
         store = Path("results") / f"{scene.stem}.zarr"
         if not store.exists():
             raise InputError(
-                f"the samples of {scene} are computed first: irg run {scene}; then irg infer "
-                "OUT.zarr with what that wrote"
+                f"the samples of {scene} are not computed; run irg run {scene}, then irg infer "
+                "with the store that it wrote"
             )
         _require_as_stored(options, store)
         options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
@@ -155,8 +155,8 @@ def _of_stores(options: argparse.Namespace) -> Result:
     """Inputs as the tests leave them, from stores of samples."""
     if others := [path for path in options.scene if not path.is_dir()]:
         raise InputError(
-            f"{others[0]} is no store, and stores do not go with others; give stores of samples "
-            "alone, or one scene"
+            f"{others[0]} is not a store, as the others are; give stores of samples alone, or one "
+            "scene"
         )
     _require_as_stored(options, options.scene[0])
     return posterior(options, options.scene)

@@ -38,7 +38,6 @@ _ONLY_IN_FILES = (
 
 def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
-    weighed = [*values_in(options, "scatter", "given_measured")]
     place = values_in(options, "load", "velocity")
     if options.points is None and len(place) < 2:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
@@ -46,12 +45,7 @@ def margin(options: argparse.Namespace) -> Result:
         raise InputError(f"--points has each load and velocity; leave out {flags_of([*place])}")
     ds, conditions = opened(options), conditions_in(options)
     if "sample" in ds.dims:
-        return _of_samples(options, ds, conditions, weighed)
-    if weighed:
-        raise InputError(
-            f"samples of unknown inputs are needed by {flags_of(weighed)}: give [unknown] and "
-            "sweep.samples in the scene"
-        )
+        return _of_samples(options, ds, conditions)
     if options.points is None:
         return _of_one(options, ds, conditions)
     table = pipeline.margin_table(ds, options.points, **conditions)
@@ -81,15 +75,8 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     return Result(document | {"command": command}, text, warned, [table])
 
 
-def _of_samples(
-    options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any], weighed: Sequence[str]
-) -> Result:
+def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Distances of operating points as intervals of probability."""
-    if conditions and weighed:
-        raise InputError(
-            f"conditions are weighed as they were drawn by {flags_of(weighed)}: leave out "
-            f"{flags_of([*conditions])}"
-        )
     ensemble, measured = samples_of(options, ds, **conditions)
     draws = measured.draws if measured else None
     if options.points is None:

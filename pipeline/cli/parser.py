@@ -59,7 +59,10 @@ COMMANDS = (
         "boundary", "crossings:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (o.STORE, o.TABLE, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS),
+        (
+            o.STORE, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
+            o.CONDITIONS_AT_FRICTIONS,
+        ),
     ),
     Command(
         "margin", "margins:margin",

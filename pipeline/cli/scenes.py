@@ -82,6 +82,11 @@ def selected(sweep: Sweep) -> dict[str, Any]:
 def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
     """The store, or another one, at the entries and the wear rate that the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
+    if "sample" not in ds.dims and (weighed := weighing(options)):
+        raise InputError(
+            f"samples of unknown inputs are needed by {flags_of(weighed)}: give [unknown] and "
+            "sweep.samples in the scene"
+        )
     wanted = {path: value for path, value in options.at if store is None or path in ds.dims}
     if wanted:
         ds = pipeline.at_entries(ds, wanted)
@@ -112,6 +117,11 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
         for name, value in values.items()
         if not (value is None or value is False or value == [])
     }
+
+
+def weighing(options: argparse.Namespace) -> list[str]:
+    """Options by which measurements are to weigh the unknown inputs."""
+    return [*values_in(options, "scatter", "given_measured")]
 
 
 def flags_of(names: Sequence[str]) -> str:

@@ -19,7 +19,7 @@ from pipeline.analysis.tables import Column, Table
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import beside, values_in
+from pipeline.cli.scenes import beside, flags_of, values_in, weighing
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.answers import table_of_lines
 from pipeline.uncertain.weigh import posterior_if_given
@@ -44,7 +44,7 @@ def risk(options: argparse.Namespace) -> Result:
     """Print the probability of severe wear at a point, or draw it over the plane."""
     place = values_in(options, "load", "velocity")
     if len(place) == 1:
-        raise InputError("an operating point has a load and a velocity; give both or neither")
+        raise InputError("only one of --load and --velocity is given; give both or neither")
     ds = pipeline.open_sweep(options.store)
     ensemble, weighed = samples_of(options, ds)
     draws = weighed.draws if weighed else None
@@ -114,13 +114,18 @@ def _on_lines(lines: Table) -> Iterator[str]:
     yield from lines.lines()
 
 
-def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
+def boundary_of_samples(
+    options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]
+) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
-    ensemble = pipeline.Ensemble.of(ds, **conditions)
+    ensemble, weighed = samples_of(options, ds, **conditions)
     with working("finding probabilities at each load"):
-        lines = table_of_lines(ensemble)
-    text = [*_on_lines(lines), *notes(ensemble, None)]
-    return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
+        lines = table_of_lines(ensemble, weighed.draws if weighed else None)
+    document = {"given_measured": weighed is not None, **_about(ensemble), **_document(lines)}
+    text = [*_on_lines(lines), *notes(ensemble, weighed)]
+    if ensemble.tests and not weighed:
+        text.append("next: add --given-measured to weigh the inputs by the scene's tests")
+    return Result(document, text, pipeline.warned(ds), [lines])
 
 
 def table_of_intervals(answer: MarginIntervals) -> Table:
@@ -255,7 +260,7 @@ def _next(
     """Measurements ranked for a target, or a batch of tests, as plain data and as text."""
     about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
     if options.next > 1:
-        ranked = pipeline.batch(weighed, options.next, **about)
+        ranked = pipeline.plan_tests(weighed, options.next, **about)
         head = f"{options.next} tests to make next, each beside those before it"
     else:
         ranked = pipeline.candidates(weighed, **about)[:_SHOWN]
@@ -281,6 +286,11 @@ def samples_of(
     options: argparse.Namespace, ds: xr.Dataset, **conditions: Any
 ) -> tuple[Ensemble, Posterior | None]:
     """The samples of a sweep, and the inputs as measurements leave them if these are to count."""
+    if conditions and (weighed := weighing(options)):
+        raise InputError(
+            f"conditions are weighed as they were drawn by {flags_of(weighed)}: leave out "
+            f"{flags_of([*conditions])}"
+        )
     with working("reading samples"):
         ensemble = pipeline.Ensemble.of(ds, **conditions)
     with working("weighing the inputs by the measurements"):

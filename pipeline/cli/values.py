@@ -187,7 +187,7 @@ def settings(text: str) -> tuple[str, list[Any]]:
     """
     key, separator, values = text.partition("=")
     if not (separator and key and values):
-        raise Refused(f'"{text}" gives no values; give them like friction.coefficient=0.08,0.12')
+        raise Refused(f'"{text}" has no values; give some, like friction.coefficient=0.08,0.12')
     return key, [setting(f"{key}={value.strip()}")[1] for value in values.split(",")]
 
 

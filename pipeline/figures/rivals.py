@@ -97,7 +97,7 @@ RIVALS: dict[str, Rival] = {
 
 
 def load_speed_exponent(loads: list[float], velocities: list[float]) -> float:
-    """Exponent n of F·Vⁿ that is constant along a line, least squares in the logarithms of F.
+    """Exponent n for which F·Vⁿ is most nearly constant along a line, least squares in ln F.
 
     Examples
     --------

@@ -89,7 +89,7 @@ def histogram(
     ax: Axes | None = None,
     **changed: Any,
 ) -> Figure:
-    """Draw how the temperature is distributed over the contact at the end of a point.
+    """Draw the distribution of the temperature over the contact at the end of a point.
 
     Between the velocities of the sweep each quantile is interpolated.
     """
@@ -111,8 +111,8 @@ def histogram(
     temperatures = celsius(contact_temperature(quantiles, conditions))
     if temperatures[0] == temperatures[-1]:
         raise InputError(
-            f"friction is {conditions.friction:g}; without heat the whole contact has the bulk "
-            "temperature, of which there is no histogram"
+            f"friction is {conditions.friction:g}, so the whole contact has the bulk temperature; "
+            "give a friction above 0 for a histogram"
         )
     edges = np.linspace(temperatures[0], temperatures[-1], _BINS + 1)
     below = np.interp(edges, temperatures, row["quantile"].values)

@@ -1,8 +1,8 @@
 """Inputs that are not known exactly: the table ``[unknown]``, and samples of the whole scene.
 
-A sample is read as if its values stood in the file: whatever follows from an entry, and whatever
-an entry must fit to, follows and must fit there, too. That a distribution keeps to what is allowed
-is seen at its ends, beyond which one of ten thousand samples lies.
+A sample is read as if its values stood in the file, so all that is derived from an entry, and every
+check of it, applies to the sample. A distribution is checked at its ends, beyond which one sample
+in ten thousand lies.
 """
 
 from __future__ import annotations

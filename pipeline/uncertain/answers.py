@@ -20,7 +20,7 @@ LEAST_SLOPE = 0.05
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """Draws that are given, or those of the scene's own distributions."""
+    """Draws that are given, or else draws from the scene's own distributions."""
     return draws or prior(ensemble.unknown, ensemble.design.seed + 1)
 
 

@@ -151,7 +151,7 @@ def _with_own(smooth: Array, contacts: Groups, constants: Array) -> Array:
 
 
 def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
-    """Constants of the greatest likelihood, by its gradient."""
+    """Constants of the greatest posterior density under a weak prior, by its gradient."""
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
     spread = np.concatenate([np.full(5, 3.0), np.full(count, 1.0)])  # of a weak prior

@@ -105,7 +105,7 @@ def candidates(
     return tuple(sorted(ranked, key=lambda candidate: candidate.spread))
 
 
-def batch(
+def plan_tests(
     posterior: Posterior,
     count: int,
     target: str | None = None,
@@ -115,21 +115,23 @@ def batch(
 
     Parameters
     ----------
-    posterior, target, bulk_temperatures : optional
-        See `candidates`.
+    posterior : Posterior
+        Result of `pipeline.posterior`.
     count : int
         Number of tests, at least 1.
+    target, bulk_temperatures : optional
+        See `candidates`.
 
     Examples
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> first, second = pipeline.batch(pipeline.posterior(ensemble), 2, "temperature.critical")
+    >>> first, second = pipeline.plan_tests(pipeline.posterior(ensemble), 2, "temperature.critical")
     >>> second.spread < first.spread
     True
     """
     if count < 1:
-        raise InputError(f"count is {count}; plan at least 1 test")
+        raise InputError(f"count is {count}; it must be at least 1")
     plan, planned = _Plan(posterior, target, bulk_temperatures), []
     so_far = np.zeros((_TRUTHS, len(plan.values)))
     for _ in range(count):

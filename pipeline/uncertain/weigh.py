@@ -333,8 +333,8 @@ def _require_near(tests: Sequence[Test], distances: Distances, scatter: float) -
     apart = float(np.sqrt(np.mean(z**2, axis=0).min()))
     if apart > _FAR:
         raise InputError(
-            f"hardly any draw comes near to the tests, the best within {apart * scatter:.0%} of "
-            "their velocities; widen what [unknown] allows, or look at the tests"
+            f"hardly any draw agrees with the tests, the best within {apart * scatter:.0%} of "
+            "their velocities; widen [unknown], or look at the tests"
         )
 
 

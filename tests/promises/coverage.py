@@ -111,7 +111,7 @@ def main():
     overrides = {"fidelity.preset": options.preset} | CASES[options.case]
     ensemble = ensemble_of(options.scene, overrides, options.store)
     before = weighed(ensemble, [idle(ensemble)])
-    batch = pipeline.batch(before, options.tests, CRITICAL, BULKS[options.case])
+    batch = pipeline.plan_tests(before, options.tests, CRITICAL, BULKS[options.case])
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     began = time.monotonic()
     for number in range(len({row["truth"] for row in rows}), options.truths):

@@ -1,4 +1,4 @@
-"""Evidence of eight measured transitions for the physics that a model takes to be so."""
+"""Support of eight measured transitions for the assumptions of the physics."""
 
 from __future__ import annotations
 

@@ -161,7 +161,7 @@ def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
 
 
 def _of_oil_a(rates: Sequence[float], transitions: Sequence[Transition]) -> dict[str, Any]:
-    """Specific wear rates of oil A [1e-6 mm³/(N m)], from its widths and in its scenes."""
+    """Specific wear rates of oil A from contact widths and in its scenes [1e-6 mm³/(N m)]."""
     cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
     wears = [scene.wear for scene, _ in transitions[::2]]

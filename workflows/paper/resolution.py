@@ -199,7 +199,7 @@ def _difference(row: _Row, number: int, other: int) -> float:
 
 
 def _signed(value: float) -> str:
-    """One decimal and a sign, but none of zero."""
+    """Number with one decimal and a sign; zero without a sign."""
     return f"{round(value, 1) + 0.0:+.1f}" if round(value, 1) else "0.0"
 
 

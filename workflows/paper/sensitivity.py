@@ -143,7 +143,7 @@ def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
 
 
 def _of_widths(widths: Mapping[str, Array], smoother: _Outcome) -> dict[str, Any]:
-    """Errors of the unworn contact widths by Ra, and the Ra that they speak for."""
+    """Errors of the unworn contact widths by Ra, and the Ra with the smallest error."""
     off = {name: _width_off(row) for name, row in widths.items()}
     of_ra = {name: value for name, value in off.items() if name != _SMOOTHER}
     return {

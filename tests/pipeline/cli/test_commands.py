@@ -224,7 +224,7 @@ def test_another_scene_is_refused_with_what_differs(store, tmp_path, irg):
         (["list", "small.toml"], ["small.toml is not a folder; give one"]),
         (
             ["plot", "small.zarr", "--kind", "histogram", "--velocity", "1 m/s", "--friction", "0"],
-            ["friction is 0", "no histogram"],
+            ["friction is 0", "for a histogram"],
         ),
         (["infer", "small.toml", "--duration", "8 s"], ["--duration belongs to --contact-width"]),
         (["infer", "small.zarr", "--set", "increments=5"], ["as they were computed", "--set"]),

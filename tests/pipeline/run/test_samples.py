@@ -141,13 +141,26 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     assert lines == plane["velocity_of_probability"]
     for share in ("0.05", "0.5", "0.95"):
         assert lines[share][1] is None or 0.5 < lines[share][1] < 4.0
+    assert "next: add --given-measured" in irg("boundary", store)
+    after = said("boundary", store, "--given-measured")["velocity_of_probability"]
+    assert (
+        after
+        == said("risk", store, "--given-measured", "-o", tmp_path / "a.png")[
+            "velocity_of_probability"
+        ]
+    )
+    assert after != lines
     load(folder)
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("risk", "--load", "500 N"), "has a load and a velocity; give both or neither"),
+        (("risk", "--load", "500 N"), "--load and --velocity is given; give both or neither"),
+        (
+            ("boundary", "--given-measured", "--friction", "0.2"),
+            "by --given-measured: leave out --friction",
+        ),
         (("risk", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
         (("plot", "--kind", "ramp"), "no plane of velocities and loads"),
         (
@@ -163,7 +176,8 @@ def test_wrong_use_is_answered_in_a_line(sampled, irg, arguments, words):
 
 
 def test_a_store_without_samples_says_how_to_get_them(alone, irg):
-    assert "give [unknown] and sweep.samples" in irg("risk", alone, code=2)
+    for command in (["risk"], ["boundary", "--given-measured"]):
+        assert "give [unknown] and sweep.samples" in irg(*command, alone, code=2)
 
 
 def test_the_search_for_a_boundary_takes_no_samples(tmp_path):

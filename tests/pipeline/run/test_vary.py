@@ -136,7 +136,7 @@ def test_what_moves_no_boundary_is_drawn(velocity):
         ("wear.pattern=+20%", "no number there"),
         ("pin.radius=-2 mm", "out of range"),
         ("pin.radis=1 mm", "unknown key"),
-        ("pin.radius", "gives no values"),
+        ("pin.radius", "has no values"),
         ("friction.coefficient=0", "without friction"),
     ],
 )

@@ -99,7 +99,7 @@ def test_a_transition_measured_outside_the_samples_is_named():
 
 def test_a_measurement_that_nothing_allows_is_told():
     wild = [{"normal_load": 400.0, "velocity": 0.55, "friction": 0.1}]
-    with pytest.raises(InputError, match=r"hardly any draw comes near to the tests.*widen"):
+    with pytest.raises(InputError, match=r"hardly any draw agrees with the tests.*widen"):
         pipeline.posterior(ensemble(tests=wild), 0.01)
 
 
@@ -367,8 +367,8 @@ def test_tests_are_planned_at_the_friction_that_the_log_has():
 
 def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from():
     posterior = pipeline.posterior(ensemble((CRITICAL,)))
-    (cold,) = pipeline.batch(posterior, 1, CRITICAL.path, ["25 degC"])
-    (best,) = pipeline.batch(posterior, 1, CRITICAL.path, ["25 degC", "100 degC"])
+    (cold,) = pipeline.plan_tests(posterior, 1, CRITICAL.path, ["25 degC"])
+    (best,) = pipeline.plan_tests(posterior, 1, CRITICAL.path, ["25 degC", "100 degC"])
     assert best.test["bulk_temperature"] == pytest.approx(373.15)
     assert best.spread < 0.8 * cold.spread
     with pytest.raises(InputError, match=r'target is "pin"; give one of temperature\.critical, or'):
@@ -381,7 +381,7 @@ def test_a_friction_that_the_log_does_not_have_is_not_averaged_out_by_planned_te
     for friction in (None, 0.1):
         log = [idle | {"friction": friction}]
         posterior = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=log))
-        *_, last = pipeline.batch(posterior, 6, CRITICAL.path, ["25 degC"])
+        *_, last = pipeline.plan_tests(posterior, 6, CRITICAL.path, ["25 degC"])
         promised[friction] = last.spread
     spread, of_friction = CRITICAL.parameters[1], 0.05 * (CRITICAL.parameters[0] - 298.15)
     assert promised[None] > 0.95 * math.hypot(1 / spread, 1 / of_friction) ** -1
