@@ -28,7 +28,7 @@ from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
 _DPI = (20, 2400)
-_KINDS: dict[str, Callable[..., Figure | list[Figure]]] = {
+KINDS: dict[str, Callable[..., Figure | list[Figure]]] = {
     "diagram": diagram,
     "ramp": ramp,
     "fields": fields,
@@ -36,6 +36,7 @@ _KINDS: dict[str, Callable[..., Figure | list[Figure]]] = {
     "histogram": histogram,
     "animation": animation,
 }
+"""Function that draws each kind of figure."""
 
 
 def plot(
@@ -104,8 +105,8 @@ def plot(
     >>> pipeline.plot("results/first_try.zarr", "ramp", "ramp.svg", load="600 N").name
     'ramp.svg'
     """
-    if kind not in _KINDS:
-        raise InputError(f"kind is {kind!r}; allowed are {', '.join(_KINDS)}")
+    if kind not in KINDS:
+        raise InputError(f"kind is {kind!r}; allowed are {', '.join(KINDS)}")
     allowed = options_of(kind)
     for name in options:
         if name not in allowed:
@@ -118,7 +119,7 @@ def plot(
     metres = None if width is None else in_si("width", width, "1 m")
     if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
-    drawn = _KINDS[kind](dataset_of(ds), **options)
+    drawn = KINDS[kind](dataset_of(ds), **options)
     if options.get("ax") is not None:
         if path or metres or dpi:
             raise InputError("ax: out, width and dpi are those of its figure; set them there")
@@ -134,5 +135,5 @@ def plot(
 
 def options_of(kind: str) -> list[str]:
     """Names of the options that a kind of figure has."""
-    _, *names, _ = inspect.signature(_KINDS[kind]).parameters  # between the dataset and **changed
+    _, *names, _ = inspect.signature(KINDS[kind]).parameters  # between the dataset and **changed
     return list(dict.fromkeys((*CONDITIONS, *names)))

@@ -8,8 +8,9 @@ import pytest
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
+from pipeline.cli.parser import parse
 from pipeline.figures.diagram import diagram
-from pipeline.figures.plot import plot
+from pipeline.figures.plot import KINDS, plot
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.pipeline.figures.test_plot import contour, lines
@@ -21,7 +22,12 @@ def sweep():
     return synthetic.sweep(loads=(200.0, 400.0, 750.0), velocities=(1.0, 2.0, 4.0), fields=True)
 
 
-@pytest.mark.parametrize("kind", ["diagram", "ramp", "fields", "temperature", "histogram"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_command_takes_every_kind(kind):
+    assert parse(["plot", "out.zarr", "--kind", kind]).kind == kind
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "animation"])
 def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
     figure = plot(sweep.assign_attrs(title=100 * "words "), kind, width="8.5 cm")
     figure.draw_without_rendering()
