@@ -140,21 +140,9 @@ def examined(
         for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
         if any(chunk_key(name, numbers) in keys for name in RECORDS)
     ]
-    lost: list[tuple[str, Slices]] = []
-    apart = {*filter(is_coordinate, store.arrays), *AT_END, "status", "asked"}
-    unknown = np.zeros(store.flags.shape, bool)
-    for numbers, block in begun:
-        statuses, asked = (_read(store, name, numbers, keys) for name in ("status", "asked"))
-        store.flags[block] = PENDING if statuses is None else statuses
-        store.asked[block] = store.flags[block] != PENDING if asked is None else asked
-        present = [name for name in ("status", "checksum") if chunk_key(name, numbers) in keys]
-        unknown[block] = statuses is None and bool(present)
-        if statuses is None and "status" in present:
-            shared.append("the statuses are damaged")
-        if asked is None and (chunk_key("asked", numbers) in keys or store.asked[block].any()):
-            shared.append("the points that the last run asked for are damaged")
-            lost.append(("asked", block))
+    unknown, lost = _read_marks(store, begun, keys, shared)
     keys = store.place.keys()  # again: a writer may have finished points meanwhile
+    apart = {*filter(is_coordinate, store.arrays), *AT_END, "status", "asked"}
     total, count = int(np.count_nonzero(store.flags == DONE)), 0
     faults: dict[tuple[int, ...], tuple[Damage, PointRecord | None]] = {}
     complete: list[Point] = []
@@ -193,6 +181,31 @@ def examined(
         without_status=tuple(complete),
         repaired=repair,
     )
+
+
+def _read_marks(
+    store: Store,
+    begun: Iterable[tuple[tuple[int, ...], Slices]],
+    keys: set[str],
+    shared: list[str],
+) -> tuple[Mask, list[tuple[str, Slices]]]:
+    """Read statuses and points asked for; points whose status is unknown, and chunks that are lost.
+
+    Faults are added to those that belong to no point.
+    """
+    unknown, lost = np.zeros(store.flags.shape, bool), []
+    for numbers, block in begun:
+        statuses, asked = (_read(store, name, numbers, keys) for name in ("status", "asked"))
+        store.flags[block] = PENDING if statuses is None else statuses
+        store.asked[block] = store.flags[block] != PENDING if asked is None else asked
+        present = [name for name in ("status", "checksum") if chunk_key(name, numbers) in keys]
+        unknown[block] = statuses is None and bool(present)
+        if statuses is None and "status" in present:
+            shared.append("the statuses are damaged")
+        if asked is None and (chunk_key("asked", numbers) in keys or store.asked[block].any()):
+            shared.append("the points that the last run asked for are damaged")
+            lost.append(("asked", block))
+    return unknown, lost
 
 
 def _read(store: Store, name: str, numbers: tuple[int, ...], keys: set[str]) -> Any:
