@@ -48,5 +48,5 @@ def test_a_run_says_what_it_needs(tmp_path):
     (tmp_path / "small.toml").write_text(SCENE)
     done = run("run", tmp_path / "small.toml", "-o", tmp_path / "out.zarr")
     assert done.returncode == 2
-    assert "no locks on files, which runs need; run on Linux or macOS" in done.stderr
+    assert "no file locks, which irg run needs; run it on Linux or macOS" in done.stderr
     assert done.stderr.count("\n") == 1
