@@ -64,7 +64,7 @@ def test_a_store_that_threads_open_side_by_side_writes_empty_chunks(alone):
 
     def writes_empty(_):
         arrays = arrays_of(store.place, store.root.arrays, read_only=False)
-        return all(array.config.write_empty_chunks for array in arrays.values())
+        return all(array._async_array._config.write_empty_chunks for array in arrays.values())
 
     with ThreadPoolExecutor(8) as threads:
         assert all(threads.map(writes_empty, range(100)))
