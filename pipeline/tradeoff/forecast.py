@@ -25,7 +25,7 @@ _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
-_PATIENCE = 3.0  # [s] of processor time for the steps that are timed
+_PATIENCE = 3.0  # [s] of processor time, after which no further point is timed
 _NODES = 1280  # of the elimination that is timed
 _SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
 
@@ -212,7 +212,7 @@ class _Timed(NamedTuple):
 
 
 def _timed(sweep: Sweep, loads: Sequence[float]) -> _Timed:
-    """Compute a ramp through some loads here and now, as far as it comes in a few seconds."""
+    """Compute a ramp through some loads here and now: its first point, and more if it is fast."""
     moving = [velocity for velocity in sweep.velocities if velocity] or [0.0]
     velocity, firsts = moving[len(moving) // 2], []
     for _ in ("cold", "warm"):
@@ -222,13 +222,12 @@ def _timed(sweep: Sweep, loads: Sequence[float]) -> _Timed:
     of_contacts, of_heat = list[float](), list[float]()
     for state, taken in _clocked(sweep, loads, velocity):
         of_contacts.append(taken)
-        is_last = sum(of_contacts) + sum(of_heat) > _PATIENCE
-        if state.heat is None and (state.is_asked or (is_last and not of_heat)):
+        if state.is_asked and state.heat is None:
             of_heat.append(_heat_seconds(sweep, state, velocity))
-        if is_last:
+        if state.is_asked and sum(of_contacts) + sum(of_heat) > _PATIENCE:
             break
-    heat_alone = float(np.mean(of_heat)) if of_heat else 0.0
-    return _Timed(max(0.0, firsts[0] - firsts[1]), float(np.mean(of_contacts)), heat_alone, state)
+    begin, contact = max(0.0, firsts[0] - firsts[1]), float(np.mean(of_contacts))
+    return _Timed(begin, contact, float(np.mean(of_heat or 0.0)), state)
 
 
 def _clocked(
