@@ -184,9 +184,7 @@ class Table:
         body = "".join(f"<tr>{row}</tr>\n" for row in rows)
         return f"<table><thead><tr>{heads}</tr></thead>\n<tbody>{body}</tbody></table>"
 
-    def _repr_html_(self) -> str:
-        """The table in a notebook."""
-        return self.html()
+    _repr_html_ = html  # in a notebook
 
     def write(self, out: str | Path) -> Path:
         """Write the table to a file, .csv or .md."""
