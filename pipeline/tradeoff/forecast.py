@@ -106,35 +106,33 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     if workers is not None:
         require_count("workers", workers)
     sweep, cores = sweep_of(sweep), os.cpu_count() or 1
-    if sweep.over:
-        return _of_scenes(sweep, workers, boundary_only)
     workers, variants = workers or cores, 1 if sweep.samples else len(sweep.variants)
     searched = boundary_only and not sweep.samples
     velocities = _searched(sweep) if searched else sweep.ramps // variants
     ramps = velocities * variants
     points = (min(2, velocities) if searched else velocities) * len(sweep.loads) * variants
     moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
-    shared, loads = 1, sweep.loads
+    scene, loads, shared = sweep, sweep.loads, 1.0  # variants that share a contact
     if sweep.samples:
         moving, shared = ramps, sweep.samples.design.per_contact
+    if sweep.over:
+        scene = sweep.variant(sweep.entries[len(sweep.entries) // 2])
+        shared = len(sweep.entries) / len(set(sweep.over.leads.values()))
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
         loads = tuple(load for load in loads if load <= np.median(loads))
-    steps = list(_steps_of_ramp(sweep, loads))
-    timed = _timed(sweep, loads)
+    steps = list(_steps_of_ramp(scene, loads))
+    timed = _timed(scene, loads)
     heated = sum(is_heated for _, is_heated in steps)
     heated += sum(is_heated and load in sweep.loads for load, is_heated in steps) * len(sweep.rates)
-    chains = points if sweep.independent else ramps
-    parallel = min(workers, chains)
-    # Without wear workers keep the contacts of the first velocity.
-    is_kept = not (sweep.remembers_steps or sweep.samples)
-    ramps_of_contacts = min(ramps, parallel * variants) if is_kept else math.ceil(ramps / shared)
-
-    def turns(ramps: int) -> float:
-        return ramps / parallel if sweep.independent else math.ceil(ramps / parallel)
-
-    alone = timed.begin * variants + turns(ramps_of_contacts) * len(steps) * timed.contact
-    alone += turns(ramps) * (heated * timed.heat + len(sweep.loads) * _SECONDS_TO_COMMIT)
+    chains = math.ceil((points if sweep.independent else ramps) / shared)
+    parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
+    turns = of_contacts / parallel if sweep.independent else math.ceil(of_contacts / parallel)
+    alone = turns * shared * (heated * timed.heat + len(loads) * _SECONDS_TO_COMMIT)
+    if not (sweep.remembers_steps or sweep.samples):  # workers keep those of the first velocity
+        of_contacts = min(of_contacts, parallel * variants)
+        turns = min(turns, variants)
+    alone += timed.begin * variants + turns * len(steps) * timed.contact
     busy = min(os.getloadavg()[0], cores) if hasattr(os, "getloadavg") else 0.0
     elsewhere = workers > _HERE * cores
     seconds, idle = (
@@ -150,40 +148,15 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         basis += f"; other programs use {busy:.2g} of {cores} cores, without them {duration(idle)}"
     return Estimate(
         points=points,
-        steps=len(steps) * ramps_of_contacts,
+        steps=len(steps) * of_contacts,
         temperatures=heated * moving * variants,
         chains=chains,
         workers=workers,
         seconds=seconds,
         basis=basis,
-        worker_bytes=worker_bytes(sweep, nodes),
-        disk_bytes=points * _point_bytes(sweep, timed.state),
-        warnings=tuple(_too_many_nodes(sweep, nodes)) if moving else (),
-    )
-
-
-def _of_scenes(sweep: Sweep, workers: int | None, boundary_only: bool) -> Estimate:
-    """Cost of a sweep over entries, from that of some of its scenes."""
-    count, ramps = len(sweep.entries), len(set(sweep.over.leads.values())) if sweep.over else 1
-    tried = dict.fromkeys((0, count // 2, count - 1))
-    costs = [
-        estimate(sweep.variant(sweep.entries[number]), workers, boundary_only) for number in tried
-    ]
-
-    def total(name: str, scenes: int) -> float:
-        return float(scenes * np.mean([getattr(cost, name) for cost in costs]))
-
-    started = total("seconds", ramps) - (ramps - 1) * _SECONDS_TO_START
-    return replace(
-        costs[0],
-        points=round(total("points", count)),
-        steps=round(total("steps", ramps)),
-        temperatures=round(total("temperatures", count)),
-        chains=round(total("chains", ramps)),
-        seconds=max(started, costs[0].seconds),
-        worker_bytes=max(cost.worker_bytes for cost in costs),
-        disk_bytes=total("disk_bytes", count),
-        warnings=tuple(dict.fromkeys(line for cost in costs for line in cost.warnings)),
+        worker_bytes=max(worker_bytes(sweep.variant(entry), nodes) for entry in sweep.entries),
+        disk_bytes=points * _point_bytes(scene, timed.state),
+        warnings=tuple(_too_many_nodes(scene, nodes)) if moving else (),
     )
 
 
