@@ -232,13 +232,6 @@ def is_table(out: str | Path | None) -> bool:
     return out is not None and Path(out).suffix.lower() in TABLES
 
 
-def table_of(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Table of records by heading, whose values are already in the units of their headings."""
-    heads = list(dict.fromkeys(key for record in records for key in record))
-    rows = tuple(tuple(record.get(head) for head in heads) for record in records)
-    return Table(tuple(Column(head, head) for head in heads), rows)
-
-
 def _written(value: Any) -> str:
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""

@@ -14,9 +14,9 @@ import numpy as np
 from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import step_count
+from pipeline.sweep.plan import columns_of, step_count
 from pipeline.sweep.stages import duration
-from tribo import BULK_RATIOS, QUANTILES, State, contacts, heat, measures
+from tribo import QUANTILES, State, contacts, heat
 from tribo.simulation import forget_contacts, leads_to
 from tribo.thermal import DIRECT_MEMORY
 
@@ -257,10 +257,8 @@ def _steps_of_ramp(sweep: Sweep, loads: Sequence[float]) -> Iterator[tuple[float
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
-    numbers = len(measures(sweep, state)) + len(QUANTILES)
+    numbers: int = sum(column[0].size for column in columns_of(sweep, [state]).values())
     numbers += len(sweep.rates) * (len(QUANTILES) + 2)
-    if sweep.unequal_bulks:
-        numbers += len(BULK_RATIOS) * len(QUANTILES)
     fields = (3 + sweep.unequal_bulks) * math.prod(sweep.grid.shape) * sweep.store_fields
     return 8.0 * (numbers * max(step_count(sweep, load) for load in sweep.loads) + fields)
 

@@ -239,23 +239,16 @@ def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Find
     base_choice = next((choice for choice in choices if choice.name == base), None)
     if base_choice is None:
         return ()
-    findings: dict[str, Finding] = {}
+    findings = []
     for choice in choices:
-        if choice.varied is None:
-            continue
         saving = base_choice.work / choice.work
-        moves = max(
-            abs(one - other)
-            for one, other in zip(choice.velocity_errors, base_choice.velocity_errors, strict=True)
-        )
-        earlier = findings.get(choice.varied)
-        if saving >= _SAVES and moves <= _MOVES and (earlier is None or earlier.saving < saving):
-            findings[choice.varied] = Finding(
-                base,
-                choice.varied,
-                getattr(start, choice.varied),
-                getattr(choice.fidelity, choice.varied),
-                saving,
-                moves,
-            )
-    return tuple(sorted(findings.values(), key=lambda finding: -finding.saving))
+        pairs = zip(choice.velocity_errors, base_choice.velocity_errors, strict=True)
+        moves = max(abs(one - other) for one, other in pairs)
+        if choice.varied and saving >= _SAVES and moves <= _MOVES:
+            value, cheaper = (getattr(one, choice.varied) for one in (start, choice.fidelity))
+            findings.append(Finding(base, choice.varied, value, cheaper, saving, moves))
+    findings.sort(key=lambda finding: -finding.saving)
+    costliest: dict[str, Finding] = {}
+    for finding in findings:
+        costliest.setdefault(finding.field, finding)
+    return tuple(costliest.values())
