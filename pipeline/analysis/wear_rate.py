@@ -65,17 +65,14 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
     if rate == stored_rate:
         return ds.assign_attrs(wear_rate=rate)
     _require_known(rate, stored_rate, ds)
-    rates = np.append(ds["wear_rate"].values, stored_rate)
-    order = np.argsort(rates)
-    _, kept = np.unique(rates[order], return_index=True)
-    order = order[kept]
+    rates, order = np.unique([*ds["wear_rate"].values, stored_rate], return_index=True)
 
     def at_rate(name: str) -> xr.DataArray:
         others = ds[f"{name}_at_wear_rate"]
         dims = [dim for dim in others.dims if dim != "wear_rate"]
         at_others, stored = others.transpose(..., "wear_rate"), ds[name].transpose(*dims)
         values = np.concatenate([at_others.values, stored.values[..., None]], axis=-1)
-        rise = _power_law(rates[order], values[..., order], rate)
+        rise = _power_law(rates, values[..., order], rate)
         return xr.DataArray(rise, dims=dims, attrs=ds[name].attrs).transpose(*ds[name].dims)
 
     quantile = at_rate("rise_quantile")

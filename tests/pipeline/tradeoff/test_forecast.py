@@ -96,7 +96,9 @@ def test_the_boundary_alone_takes_fewer_points(fixed_rates):
     assert boundary.seconds < whole.seconds / 5
 
 
-def test_the_time_is_that_of_a_whole_run_within_its_factor():
+@pytest.mark.parametrize("patience", [forecast._PATIENCE, 0.0], ids=["a ramp", "a point"])
+def test_the_time_is_that_of_a_whole_run_within_its_factor(monkeypatch, patience):
+    monkeypatch.setattr(forecast, "_PATIENCE", patience)
     sweep = replace(SWEEP, fidelity=PRESETS["standard"])
     for point in points(sweep)[:1]:
         run_point(sweep, *point)  # what is imported and computed once
