@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
@@ -112,23 +112,22 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     ramps = velocities * variants
     points = (min(2, velocities) if searched else velocities) * len(sweep.loads) * variants
     moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
-    scene, loads, shared = sweep, sweep.loads, 1.0  # variants that share a contact
+    scene, shared = sweep, 1.0  # variants that share a contact
     if sweep.samples:
         moving, shared = ramps, sweep.samples.design.per_contact
     if sweep.over:
         scene = sweep.variant(sweep.entries[len(sweep.entries) // 2])
         shared = len(sweep.entries) / len(set(sweep.over.leads.values()))
+    timed, steps = _timed(scene), list(_steps_of_ramp(scene))
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
-        loads = tuple(load for load in loads if load <= np.median(loads))
-    steps = list(_steps_of_ramp(scene, loads))
-    timed = _timed(scene, loads)
+        steps = [step for step in steps if step[0] <= np.median(sweep.loads)]
     heated = sum(is_heated for _, is_heated in steps)
     heated += sum(is_heated and load in sweep.loads for load, is_heated in steps) * len(sweep.rates)
     chains = math.ceil((points if sweep.independent else ramps) / shared)
     parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
     turns = of_contacts / parallel if sweep.independent else math.ceil(of_contacts / parallel)
-    alone = turns * shared * (heated * timed.heat + len(loads) * _SECONDS_TO_COMMIT)
+    alone = turns * shared * (heated * timed.heat + len(sweep.loads) * _SECONDS_TO_COMMIT)
     if not (sweep.remembers_steps or sweep.samples):  # workers keep those of the first velocity
         of_contacts = min(of_contacts, parallel * variants)
         turns = min(turns, variants)
@@ -184,16 +183,16 @@ class _Timed(NamedTuple):
     state: State
 
 
-def _timed(sweep: Sweep, loads: Sequence[float]) -> _Timed:
-    """Compute a ramp through some loads here and now: its first point, and more if it is fast."""
+def _timed(sweep: Sweep) -> _Timed:
+    """Compute a ramp here and now: its first point, and more if it is fast."""
     moving = [velocity for velocity in sweep.velocities if velocity] or [0.0]
     velocity, firsts = moving[len(moving) // 2], []
     for _ in ("cold", "warm"):
-        state, taken = next(_clocked(sweep, loads, velocity * 1.01))
+        state, taken = next(_clocked(sweep, velocity * 1.01))
         firsts.append(taken + _heat_seconds(sweep, state, velocity * 1.01))
         forget_contacts()
     of_contacts, of_heat = list[float](), list[float]()
-    for state, taken in _clocked(sweep, loads, velocity):
+    for state, taken in _clocked(sweep, velocity):
         of_contacts.append(taken)
         if state.is_asked and state.heat is None:
             of_heat.append(_heat_seconds(sweep, state, velocity))
@@ -203,14 +202,12 @@ def _timed(sweep: Sweep, loads: Sequence[float]) -> _Timed:
     return _Timed(begin, contact, float(np.mean(of_heat or 0.0)), state)
 
 
-def _clocked(
-    sweep: Sweep, loads: Sequence[float], velocity: float
-) -> Iterator[tuple[State, float]]:
-    """Contacts of a ramp through some loads, each with the processor time that it took [s]."""
+def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
+    """Contacts of a ramp through all loads, each with the processor time that it took [s]."""
     if sweep.fidelity.partition == "direct":  # whose matrix may be beyond reason
         sweep = replace(sweep, fidelity=replace(sweep.fidelity, partition="local"))
     trunk, began = None, time.process_time()
-    for load in loads:
+    for load in sweep.loads:
         if trunk and (sweep.independent or not leads_to(sweep, trunk, load)):
             trunk = None
         for state in contacts(sweep, load, velocity, trunk):
@@ -239,10 +236,10 @@ def _searched(sweep: Sweep) -> int:
     return min(2 * len(sweep.loads), math.ceil(spans) + 1)
 
 
-def _steps_of_ramp(sweep: Sweep, loads: Sequence[float]) -> Iterator[tuple[float, bool]]:
+def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
     """Load of each step at one velocity, and whether it is given its temperature."""
     interval, shared, trunk = sweep.fidelity.temperature_interval, 0.0, 0.0
-    for load in loads:
+    for load in sweep.loads:
         if sweep.trunk(load) != shared:
             shared, trunk = sweep.trunk(load), 0.0
         stations = list(sweep.stations(load, after=trunk))
