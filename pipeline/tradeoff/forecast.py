@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,12 +113,12 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     ramps = velocities * variants
     points = (min(2, velocities) if searched else velocities) * len(sweep.loads) * variants
     moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
-    scene, shared = sweep, 1.0  # variants that share a contact
+    scene, shared = sweep, Fraction(1)  # variants that share a contact
     if sweep.samples:
-        moving, shared = ramps, sweep.samples.design.per_contact
+        moving, shared = ramps, Fraction(sweep.samples.design.per_contact)
     if sweep.over:
         scene = sweep.variant(sweep.entries[len(sweep.entries) // 2])
-        shared = len(sweep.entries) / len(set(sweep.over.leads.values()))
+        shared = Fraction(len(sweep.entries), len(set(sweep.over.leads.values())))
     timed, steps = _timed(scene), list(_steps_of_ramp(scene))
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
@@ -127,7 +128,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     chains = math.ceil((points if sweep.independent else ramps) / shared)
     parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
     turns = of_contacts / parallel if sweep.independent else math.ceil(of_contacts / parallel)
-    alone = turns * shared * (heated * timed.heat + len(sweep.loads) * _SECONDS_TO_COMMIT)
+    alone = turns * float(shared) * (heated * timed.heat + len(sweep.loads) * _SECONDS_TO_COMMIT)
     if not (sweep.remembers_steps or sweep.samples):  # workers keep those of the first velocity
         of_contacts = min(of_contacts, parallel * variants)
         turns = min(turns, variants)
