@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+import scipy  # loads its parts when they are used
 
 from tribo.types import Array
 
@@ -44,14 +45,13 @@ def crossing(x: Array, y: Array, limit: float) -> float:
         return float(x[first])
     if first == 0:
         return math.nan
-    from scipy.optimize import brentq  # takes a while to load
-
     curve, (below, above) = _curve(x, y), x[first - 1 : first + 1].tolist()
     if curve(below) >= limit:  # by rounding
         return float(below)
     if curve(above) <= limit:
         return float(above)
-    return float(brentq(lambda x: curve(x) - limit, below, above, xtol=1e-15, maxiter=1000))
+    options = {"xtol": 1e-15, "maxiter": 1000}
+    return float(scipy.optimize.brentq(lambda x: curve(x) - limit, below, above, **options))
 
 
 def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> Array:
@@ -123,15 +123,13 @@ def exponent(x: Array, y: Array, place: float) -> float:
 
 def _curve(x: Array, y: Array) -> Callable[[Array], Array]:
     """Monotone cubic through points, of the logarithms where they are positive."""
-    from scipy.interpolate import PchipInterpolator  # takes 0.2 s, which a run does without
-
     if (x > 0).all() and (y > 0).all():
-        power_law = PchipInterpolator(np.log(x), np.log(y))
+        power_law = scipy.interpolate.PchipInterpolator(np.log(x), np.log(y))
         return lambda places: np.exp(power_law(np.log(places)))
     if x[0] == 0 and y[0] == 0 and len(x) > 2 and (y[1:] > 0).all():
         # From the first point down to 0, the power law goes on with which the others begin; a
         # flat one would leap up at 0.
-        cubic = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))
+        cubic = scipy.interpolate.PchipInterpolator(np.log(x[1:]), np.log(y[1:]))
         slope = float(cubic(cubic.x[0], 1))
         if slope > _FLAT:
 
@@ -141,5 +139,5 @@ def _curve(x: Array, y: Array) -> Callable[[Array], Array]:
                 return np.where(places < x[1], foot, beyond)
 
             return from_rest
-    straight: Callable[[Array], Array] = PchipInterpolator(x, y)
+    straight: Callable[[Array], Array] = scipy.interpolate.PchipInterpolator(x, y)
     return straight

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
@@ -132,10 +133,9 @@ def _power_law(rates: Array, rises: Array, rate: float) -> Array:
     >>> _power_law(rates, np.array([10 * rates**-0.5, [0.0, 0.0, 0.0]]), 3.0).round(3)
     array([5.774, 0.   ])
     """
-    from scipy.interpolate import PchipInterpolator  # takes a while to load
-
     positive = np.all(rises > 0, axis=-1, keepdims=True)
     logarithms = np.log(np.where(positive, rises, 1.0))
-    power_law = np.exp(PchipInterpolator(np.log(rates), logarithms, axis=-1)(np.log(rate)))
+    curve = scipy.interpolate.PchipInterpolator(np.log(rates), logarithms, axis=-1)
+    power_law = np.exp(curve(np.log(rate)))
     is_finite = np.isfinite(rises).all(axis=-1)
     return np.where(is_finite, np.where(positive[..., 0], power_law, 0.0), np.nan)
