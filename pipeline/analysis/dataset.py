@@ -165,7 +165,6 @@ def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """
     if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds
-    rises.require_bulks(ds, conditions)
     return _with_rises(ds, conditions, rises.at_bulks)
 
 

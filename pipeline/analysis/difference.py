@@ -181,13 +181,8 @@ def _states(
     roughness = attributes_of(ds)["scene"].get("roughness") or {}
     seed = roughness.get("seed") if has_seeds else None
     rise = end_of_point(ds[["time", "max_rise"]])["max_rise"]
-    variant = ds[axis] if axis else xr.DataArray(-1)
-    columns = xr.broadcast(
-        ds["status"], asked(ds), rise, ds["load"], ds["velocity"], variant, exclude=("step",)
-    )
-    for status, is_asked, value, load, velocity, number in zip(
-        *(column.values.ravel().tolist() for column in columns), strict=True
-    ):
-        if status or is_asked:
-            place = load, velocity, number if axis else seed
-            yield place, (_STATES.get(status, "pending"), value)
+    points = xr.Dataset({"status": ds["status"], "asked": asked(ds), "rise": rise})
+    for point in points.to_dataframe().reset_index().to_dict("records"):
+        if point["status"] or point["asked"]:
+            place = point["load"], point["velocity"], point[axis] if axis else seed
+            yield place, (_STATES.get(point["status"], "pending"), point["rise"])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.scene.scenefile import SceneLike, sweep_of
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import staged
 from tribo import Criterion, InputError, Transition, critical_temperature
 from tribo.errors import require_positive
@@ -119,14 +119,14 @@ def critical_temperatures(
             "load and velocity"
         )
     conditions = sweep.conditions
-
-    def transition(entry: Measurement) -> Transition:
-        friction = entry.friction
-        if friction is None:
-            friction = conditions.friction_at(entry.velocity)
-        return Transition(entry.normal_load, entry.velocity, friction)
-
-    transitions = tuple(transition(entry) for entry in sweep.measured)
+    transitions = tuple(
+        Transition(
+            entry.normal_load,
+            entry.velocity,
+            conditions.at_friction(entry.friction).friction_at(entry.velocity),
+        )
+        for entry in sweep.measured
+    )
     surfaces = sweep.realizations or (getattr(sweep.roughness, "seed", None),)
     for crossing in transitions:
         require_positive(friction=crossing.friction)

@@ -11,15 +11,12 @@ which the rise reaches what it is halfway between two of them is found to 0.11 %
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
+import scipy  # loads its parts when they are used
 
 from tribo.types import Array
-
-if TYPE_CHECKING:
-    from scipy.interpolate import PchipInterpolator
 
 _NEAR = 1.01  # ratio of abscissae over which an exponent is taken
 _FLAT = 0.25  # least exponent of a power law that is continued down to 0
@@ -48,8 +45,13 @@ def crossing(x: Array, y: Array, limit: float) -> float:
         return float(x[first])
     if first == 0:
         return math.nan
-    place = _curve(x, y).inverse(limit, first - 1)
-    return min(max(place, float(x[first - 1])), float(x[first]))
+    curve, (below, above) = _curve(x, y), x[first - 1 : first + 1].tolist()
+    if curve(below) >= limit:  # by rounding
+        return float(below)
+    if curve(above) <= limit:
+        return float(above)
+    options = {"xtol": 1e-15, "maxiter": 1000}
+    return float(scipy.optimize.brentq(lambda x: curve(x) - limit, below, above, **options))
 
 
 def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> Array:
@@ -119,60 +121,23 @@ def exponent(x: Array, y: Array, place: float) -> float:
     return math.log(high / low) / math.log(ends[1] / ends[0]) if low > 0 else math.nan
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Curve:
-    """A monotone cubic, and its foot: a power law from 0 to the first point of the cubic."""
-
-    cubic: PchipInterpolator
-    is_logarithmic: bool
-    foot: tuple[float, float, float] | None = None  # x and y of that point, and the exponent
-
-    def __call__(self, places: Array) -> Array:
-        if not self.is_logarithmic:
-            straight: Array = self.cubic(places)
-            return straight
-        if self.foot is None:
-            power_law: Array = np.exp(self.cubic(np.log(places)))
-            return power_law
-        x, y, exponent = self.foot
-        foot = y * (np.minimum(places, x) / x) ** exponent
-        return np.where(places < x, foot, np.exp(self.cubic(np.log(np.maximum(places, x)))))
-
-    def inverse(self, value: float, interval: int) -> float:
-        """Abscissa of a value in an interval between points, which passes it upwards."""
-        if not self.is_logarithmic:
-            return _inverse(self.cubic, value, interval)
-        if self.foot is not None:
-            x, y, exponent = self.foot
-            if interval == 0:
-                return x * math.exp(math.log(value / y) / exponent)
-            interval -= 1
-        return math.exp(_inverse(self.cubic, math.log(value), interval))
-
-
-def _curve(x: Array, y: Array) -> _Curve:
-    from scipy.interpolate import PchipInterpolator  # takes 0.2 s, which a run does without
-
+def _curve(x: Array, y: Array) -> Callable[[Array], Array]:
+    """Monotone cubic through points, of the logarithms where they are positive."""
     if (x > 0).all() and (y > 0).all():
-        return _Curve(PchipInterpolator(np.log(x), np.log(y)), is_logarithmic=True)
+        power_law = scipy.interpolate.PchipInterpolator(np.log(x), np.log(y))
+        return lambda places: np.exp(power_law(np.log(places)))
     if x[0] == 0 and y[0] == 0 and len(x) > 2 and (y[1:] > 0).all():
         # From the first point down to 0, the power law goes on with which the others begin; a
         # flat one would leap up at 0.
-        cubic = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))
+        cubic = scipy.interpolate.PchipInterpolator(np.log(x[1:]), np.log(y[1:]))
         slope = float(cubic(cubic.x[0], 1))
         if slope > _FLAT:
-            return _Curve(cubic, is_logarithmic=True, foot=(float(x[1]), float(y[1]), slope))
-    return _Curve(PchipInterpolator(x, y), is_logarithmic=False)
 
+            def from_rest(places: Array) -> Array:
+                foot = y[1] * (np.minimum(places, x[1]) / x[1]) ** slope
+                beyond: Array = np.exp(cubic(np.log(np.maximum(places, x[1]))))
+                return np.where(places < x[1], foot, beyond)
 
-def _inverse(cubic: PchipInterpolator, value: float, interval: int) -> float:
-    """Abscissa of a value in an interval, where the cubic is monotone and passes it upwards."""
-    start = float(cubic.x[interval])
-    a, b, c, d = cubic.c[:, interval].tolist()
-    lower, upper = 0.0, float(cubic.x[interval + 1]) - start
-    while lower < (middle := (lower + upper) / 2) < upper:
-        if ((a * middle + b) * middle + c) * middle + d < value:
-            lower = middle
-        else:
-            upper = middle
-    return start + upper
+            return from_rest
+    straight: Callable[[Array], Array] = scipy.interpolate.PchipInterpolator(x, y)
+    return straight

@@ -23,7 +23,7 @@ from pipeline.analysis.dataset import asked, plane_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import OUTCOMES, Transition, range_of
+from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
@@ -198,26 +198,19 @@ def judge_of(
     ]
 
     def judge(load: float, velocity: float) -> tuple[Margin, ...]:
-        _require_within("load", load, axes["load"], ends["load"], "N")
-        _require_within("velocity", velocity, axes["velocity"], ends["velocity"], "m/s")
+        for name, value in (("load", load), ("velocity", velocity)):
+            lowest, highest = min(axes[name][0], ends[name][0]), max(axes[name][-1], ends[name][1])
+            if not (lowest <= value <= highest and value > 0):
+                raise InputError(
+                    f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
+                    f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
+                )
         return tuple(
             _margin(plane, load, velocity, conditions, seed, entries)
             for plane, seed in zip(planes, seeds, strict=True)
         )
 
     return judge
-
-
-def _require_within(
-    name: str, value: float, axis: Array, ends: tuple[float, float], unit: str
-) -> None:
-    """Raise an `InputError` at a load or velocity outside the sweep."""
-    lowest, highest = min(axis[0], ends[0]), max(axis[-1], ends[1])
-    if not (lowest <= value <= highest and value > 0):
-        raise InputError(
-            f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}: give "
-            "one within, above 0, or add points to the sweep"
-        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

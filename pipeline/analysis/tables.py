@@ -185,9 +185,7 @@ class Table:
         body = "".join(f"<tr>{row}</tr>\n" for row in rows)
         return f"<table><thead><tr>{heads}</tr></thead>\n<tbody>{body}</tbody></table>"
 
-    def _repr_html_(self) -> str:
-        """The table in a notebook."""
-        return self.html()
+    _repr_html_ = html  # in a notebook
 
     def write(self, out: str | Path) -> Path:
         """Write the table to a file, .csv or .md."""
@@ -240,13 +238,6 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 def is_table(out: str | Path | None) -> bool:
     """True if a file is to hold a table, by its suffix."""
     return out is not None and Path(out).suffix.lower() in TABLES
-
-
-def table_of(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Table of records by heading, whose values are already in the units of their headings."""
-    heads = list(dict.fromkeys(key for record in records for key in record))
-    rows = tuple(tuple(record.get(head) for head in heads) for record in records)
-    return Table(tuple(Column(head, head) for head in heads), rows)
 
 
 def _written(value: Any) -> str:

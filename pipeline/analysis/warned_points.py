@@ -84,11 +84,10 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
         judged = conditions_of(ds, **asked)
         if judged.critical_temperature is None:
             return None
-        rise = decisive_rise(ds, judged)
-        planes = rise.values.reshape(-1, *rise.shape[-2:])
-        beside = [_beside(plane, rise_limit(judged)) for plane in planes]
-        marked = rise.copy(data=np.reshape(beside, rise.shape))
-        near = marked if near is None else near | marked
+        rise, limit = decisive_rise(ds, judged), rise_limit(judged)
+        for axis in (-2, -1):  # along the load, and along the velocity
+            marked = rise.copy(data=np.apply_along_axis(_turns, axis, rise.values, limit))
+            near = marked if near is None else near | marked
     return near
 
 
@@ -103,24 +102,16 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray) -> str:
     return ""
 
 
-def _beside(rise: Array, limit: float) -> Mask:
-    finite, severe = np.isfinite(rise), rise > limit
-    along_velocity = [_turns(*row) for row in zip(finite, severe, strict=True)]
-    along_load = [_turns(*column) for column in zip(finite.T, severe.T, strict=True)]
-    beside: Mask = np.array(along_velocity) | np.array(along_load).T
-    return beside
-
-
-def _turns(finite: Mask, severe: Mask) -> Mask:
-    """Known points of a row that differ from the next known one on either side.
+def _turns(rise: Array, limit: float) -> Mask:
+    """Known points of a row with the other kind of wear at the next known one on either side.
 
     Examples
     --------
-    >>> _turns(np.array([1, 1, 0, 1, 1, 1], bool), np.array([0, 0, 0, 1, 1, 0], bool))
+    >>> _turns(np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0]), 4.0)
     array([False,  True, False,  True,  True,  True])
     """
-    (indices,) = np.nonzero(finite)
+    (indices,), severe = np.nonzero(np.isfinite(rise)), rise > limit
     turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
-    beside = np.zeros(finite.shape, dtype=bool)
+    beside = np.zeros(rise.shape, dtype=bool)
     beside[indices[turns]] = beside[indices[turns + 1]] = True
     return beside

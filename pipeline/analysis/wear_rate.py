@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
@@ -65,17 +66,14 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
     if rate == stored_rate:
         return ds.assign_attrs(wear_rate=rate)
     _require_known(rate, stored_rate, ds)
-    rates = np.append(ds["wear_rate"].values, stored_rate)
-    order = np.argsort(rates)
-    _, kept = np.unique(rates[order], return_index=True)
-    order = order[kept]
+    rates, order = np.unique([*ds["wear_rate"].values, stored_rate], return_index=True)
 
     def at_rate(name: str) -> xr.DataArray:
         others = ds[f"{name}_at_wear_rate"]
         dims = [dim for dim in others.dims if dim != "wear_rate"]
         at_others, stored = others.transpose(..., "wear_rate"), ds[name].transpose(*dims)
         values = np.concatenate([at_others.values, stored.values[..., None]], axis=-1)
-        rise = _power_law(rates[order], values[..., order], rate)
+        rise = _power_law(rates, values[..., order], rate)
         return xr.DataArray(rise, dims=dims, attrs=ds[name].attrs).transpose(*ds[name].dims)
 
     quantile = at_rate("rise_quantile")
@@ -135,10 +133,9 @@ def _power_law(rates: Array, rises: Array, rate: float) -> Array:
     >>> _power_law(rates, np.array([10 * rates**-0.5, [0.0, 0.0, 0.0]]), 3.0).round(3)
     array([5.774, 0.   ])
     """
-    from scipy.interpolate import PchipInterpolator  # takes a while to load
-
     positive = np.all(rises > 0, axis=-1, keepdims=True)
     logarithms = np.log(np.where(positive, rises, 1.0))
-    power_law = np.exp(PchipInterpolator(np.log(rates), logarithms, axis=-1)(np.log(rate)))
+    curve = scipy.interpolate.PchipInterpolator(np.log(rates), logarithms, axis=-1)
+    power_law = np.exp(curve(np.log(rate)))
     is_finite = np.isfinite(rises).all(axis=-1)
     return np.where(is_finite, np.where(positive[..., 0], power_law, 0.0), np.nan)

@@ -12,6 +12,9 @@ import numpy as np
 from pipeline.sweep.own_laws import Own
 from tribo import BULK_RATIOS, CRITERIA, Corrections, Criterion, InputError, Rule
 
+_BULKS = ("bulk_temperature", "disk_temperature")
+_NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
+
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
@@ -68,20 +71,16 @@ class Conditions:
         object.__setattr__(self, "criterion_hash", _checked(self) if is_own else None)
         if isinstance(self.corrections, Mapping):
             object.__setattr__(self, "corrections", Corrections.of_plain(self.corrections))
-        for name in self.__slots__:
-            if name in ("criterion", "corrections", "criterion_hash"):
-                continue
+        for name in _NUMBERS:
             value = getattr(self, name)
-            if value is None and name in ("critical_temperature", "disk_temperature"):
-                continue
             if isinstance(value, Iterable):
                 raise InputError(f"{name} is {value!r}; it must be one number here")
-            if not math.isfinite(value):
+            if value is not None and not math.isfinite(value):
                 raise InputError(f"{name} is {value!r}; it must be finite")
         if self.friction < 0:
             raise InputError(f"friction is {self.friction:g}; it must be at least 0")
         warmest = self.bulk_temperature + max(0.0, self.bulk_difference)
-        for name in ("bulk_temperature", "disk_temperature"):
+        for name in _BULKS:
             value = getattr(self, name)
             if value is not None and value <= 0:
                 raise InputError(f"{name} is {in_celsius(value)}; it must be above 0 K")

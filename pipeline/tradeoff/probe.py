@@ -32,6 +32,7 @@ class Place(NamedTuple):
 
 _USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # of the rise over velocity; where few nodes touch, it jumps
 _STEPS_FOR_MEMORY = 3
+_TOLERANCE = 0.01  # relative, of the rise where its limit is looked for
 _STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
 
 
@@ -214,17 +215,13 @@ def near_the_boundary(
 
 
 def critical_velocity(
-    rise: Callable[[float], float],
-    limit: float,
-    lowest: float,
-    highest: float,
-    tolerance: float = 0.01,
+    rise: Callable[[float], float], limit: float, lowest: float, highest: float
 ) -> float:
     """Velocity at which a growing rise reaches a limit, within a range [m/s].
 
     By secants of the logarithms, kept inside what is known to enclose it; by halving that where a
     secant leads back to one of its ends, as beside a jump. Without a crossing it is the nearer end
-    of the range. The tolerance is the relative error of the rise.
+    of the range.
     """
     low, high = math.log(lowest), math.log(highest)
     if not math.isfinite(limit):
@@ -234,7 +231,7 @@ def critical_velocity(
     for _ in range(30):
         short = math.log(rise(math.exp(velocity)) / limit)
         low, high = (low, velocity) if short > 0 else (velocity, high)
-        if abs(short) <= tolerance or high - low < 1e-9:
+        if abs(short) <= _TOLERANCE or high - low < 1e-9:
             break
         if tried:
             before, earlier = next(reversed(tried.items()))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from pipeline.tradeoff.probe import Place, Probe, fitted, near_the_boundary, pro
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from pipeline.tradeoff.yardstick import velocity_errors
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
+from tribo.types import Array
 
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
@@ -77,7 +78,8 @@ def trade(
     for name in (*presets, *([base] if base else [])):
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
-    if not math.isfinite(rise_limit(sweep.conditions)):
+    limit = rise_limit(sweep.conditions)
+    if not math.isfinite(limit):
         raise InputError("friction is 0, so there is no boundary; give one above 0")
     without_surfaces = replace(sweep, realizations=())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
@@ -94,7 +96,14 @@ def trade(
     )
     next(stages)
     reference = probe(sweep, exact, places, with_memory=True)
-    compare = _Comparison(sweep, places, exponents, asked if diagram else None, reference)
+
+    def choice(name: str, varied: str | None, measured: Probe) -> Choice:
+        if diagram:
+            errors = _crossing_errors(places, measured, reference, limit)
+        else:
+            errors = velocity_errors(measured.readings, reference.readings, exponents)
+        return _choice(name, varied, measured, reference, errors)
+
     choices, failed = [], []
     for name, varied, fidelity in stages:
         try:
@@ -102,8 +111,8 @@ def trade(
         except ConvergenceError as error:
             failed.append(f"{name}: {error}")
         else:
-            choices.append(compare.choice(name, varied, tried))
-    choices.append(compare.choice("reference", None, reference))
+            choices.append(choice(name, varied, tried))
+    choices.append(choice("reference", None, reference))
     return Trade(
         title=sweep.title,
         points=tuple(places),
@@ -171,70 +180,58 @@ def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ..
     }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class _Comparison:
-    """Errors against the reference.
+def _choice(
+    name: str, varied: str | None, measured: Probe, reference: Probe, errors: tuple[float, ...]
+) -> Choice:
+    """A choice against the reference, with its errors of the boundary velocity."""
 
-    `loads` are those of a diagram, whose points lie velocity by velocity at each of them.
-    """
+    def largest(name: str, relative: bool = True) -> float:
+        """Largest error of a value at any point, with its sign."""
+        readings = zip(measured.readings, reference.readings, strict=True)
+        pairs = ((getattr(one, name), getattr(true, name)) for one, true in readings)
+        errors = [one / true - 1 if relative else one - true for one, true in pairs]
+        return float(max(errors, key=abs))
 
-    sweep: Sweep
-    points: Sequence[Point]
-    exponents: Sequence[float]
-    loads: Sequence[float] | None
-    reference: Probe
+    return Choice(
+        name=name,
+        varied=varied,
+        fidelity=measured.fidelity,
+        velocity_errors=errors,
+        velocity_error=max(map(abs, errors)),
+        rise_error=abs(largest("rise")),
+        width_error=abs(largest("contact_width")),
+        share_error=abs(largest("failed_share", relative=False)),
+        area_error=largest("contact_fraction"),
+        pressure_error=largest("mean_pressure"),
+        saturated_error=largest("saturated_fraction", relative=False),
+        seconds=measured.seconds,
+        convolutions=measured.convolutions,
+        work=measured.work,
+        peak_bytes=measured.peak_bytes,
+        speedup=reference.seconds / max(measured.seconds, 1e-9),
+        saving=reference.work / max(measured.work, 1.0),
+    )
 
-    def choice(self, name: str, varied: str | None, measured: Probe) -> Choice:
-        pairs = list(zip(measured.readings, self.reference.readings, strict=True))
-        errors = self._velocity_errors(measured)
-        return Choice(
-            name=name,
-            varied=varied,
-            fidelity=measured.fidelity,
-            velocity_errors=errors,
-            velocity_error=max(map(abs, errors)),
-            rise_error=max(abs(one.rise / true.rise - 1) for one, true in pairs),
-            width_error=max(abs(one.contact_width / true.contact_width - 1) for one, true in pairs),
-            share_error=max(abs(one.failed_share - true.failed_share) for one, true in pairs),
-            area_error=max(
-                (one.contact_fraction / true.contact_fraction - 1 for one, true in pairs), key=abs
-            ),
-            pressure_error=max(
-                (one.mean_pressure / true.mean_pressure - 1 for one, true in pairs), key=abs
-            ),
-            saturated_error=max(
-                (one.saturated_fraction - true.saturated_fraction for one, true in pairs), key=abs
-            ),
-            seconds=measured.seconds,
-            convolutions=measured.convolutions,
-            work=measured.work,
-            peak_bytes=measured.peak_bytes,
-            speedup=self.reference.seconds / max(measured.seconds, 1e-9),
-            saving=self.reference.work / max(measured.work, 1.0),
+
+def _crossing_errors(
+    points: Sequence[Point], measured: Probe, reference: Probe, limit: float
+) -> tuple[float, ...]:
+    """Relative errors of the boundary velocity at the loads of a diagram that have one."""
+    velocities = np.reshape([point.velocity for point in points], (-1, _DIAGRAM_VELOCITIES))
+
+    def crossings(probed: Probe) -> Array:
+        rises = np.reshape([reading.rise for reading in probed.readings], velocities.shape)
+        rows = zip(velocities, rises, strict=True)
+        return np.array([crossing(*row, limit) for row in rows])
+
+    ours, theirs = crossings(measured), crossings(reference)
+    crosses = ~np.isnan(theirs)
+    if not crosses.any():
+        raise InputError(
+            "the reference has no transition between these velocities; give lower or higher ones"
         )
-
-    def _velocity_errors(self, measured: Probe) -> tuple[float, ...]:
-        if self.loads is None:
-            return velocity_errors(measured.readings, self.reference.readings, self.exponents)
-        ours, theirs = self._crossings(measured), self._crossings(self.reference)
-        if all(map(math.isnan, theirs)):
-            raise InputError(
-                "the reference has no transition between these velocities; "
-                "give lower or higher ones"
-            )
-        return tuple(
-            math.inf if math.isnan(one) else one / true - 1
-            for one, true in zip(ours, theirs, strict=True)
-            if not math.isnan(true)
-        )
-
-    def _crossings(self, measured: Probe) -> list[float]:
-        rows: dict[float, list[tuple[float, float]]] = {}
-        for point, reading in zip(self.points, measured.readings, strict=True):
-            rows.setdefault(point.load, []).append((point.velocity, reading.rise))
-        limit = rise_limit(self.sweep.conditions)
-        pairs = (np.array(row).T for row in rows.values())
-        return [crossing(velocities, rises, limit) for velocities, rises in pairs]
+    errors = np.where(np.isnan(ours), math.inf, ours / theirs - 1)
+    return tuple(errors[crosses].tolist())
 
 
 def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Finding, ...]:
@@ -242,23 +239,16 @@ def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Find
     base_choice = next((choice for choice in choices if choice.name == base), None)
     if base_choice is None:
         return ()
-    findings: dict[str, Finding] = {}
+    findings = []
     for choice in choices:
-        if choice.varied is None:
-            continue
         saving = base_choice.work / choice.work
-        moves = max(
-            abs(one - other)
-            for one, other in zip(choice.velocity_errors, base_choice.velocity_errors, strict=True)
-        )
-        earlier = findings.get(choice.varied)
-        if saving >= _SAVES and moves <= _MOVES and (earlier is None or earlier.saving < saving):
-            findings[choice.varied] = Finding(
-                base,
-                choice.varied,
-                getattr(start, choice.varied),
-                getattr(choice.fidelity, choice.varied),
-                saving,
-                moves,
-            )
-    return tuple(sorted(findings.values(), key=lambda finding: -finding.saving))
+        pairs = zip(choice.velocity_errors, base_choice.velocity_errors, strict=True)
+        moves = max(abs(one - other) for one, other in pairs)
+        if choice.varied and saving >= _SAVES and moves <= _MOVES:
+            value, cheaper = (getattr(one, choice.varied) for one in (start, choice.fidelity))
+            findings.append(Finding(base, choice.varied, value, cheaper, saving, moves))
+    findings.sort(key=lambda finding: -finding.saving)
+    costliest: dict[str, Finding] = {}
+    for finding in findings:
+        costliest.setdefault(finding.field, finding)
+    return tuple(costliest.values())

@@ -115,8 +115,8 @@ def own_error(
         work += halved.work
     if sweep.fidelity.heat_model == "elapsed":
         size = 1 if math.prod(sweep.pixels.shape) <= _SMALL else 2
-        by_load = sorted(range(len(points)), key=lambda k: points[k].load)
-        indices = sorted({by_load[0], by_load[-1]})
+        by_load = sorted(zip(points, exponents, strict=True), key=lambda pair: pair[0].load)
+        ends, of_ends = zip(*dict.fromkeys((by_load[0], by_load[-1])), strict=True)
         present = replace(
             exact,
             wear_scheme="implicit",
@@ -125,12 +125,10 @@ def own_error(
             pixels_per_element=size,
         )
         present = fitted(sweep, present)
-        ends = [points[k] for k in indices]
         one, other = (
             probe(sweep, replace(present, heat_model=model), ends)
             for model in ("elapsed", "history")
         )
-        of_ends = [exponents[k] for k in indices]
         heat_model = max(map(abs, velocity_errors(one.readings, other.readings, of_ends)))
         work += one.work + other.work
     return OwnError(_MARGIN * steps, _MARGIN * heat_model, work, sweep.sweeps_over)

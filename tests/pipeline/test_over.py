@@ -42,6 +42,13 @@ def same(one, other):
         np.testing.assert_array_equal(one[name].values, other[name].values, name)
 
 
+def test_a_forecast_counts_the_points_of_every_scene(tmp_path):
+    sweep = load(tmp_path)
+    cost, one = (pipeline.estimate(case, 1) for case in (sweep, sweep.variant(sweep.entries[0])))
+    for name in ("points", "chains", "steps", "temperatures", "disk_bytes"):
+        assert getattr(cost, name) == len(sweep.entries) * getattr(one, name)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("over")

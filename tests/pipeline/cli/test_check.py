@@ -20,7 +20,7 @@ def test_meaning_comes_before_cost(capsys, monkeypatch):
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(forecast, "_timed_loads", stopped)
+    monkeypatch.setattr(forecast, "_timed", stopped)
     main(["check", SCENE])
     said = capsys.readouterr().out
     for words in (

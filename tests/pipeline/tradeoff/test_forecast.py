@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-import pipeline
 from pipeline.sweep.plan import chains, points, run_point
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import _Timed, estimate
 from pipeline.tradeoff.savings import savings
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
-from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, start
+from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, simulate
 
 SWEEP = replace(PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
 
@@ -54,10 +53,9 @@ def test_steps_and_temperatures_are_foretold(changes):
 
 @pytest.fixture
 def fixed_rates(monkeypatch):
-    """A quiet machine with two cores, where steps take 1 s, and 10 s with a temperature."""
-    cost = _Timed(1.0, 10.0, start(SWEEP))
-    timed = {min(SWEEP.loads): cost, max(SWEEP.loads): cost}
-    monkeypatch.setattr(forecast, "_timed_loads", lambda sweep: (timed, 5.0))
+    """A quiet machine with two cores, where a contact takes 1 s and its temperature 9 s."""
+    timed = _Timed(5.0, 1.0, 9.0, next(simulate(SWEEP, 750.0, 0.0)))
+    monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
     monkeypatch.setattr(forecast.os, "getloadavg", lambda: (0.0, 0.0, 0.0))
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
 
@@ -66,29 +64,24 @@ def test_the_time_is_that_of_all_steps_shared_by_the_workers(fixed_rates):
     sweep = replace(SWEEP, fidelity=Fidelity(increments=30))
     three = replace(sweep, velocities=(1.0, 2.0, 4.0))
     # 30 steps up to 750 N at each velocity, of which 3 have a temperature.
-    ramp = 27 * 1.0 + 3 * 10.0
+    ramp = 30 * 1.0 + 3 * 9.0
     for case, workers, turns in ((sweep, 1, 2), (sweep, 2, 1), (three, 2, 2)):
         assert estimate(case, workers).seconds == pytest.approx(turns * ramp + 5, rel=0.02)
     # Three at a time on two cores
     assert estimate(three, 3).seconds == pytest.approx(1.5 * (ramp + 5), rel=0.02)
 
 
-def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(fixed_rates, monkeypatch):
-    sweep = pipeline.load_scene("uncertain")
-    cost = _Timed(1.0, 10.0, start(sweep), heat=2.0)
-    monkeypatch.setattr(forecast, "_timed_loads", lambda _: ({400.0: cost}, 0.0))
-    # 3 steps without a temperature and 4 with one, whose contacts 4 samples share.
-    ramp = 4 * 2.0 + (3 * 1.0 + 4 * 8.0) / 4
-    assert estimate(sweep, 1).seconds == pytest.approx(128 * ramp, rel=0.02)
+def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(fixed_rates):
+    # 7 steps, 4 of them with a temperature, whose contacts 4 samples share.
+    ramp = 4 * 9.0 + 7 * 1.0 / 4
+    assert estimate("uncertain", 1).seconds == pytest.approx(128 * ramp, rel=0.02)
 
 
 def test_where_others_take_the_cores_it_says_what_it_would_be_without_them(
     fixed_rates, monkeypatch
 ):
     alone = estimate(SWEEP, 1)
-    assert alone.basis == (
-        "mostly right within a factor of 1.5, from steps at 2 loads timed just now"
-    )
+    assert alone.basis == "mostly right within a factor of 1.5, from steps timed just now"
     monkeypatch.setattr(forecast.os, "getloadavg", lambda: (100.0, 0.0, 0.0))
     crowded = estimate(SWEEP, 1)
     assert crowded.seconds == pytest.approx(1.5 * alone.seconds, rel=0.02)
@@ -103,7 +96,9 @@ def test_the_boundary_alone_takes_fewer_points(fixed_rates):
     assert boundary.seconds < whole.seconds / 5
 
 
-def test_the_time_is_that_of_a_whole_run_within_its_factor():
+@pytest.mark.parametrize("patience", [forecast._PATIENCE, 0.0], ids=["a ramp", "a point"])
+def test_the_time_is_that_of_a_whole_run_within_its_factor(monkeypatch, patience):
+    monkeypatch.setattr(forecast, "_PATIENCE", patience)
     sweep = replace(SWEEP, fidelity=PRESETS["standard"])
     for point in points(sweep)[:1]:
         run_point(sweep, *point)  # what is imported and computed once

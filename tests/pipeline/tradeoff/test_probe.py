@@ -169,7 +169,7 @@ def test_a_crossing_of_any_power_is_found_within_its_tolerance(exponent, root):
         asked.append(velocity)
         return 200.0 * (velocity / root) ** exponent
 
-    critical = critical_velocity(rise, 200.0, 0.1, 10.0, tolerance=0.01)
+    critical = critical_velocity(rise, 200.0, 0.1, 10.0)
     assert abs(exponent * math.log(critical / root)) <= 0.01
     assert len(asked) <= 20
     assert len(set(asked)) == len(asked)
@@ -185,16 +185,6 @@ def test_a_crossing_is_enclosed_where_the_rise_jumps():
 
     assert critical_velocity(rise, 200.0, 0.1, 10.0) == pytest.approx(0.7, rel=1e-4)
     assert len(set(asked)) == len(asked)
-
-
-@pytest.mark.parametrize("tolerance", [0.3, 0.001])
-def test_what_is_near_enough_is_taken(tolerance):
-    velocity = critical_velocity(
-        lambda v: 100.0 * math.exp(math.atan(v)), 250.0, 0.1, 10.0, tolerance
-    )
-    short = abs(math.atan(velocity) - math.log(2.5))
-    assert short <= tolerance
-    assert (short > 0.01) is (tolerance > 0.01)
 
 
 def test_without_a_limit_the_middle_is_taken():
