@@ -162,6 +162,7 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(formatter_class=_Help, **settings)
+        # A private name of argparse; not needed once 3.14 is the oldest Python.
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
 
