@@ -30,6 +30,7 @@ reference: .venv/run  ## write the references of the scene file and of the datas
 	$(BIN)/python -m pipeline.store.reference > workflows/DATASET.md
 
 docs: .venv/test      ## build the site of all pages into results/docs, its notebook and figures executed
+	rm -rf results/gallery.zarr  # of the last build, perhaps by other code
 	$(BIN)/sphinx-build -W --keep-going -q -c workflows workflows results/docs
 	@echo "results/docs/index.html"
 
