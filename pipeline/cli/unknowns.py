@@ -123,7 +123,7 @@ def boundary_of_samples(
         lines = table_of_lines(ensemble, weighed.draws if weighed else None)
     document = {"given_measured": weighed is not None, **_about(ensemble), **_document(lines)}
     text = [*_on_lines(lines), *notes(ensemble, weighed)]
-    if ensemble.tests and not weighed:
+    if ensemble.tests and not (weighed or conditions):
         text.append("next: add --given-measured to weigh the inputs by the scene's tests")
     return Result(document, text, pipeline.warned(ds), [lines])
 

@@ -25,6 +25,7 @@ MOST = 32
 MOST_SAMPLES = 1_000_000
 """Number of samples that may be drawn."""
 _OUTERMOST = 7.0  # normal score beyond which nothing is drawn
+_OFF_FACES = 2.0**-40  # of the unit cube, on which a normal score is infinite
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,4 +215,4 @@ def sequence(seed: int, count: int) -> Array:
 
     sobol = qmc.Sobol(MOST + 1, scramble=True, rng=np.random.default_rng(seed))
     points: Array = sobol.random_base2(max(count - 1, 1).bit_length())[:count]
-    return np.clip(points, 2.0**-40, 1 - 2.0**-40)
+    return np.clip(points, _OFF_FACES, 1 - _OFF_FACES)

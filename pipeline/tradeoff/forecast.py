@@ -1,4 +1,4 @@
-"""Foretells what a sweep will cost: time, memory and disk."""
+"""Forecast of the cost of a sweep: time, memory and disk."""
 
 from __future__ import annotations
 

@@ -142,14 +142,10 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     for share in ("0.05", "0.5", "0.95"):
         assert lines[share][1] is None or 0.5 < lines[share][1] < 4.0
     assert "next: add --given-measured" in irg("boundary", store)
+    assert "next:" not in irg("boundary", store, "--friction", "0.1")  # not to be given together
     after = said("boundary", store, "--given-measured")["velocity_of_probability"]
-    assert (
-        after
-        == said("risk", store, "--given-measured", "-o", tmp_path / "a.png")[
-            "velocity_of_probability"
-        ]
-    )
-    assert after != lines
+    weighed = said("risk", store, "--given-measured", "-o", tmp_path / "a.png")
+    assert after == weighed["velocity_of_probability"] != lines
     load(folder)
 
 
