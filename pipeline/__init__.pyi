@@ -5,7 +5,6 @@ from .analysis.difference import Difference as Difference
 from .analysis.difference import diff as diff
 from .analysis.inference import CriticalTemperatures as CriticalTemperatures
 from .analysis.inference import critical_temperatures as critical_temperatures
-from .analysis.listing import listing as listing
 from .analysis.margin import Margin as Margin
 from .analysis.margin import margins as margins
 from .analysis.margin_table import margin_table as margin_table

@@ -10,22 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.analysis.tables import Column, Table
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.scenefile import load_scene
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes
 from pipeline.sweep.stages import duration
-from tribo import InputError, TriboError
-from tribo.files import near_path
 
 _COLUMNS = (
     Column("name", "name"),
     Column("kind", "kind"),
     Column("state", "state"),
-    Column("points", "points"),
-    Column("done", "done"),
-    Column("failed", "failed"),
     Column("preset", "preset"),
     Column("age", "changed", "s", write=lambda age: f"{duration(age)} ago"),
     Column("bytes", "size", "MB", write=lambda size: f"{1e-6 * size:.2f} MB"),
@@ -33,39 +26,9 @@ _COLUMNS = (
 )
 
 
-def listing(folder: str | Path) -> Table:
-    """Table of the stores and scenes below a folder.
-
-    Parameters
-    ----------
-    folder : str or path
-        Folder, searched with those in it.
-
-    Returns
-    -------
-    Table
-        Name, kind, state, points of the scene and those done and failed, preset, age [s], size
-        [byte] and title of each.
-
-    Raises
-    ------
-    InputError
-        If there is no such folder.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> stores = pipeline.listing("results/").as_dict()
-    >>> stores["name"][0], stores["state"][0], stores["done"][0]
-    ('first_try.zarr', 'done', 24)
-    """
-    path = Path(folder)
-    if (path / ROOT).exists():
-        raise InputError(f"{folder} is a store; give the folder that holds it, or use irg status")
-    if not path.is_dir():
-        near = "" if path.exists() else near_path(path)
-        raise InputError(f"{folder} is not a folder{near}; give one with stores or scenes")
-    rows = [row for entry in _stores_and_scenes(path) if (row := _row(entry, path))]
+def listing(folder: Path) -> Table:
+    """Table of the stores and scenes below a folder; no code that they name is run."""
+    rows = [row for entry in _stores_and_scenes(folder) if (row := _row(entry, folder))]
     names = [column.name for column in _COLUMNS]
     return Table(_COLUMNS, tuple(tuple(row.get(name) for name in names) for row in rows))
 
@@ -108,30 +71,17 @@ def _of_store(path: Path) -> dict[str, Any]:
         words += f", {len(state.failed)} failed"
     if state.running:
         words += ", running now"
-    return {
-        "kind": "store",
-        "state": words,
-        "points": state.total,
-        "done": state.done,
-        "failed": len(state.failed),
-        "preset": preset,
-        "title": state.title,
-    }
+    return {"kind": "store", "state": words, "preset": preset, "title": state.title}
 
 
 def _of_scene(path: Path) -> dict[str, Any] | None:
-    """State of a scene; None if the file is none."""
+    """What a scene says of itself; None if the file is none."""
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return {"kind": "scene", "state": "unreadable"}
     if not {"extends", "sweep"} & tables.keys():
         return None
-    try:
-        sweep = load_scene(path)
-    except SceneFileError as error:
-        count = "a fault" if len(error.faults) == 1 else f"{len(error.faults)} faults"
-        return {"kind": "scene", "state": f"{count}: irg check names all"}
-    except TriboError as error:
-        return {"kind": "scene", "state": str(error)}
-    return {"kind": "scene", "state": "valid", "preset": sweep.preset, "title": sweep.title}
+    base = tables.get("extends")
+    title = tables.get("title", f"extends {base}" if base else None)
+    return {"kind": "scene", "title": title}

@@ -79,9 +79,9 @@ STORE = Option("store", metavar="OUT.zarr", type=values.store, help="store that 
 OTHER_STORE = Option(
     "other", metavar="OTHER.zarr", type=values.store, help="store to compare it with"
 )
-FOLDER = Option(
-    "folder", metavar="FOLDER", type=Path, nargs="?", default=Path("results"),
-    help="folder to search, with those in it; default: results",
+STORE_OR_FOLDER = STORE.but(
+    metavar="OUT.zarr", nargs="?", default=Path("results"),
+    help="store that irg run has made, or a folder of them; default: results",
 )  # fmt: skip
 REPAIR = _flag("--repair", "set damaged points to be computed again")
 

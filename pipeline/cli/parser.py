@@ -48,8 +48,9 @@ COMMANDS = (
         "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
     ),
     Command(
-        "status", "stores:status", "count the points done, failed and pending",
-        "results/scene.zarr", (o.STORE,),
+        "status", "stores:status",
+        "count the points done, failed and pending; or list the stores and scenes of a folder",
+        "results", (o.STORE_OR_FOLDER,),
     ),
     Command(
         "verify", "stores:verify", "read a whole store and name each damaged point",
@@ -76,10 +77,6 @@ COMMANDS = (
     Command(
         "diff", "stores:diff", "differences between two stores: of scenes, boundaries and points",
         "results/scene.zarr results/other.zarr", (o.STORE, o.OTHER_STORE, o.AT, o.TABLE),
-    ),
-    Command(
-        "list", "stores:listing", "list the stores and scenes below a folder, with their states",
-        "results", (o.FOLDER, o.TABLE),
     ),
     Command(
         "vary", "studies:vary",

@@ -1,16 +1,19 @@
-"""The commands that look after stores: their state, damage, differences, and a list of them."""
+"""The commands that look after stores: their state, damage and differences."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pipeline
+from pipeline.analysis.listing import listing
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import opened
+from pipeline.store.place import ROOT
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 
@@ -21,7 +24,11 @@ _MOST_POINTS = 10  # that are printed; files have all
 
 
 def status(options: argparse.Namespace) -> Result:
-    """Count points."""
+    """Count the points of a store, or list the stores and scenes below a folder."""
+    if _is_folder_of_stores(options.store):
+        table = listing(Path(options.store))
+        text = list(table.lines()) if table.rows else [f"{options.store} holds none"]
+        return Result(table.as_dict(), text)
     state = pipeline.summary(options.store)
     selection = pipeline.stored_selection(options.store)
     document = {
@@ -46,6 +53,16 @@ def status(options: argparse.Namespace) -> Result:
     ]
     warned = pipeline.warned(options.store) if state.warned else NO_WARNING
     return Result(document, text, warned, code=SOME_FAILED if state.failed else DONE)
+
+
+def _is_folder_of_stores(path: Path | str) -> bool:
+    """True for a folder that neither is a store nor is named like one."""
+    return (
+        isinstance(path, Path)
+        and path.is_dir()
+        and path.suffix != ".zarr"
+        and not (path / ROOT).exists()
+    )
 
 
 def _pace(state: Summary) -> Iterator[str]:
@@ -119,12 +136,3 @@ def diff(options: argparse.Namespace) -> Result:
     tables = [between.entries, between.boundary, between.points]
     warned = sum(map(pipeline.warned, stores), NO_WARNING)
     return Result(between.as_dict(), text, warned, tables)
-
-
-def listing(options: argparse.Namespace) -> Result:
-    """List the stores and scenes below a folder."""
-    table = pipeline.listing(options.folder)
-    text = list(table.without({"points", "done", "failed"}).lines())
-    if not table.rows:
-        text = [f"{options.folder} holds no stores and no scenes"]
-    return Result(table.as_dict(), text, tables=[table])

@@ -218,10 +218,8 @@ def test_another_scene_is_refused_with_what_differs(store, tmp_path, irg):
             ([command, "missing.zarr"], ["missing.zarr"])
             for command in ("status", "boundary", "plot", "verify", "report")
         ),
-        (["list", "missing"], ["missing"]),
         (["diff", "missing.zarr", "small.zarr"], ["missing.zarr"]),
-        (["list", "small.zarr"], ["small.zarr is a store"]),
-        (["list", "small.toml"], ["small.toml is not a folder; give one"]),
+        (["status", "small.toml"], ["small.toml is a file, not a store"]),
         (
             ["plot", "small.zarr", "--kind", "histogram", "--velocity", "1 m/s", "--friction", "0"],
             ["friction is 0", "for a histogram"],
@@ -263,7 +261,7 @@ def test_wrong_use_exits_with_2_and_says_why(arguments, said, irg):
         (["check", "first_tri"], 'did you mean "first_try"?'),
         (["check", "nothing.toml"], "No such file or directory"),
         (["boundary", "result/scene.zarr"], 'results/scene.zarr"?)'),
-        (["list", "result"], 'results"?)'),
+        (["status", "result"], 'results"?)'),
         (["margin", "results/scene.zarr", "--points", "dutty.csv"], 'duty.csv"?)'),
     ],
 )

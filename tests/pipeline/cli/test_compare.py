@@ -1,4 +1,4 @@
-"""Stores beside each other: their differences, and a list of them."""
+"""Stores beside each other: their differences, and those of a folder."""
 
 import json
 
@@ -40,17 +40,22 @@ def test_points_are_listed_in_the_order_of_their_numbers():
     assert set(loads) == {50.0, 90.0, 1000.0}
 
 
-def test_a_list_tells_scenes_stores_and_damage_apart(tmp_path, capsys):
+def test_the_status_of_a_folder_tells_scenes_stores_and_damage_apart(tmp_path, capsys):
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep/small.toml").write_text(SCENE)
-    (tmp_path / "faulty.toml").write_text(SCENE.replace('"2 mm"', '"-2 mm"'))
     (tmp_path / "pyproject.toml").write_text("[project]\n")
     (tmp_path / "lost.zarr").mkdir()
     (tmp_path / "lost.zarr/zarr.json").write_text("{}")
-    assert main(["list", str(tmp_path), "--json"]) == 0
+    assert main(["status", str(tmp_path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
+    kinds = dict(zip(document["name"], document["kind"], strict=True))
+    assert kinds == {"deep/small.toml": "scene", "lost.zarr": "store"}
     states = dict(zip(document["name"], document["state"], strict=True))
-    assert states["deep/small.toml"] == "valid"
-    assert states["faulty.toml"].startswith("a fault")
     assert "damaged" in states["lost.zarr"]
-    assert "pyproject.toml" not in states
+
+
+def test_the_status_of_a_folder_runs_no_code_that_a_scene_names(tmp_path, capsys):
+    (tmp_path / "laws.py").write_text("raise SystemExit('run')\n")
+    (tmp_path / "own.toml").write_text('extends = "first_try"\nwear = { law = "laws:Own" }\n')
+    assert main(["status", str(tmp_path)]) == 0
+    assert "extends first_try" in capsys.readouterr().out
