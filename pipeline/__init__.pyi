@@ -16,12 +16,10 @@ from .analysis.temperatures import decisive_temperature as decisive_temperature
 from .analysis.temperatures import temperatures as temperatures
 from .analysis.warned_points import warned as warned
 from .analysis.wear_rate import at_wear_rate as at_wear_rate
-from .figures.live import watch as watch
 from .figures.page.write import Page as Page
 from .figures.page.write import explore as explore
 from .figures.plot import plot as plot
 from .figures.report.write import report as report
-from .figures.style import figure_path as figure_path
 from .figures.style import save_figure as save_figure
 from .figures.tornado import draw_variations as draw_variations
 from .figures.tradeoff import draw_trade as draw_trade

@@ -43,17 +43,19 @@ def plot(options: argparse.Namespace) -> Result:
 
 def _watched(options: argparse.Namespace, look: dict[str, Any]) -> Result:
     """Draw the figure as points come."""
-    state = pipeline.watch(
+    from pipeline.figures.live import watch  # with xarray
+
+    state = watch(
         options.store,
-        options.output,
+        options.watch,
         options.kind,
-        progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
         read=lambda: opened(options),
+        progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
         **look,
     )
     document = {
         "kind": options.kind,
-        "file": options.output and str(options.output),
+        "file": str(options.watch),
         "done": state.done,
         "points": state.total,
     }

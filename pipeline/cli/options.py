@@ -146,10 +146,6 @@ OF_RUN = (
     _flag("--retry-failed", "compute failed points again"),
     BOUNDARY_ONLY,
     ACCURACY,
-    Option(
-        "--watch", metavar="FILE.png", nargs="?", const="",
-        help="file of a diagram that is drawn as points come; a window without it",
-    ),
     Group(
         "jobs of --cluster",
         (
@@ -287,8 +283,16 @@ OF_PLOT = (
         help="default: diagram; temperature is over the velocity, histogram over the contact, "
         "animation of the fields while the load grows",
     ),
-    output("FILE.png", "file of the figure; default: beside the store"),
-    _flag("--watch", "draw again as points come, until the run ends: in a window, or with -o"),
+    Group(
+        "",
+        (
+            output("FILE.png", "file of the figure; default: beside the store"),
+            Option(
+                "--watch", metavar="FILE.png", type=Path,
+                help="file that is drawn again as points come, until the run ends",
+            ),
+        ),
+    ),
     _quantity("--width", "W", "8.5 cm", "width of the figure, whose words stay readable"),
     Option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),
     _flag("--no-title", "draw no title, where a caption gives it"),

@@ -1,15 +1,10 @@
-"""The command that computes a sweep, and its picture, which another process draws meanwhile."""
+"""The command that computes a sweep."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pipeline
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, tell
@@ -19,20 +14,9 @@ from pipeline.run.batch import Batch
 from pipeline.sweep.warned import NO_WARNING
 from tribo import InputError
 
-if TYPE_CHECKING:
-    from pipeline.run.tally import Progress
-
-_LAST = 60.0  # [s] for the last drawing of a file, after the run
-
 
 def computed(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
-    if options.watch:
-        pipeline.figure_path(options.watch)
-    elif options.watch is not None:
-        from pipeline.figures.live import require_window  # with xarray
-
-        require_window()
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     batch = _batch(options)
     sweep = scene_of(options, store=out)
@@ -43,7 +27,7 @@ def computed(options: argparse.Namespace) -> Result:
         return Result({"script": script, "jobs": batch.jobs}, script.splitlines())
     for note in sweep.notes:
         tell(f"note: {note}")
-    with run_line() as line, watched(options.watch, out, line) as progress:
+    with run_line() as progress:
         settings = {
             "workers": options.workers,
             "scheduler": options.scheduler,
@@ -89,32 +73,3 @@ def _batch(options: argparse.Namespace) -> Batch | None:
         name = f"--{next(iter(asked), 'dry-run')}"
         raise InputError(f"{name} is an option of jobs: give --cluster slurm, too")
     return None
-
-
-@contextmanager
-def watched(
-    file: str | None, store: Path | str, show: Callable[[Progress], None]
-) -> Iterator[Callable[[Progress], None]]:
-    """Report progress, and let another process draw the diagram from the first report on.
-
-    It draws beside the run, whose schedule a drawing would hold up: into a file, into a window if
-    the name is empty, or not at all without a name.
-    """
-    if file is None:
-        yield show
-        return
-    drawing: list[subprocess.Popen[bytes]] = []
-
-    def begin_and_show(progress: Progress) -> None:
-        if not drawing:
-            command = [sys.executable, "-m", "pipeline", "plot", str(store), "--watch", "-q"]
-            command += ["-o", file] if file else []
-            drawing.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
-        show(progress)
-
-    yield begin_and_show
-    if drawing and file:
-        try:
-            drawing[0].wait(_LAST)
-        except subprocess.TimeoutExpired:
-            tell(f"{file} is still being drawn")

@@ -251,7 +251,7 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
         ]
         assert page.count("<option") == len(offered)
         assert all(option in page for option in offered)
-    for words in (("boundary",), ("plot", "--watch", "-o", folder / "d.png")):
+    for words in (("boundary",), ("plot", "--watch", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said
     with pytest.raises(InputError, match="pattern has one value alone in this sweep"):

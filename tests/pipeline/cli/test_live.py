@@ -1,12 +1,11 @@
-"""The rate at which a sweep goes, as its store tells it, and its picture."""
+"""The rate at which a sweep goes, as its store tells it."""
 
-import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pipeline.cli import main, sweeps
+from pipeline.cli import main
 from pipeline.store.create import writing
 from pipeline.store.progress import pace, summary
 from pipeline.sweep.plan import points
@@ -46,17 +45,3 @@ def test_an_interruption_does_not_slow_the_rate_down():
     assert pace(steady) == pytest.approx(0.5)
     assert pace(np.concatenate([steady, 1e5 + np.arange(0.0, 10.0, 1.0)])) == pytest.approx(1.0)
     assert pace(np.array([])) is pace(np.array([5.0, 6.0])) is pace(np.full(9, 7.0)) is None
-
-
-def test_a_picture_that_takes_long_does_not_end_a_finished_run_in_an_error(monkeypatch, capsys):
-    class Drawing:
-        def __init__(self, command, stdout):
-            assert command[-2:] == ["-o", "live.png"]
-
-        def wait(self, seconds):
-            raise subprocess.TimeoutExpired("irg", seconds)
-
-    monkeypatch.setattr(sweeps.subprocess, "Popen", Drawing)
-    with sweeps.watched("live.png", "out.zarr", lambda progress: None) as show:
-        show(None)
-    assert "live.png is still being drawn" in capsys.readouterr().err

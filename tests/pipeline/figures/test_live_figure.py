@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.cli import main
 from pipeline.figures import live
 from pipeline.store.progress import Summary
 from pipeline.store.schema import PENDING
@@ -26,8 +25,10 @@ def test_the_file_is_drawn_whole_each_time_more_points_are_done(monkeypatch, tmp
 
     monkeypatch.setattr(live, "summary", lambda store: next(states))
     monkeypatch.setattr(live, "plot", plot)
-    monkeypatch.setattr(live, "dataset_of", lambda store: synthetic.sweep())
-    assert live.watch("out.zarr", out, interval=0.0, log=True) == over
+    monkeypatch.setattr(live, "_INTERVAL", 0.0)
+    told = []
+    assert live.watch("out.zarr", out, "diagram", synthetic.sweep, told.append, log=True) == over
+    assert told == [begun, grown, over]
     assert drawn == [{"log": True}] * 3
     assert [path.name for path in tmp_path.iterdir()] == ["live.png"]
 
@@ -38,20 +39,13 @@ def test_a_figure_of_a_point_waits_until_it_is_done(monkeypatch, tmp_path):
     states = iter([begun, over, over])
     monkeypatch.setattr(live, "summary", lambda store: next(states))
     status = iter([{(750.0, 4.0): PENDING}, {}])
-    watched = {"read": lambda: synthetic.sweep(status=next(status)), "interval": 0.0}
-    point = {"load": 750.0, "velocity": 4.0}
-    assert live.watch("out.zarr", tmp_path / "r.png", "ramp", **watched, **point) == over
+    monkeypatch.setattr(live, "_INTERVAL", 0.0)
+    watched = {"read": lambda: synthetic.sweep(status=next(status)), "progress": [].append}
+    watched |= {"load": 750.0, "velocity": 4.0}
+    assert live.watch("out.zarr", tmp_path / "r.png", "ramp", **watched) == over
     assert (tmp_path / "r.png").exists()
 
     monkeypatch.setattr(live, "summary", lambda store: over)
     status = iter([{(750.0, 4.0): PENDING}])
     with pytest.raises(InputError, match="750 N, 4 m/s is not done"):
-        live.watch("out.zarr", tmp_path / "s.png", "ramp", **watched, **point)
-
-
-def test_a_window_is_refused_where_there_is_no_display(monkeypatch, capsys):
-    monkeypatch.setenv("MPLBACKEND", "agg")
-    with pytest.raises(InputError, match="no window can be opened here"):
-        live.require_window()
-    assert main(["run", "first_try", "--watch"]) == 2
-    assert "give a file" in capsys.readouterr().err
+        live.watch("out.zarr", tmp_path / "s.png", "ramp", **watched)
