@@ -75,7 +75,7 @@ def _of_corrections(sweep: Sweep) -> Iterator[LeftOut]:
             "disk.track_length",
             _with(sweep, replace(present, track=track)),
         )
-    if not present.stem:
+    if not present.stem and not any(sweep.velocities_at(v).pin for v in sweep.velocities):
         length, area = _stem_of(sweep)
         rod = length, area, pin.material.thermal_conductivity, pin.material.thermal_diffusivity
         yield LeftOut(

@@ -134,6 +134,16 @@ def _of_motion(sound: Sound) -> Misfits:
     if motion:
         track = motion["track_length"] or 2 * math.pi * radius
         yield from _short_of_window("motion.track_length", track, pixels, sides, 0)
+    rod, motion, velocities = sound("pin.stem", "motion", "sweep.velocities")
+    if rod and motion:
+        turning = [tribo.Motion(**motion).velocities(velocity).pin for velocity in velocities]
+        if any(turning):
+            yield (
+                "pin.stem",
+                f"the pin turns, at {max(map(abs, turning)):g} m/s, and is warmed all around it: a "
+                "rod between its end and a holder belongs to a pin at rest; leave it out, or leave "
+                "out [motion]",
+            )
     track, motion = sound("disk.track_length", "motion")
     if track is not None and motion is not None:
         yield (

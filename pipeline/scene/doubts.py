@@ -49,6 +49,7 @@ _RADIUS = Usual("radius", 0.1, 1000, "mm", 1e3)
 _CROWN = Usual("crown radius", 0.1, 100_000, "mm", 1e3)
 _LENGTH = Usual("length", 0.1, 1000, "mm", 1e3)
 _RA = Usual("Ra", 0.001, 10, "µm", 1e6)
+_TRACK = Usual("track", 20, 10_000, "mm", 1e3)
 _WEAR_RATE = Usual("specific wear rate", 1e-11, 1e-2, "mm³/(N m)", 1e9)
 _VELOCITY = Usual("velocity", 0, 100, "m/s")
 _BULK = Usual("bulk temperature", 200, 800, "K")
@@ -98,6 +99,9 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
         yield f"friction is {friction:g}, where 0 to 1 is usual: check the number"
     yield from _VELOCITY.doubt("the highest ", max(sweep.velocities))
     yield from _BULK.doubt("the ", sweep.conditions.bulk_temperature)
+    corrections = sweep.conditions.corrections
+    if corrections and corrections.track:
+        yield from _TRACK.doubt("the disk's ", corrections.track.length)
     if sweep.wear is None:
         yield (
             "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "

@@ -20,6 +20,7 @@ from tribo import Cylinder, InputError, analytic, contact_modulus
 from tribo.laws import OwnWear
 from tribo.types import Array
 
+_FEWEST_WIDTHS = 10.0  # of the contact in a track, so that a pass is short beside a round
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
 
 
@@ -131,6 +132,24 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
             f"all at the hardness of the softer body, {1e-9 * sweep.hardness:g} GPa, stand for "
             f"{greatest:.4g} N on the pin; stay below that, or give more window.pixels"
         )
+
+
+def track_fault(sweep: Sweep) -> str | None:
+    """Fault of a track that is too short for the passes on it to be apart; None if there is none.
+
+    A pass is taken to lay its heat at once, which needs a round much longer than the contact.
+    """
+    corrections = sweep.conditions.corrections
+    if corrections is None or corrections.track is None:
+        return None
+    length, width = corrections.track.length, facts_of(sweep).contact_width.high
+    if length >= _FEWEST_WIDTHS * width:
+        return None
+    return (
+        f"{1e3 * length:.4g} mm is {length / width:.2g} times the width of the contact, which is "
+        f"expected to be {1e3 * width:.3g} mm; give the whole way around the disk, at least "
+        f"{_FEWEST_WIDTHS:g} times that width, {1e3 * _FEWEST_WIDTHS * width:.3g} mm"
+    )
 
 
 def _duration(sweep: Sweep, load: float) -> tuple[float, float]:

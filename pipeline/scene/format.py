@@ -26,12 +26,14 @@ from pipeline.scene.schema import (
 from pipeline.sweep.unknown import MOST_SAMPLES
 
 
+def _length(example: str) -> Quantity:
+    return Quantity("a length", example)
+
+
 def _one_or_two(kind: Quantity) -> Either:
     return Either(kind, List(kind, length=2))
 
 
-SIZE = Quantity("a length", "2 mm")
-LENGTH = Quantity("a length", "0.95 um")
 WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
 ANY_WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True)
 LOAD = Quantity("a load", "200 N")
@@ -60,8 +62,8 @@ MATERIAL = Table({
 
 STEM = Either(
     Table({
-        "length": Entry(SIZE, "Length of the rod, of the pin's material."),
-        "area": Entry(Quantity("an area", "12 mm^2"), "Its cross section."),
+        "length": Entry(_length("4 mm"), "Length of the rod, of the pin's material."),
+        "area": Entry(Quantity("an area", "13.6 mm^2"), "Its cross section."),
     }, form="rod"),
     Table({
         "resistance": Entry(Quantity("a thermal resistance", "8 K/W"),
@@ -70,7 +72,8 @@ STEM = Either(
 )
 _ROUND = {
     "shape": Entry(Choice(("cylinder", "ball", "crowned")), "Shape of the pin."),
-    "radius": Entry(SIZE, "Radius in the plane of sliding; of two curved bodies the reduced one."),
+    "radius": Entry(_length("2 mm"),
+        "Radius in the plane of sliding; of two curved bodies the reduced one."),
 }
 _OF_PIN = {
     "material": Entry(Text(), "Name of its material, here or in the library."),
@@ -82,22 +85,23 @@ _OF_PIN = {
 PIN = Either(
     Table({
         **_ROUND,
-        "length": Entry(SIZE, "Length of the cylinder's line contact, along y."),
+        "length": Entry(_length("3.4 mm"), "Length of the cylinder's line contact, along y."),
         **_OF_PIN,
     }, form="cylinder"),
     Table({
         **_ROUND,
-        "crown_radius": Optional(SIZE, "Radius across sliding of a crowned pin, which it needs."),
+        "crown_radius": Optional(_length("100 mm"),
+            "Radius across sliding of a crowned pin, which it needs."),
         **_OF_PIN,
     }, form="ball or crowned pin"),
     when=lambda pin: isinstance(pin, dict) and pin.get("shape") in ("ball", "crowned"),
 )
 
 RANDOM_SURFACE = Table({
-    "ra": Entry(LENGTH, "Mean deviation of the heights from their mean plane, Ra."),
+    "ra": Entry(_length("0.27 um"), "Mean deviation of the heights from their mean plane, Ra."),
     "hurst_exponent": Entry(Number(above=0, at_most=1),
         "Hurst exponent; the nearer to 1, the smoother at short wavelengths."),
-    "correlation_length": Entry(_one_or_two(LENGTH),
+    "correlation_length": Entry(_one_or_two(_length("4 um")),
         "Length beyond which heights no longer depend on each other; two for one along x and one "
         "along y, as on ground surfaces."),
     "seed": Optional(SEED,
@@ -140,12 +144,13 @@ def _own_law(meaning: str, form: str = "") -> Table:
 
 DISK = Table({
     "material": Entry(Text(), "Name of its material, here or in the library."),
-    "track_length": Optional(SIZE,
+    "track_length": Optional(_length("340 mm"),
         "Length of the track under the pin, which earlier passes have warmed; without it each "
         "pass meets a cold disk. It takes effect after the simulation."),
     "film": Optional(Table({
-        "thickness": Entry(LENGTH, "Thickness of the film."),
-        "thermal_conductivity": Entry(CONDUCTIVITY, "Its thermal conductivity."),
+        "thickness": Entry(_length("20 nm"), "Thickness of the film."),
+        "thermal_conductivity": Entry(Quantity("a conductivity", "2 W/(m K)"),
+            "Its thermal conductivity."),
     }), "An oxide or tribofilm on the disk, a thermal resistance; none without the table. It takes "
         "effect after the simulation."),
     "surface": Optional(_own_law('Module and name of the surface, such as "laws:dimples".'),
@@ -157,7 +162,7 @@ DISK = Table({
 WINDOW = Table({
     "pixels": Entry(List(Whole(at_least=1, at_most=100_000), length=2),
         "Number of pixels along x and y."),
-    "pixel_size": Entry(List(LENGTH, length=2),
+    "pixel_size": Entry(List(_length("0.95 um"), length=2),
         "Sides of a pixel along x and y; those of the measured surface."),
     "periodic_y": Optional(Flag(),
         "Patch repeated along y, or not; by default for a cylinder alone."),
@@ -170,7 +175,7 @@ LOADING = Either(
     Table({
         "rate": Entry(Quantity("a loading rate", "150 N/s"),
             "Rate at which the load grows from 0."),
-        "reference_load": Entry(LOAD, _REFERENCE_LOAD),
+        "reference_load": Entry(Quantity("a load", "750 N"), _REFERENCE_LOAD),
         "hold": Optional(DURATION,
             "Time for which each load is held once it is reached.", default=0.0),
         "hold_steps": Optional(Whole(at_least=1),
@@ -181,7 +186,7 @@ LOADING = Either(
         "file": Entry(Text(),
             "Record of the load, .csv with the columns `time [s]` and `load [N]`; relative to the "
             "folder of the scene.", example="load.csv"),
-        "reference_load": Optional(LOAD, _REFERENCE_LOAD),
+        "reference_load": Optional(Quantity("a load", "750 N"), _REFERENCE_LOAD),
         "fit": Optional(Flag(),
             "A straight line through the record in its place, or not.", default=False),
     }, form="record"),
@@ -191,9 +196,9 @@ MOTION = Table({
     "slide_roll_ratio": Optional(Number(),
         "Sliding velocity divided by the mean velocity of both surfaces; negative where the pin is "
         "the faster body."),
-    "entrainment_velocity": Optional(VELOCITY,
+    "entrainment_velocity": Optional(Quantity("a velocity", "3 m/s", zero=True),
         "Mean velocity of both surfaces, the same at every sliding velocity."),
-    "track_length": Optional(SIZE,
+    "track_length": Optional(_length("314 mm"),
         "Length of the pin's track, over which its wear spreads; by default its circumference."),
 })
 
@@ -243,7 +248,7 @@ TEMPERATURES = Table({
         "pin": Entry(TEMPERATURE, "Temperature of the pin."),
         "disk": Entry(TEMPERATURE, "Temperature of the disk."),
     })), "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
-    "critical": Optional(TEMPERATURE,
+    "critical": Optional(Quantity("a temperature", "145 degC"),
         "Contact temperature above which the lubricant fails; needed where wear is judged."),
     "failing_share": Optional(Number(at_least=0, below=1),
         "Share of the contact area above the critical temperature beyond which wear is severe; 0 "

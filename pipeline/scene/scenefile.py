@@ -14,6 +14,7 @@ from typing import Any
 import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
+from pipeline.scene.facts import track_fault
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
@@ -130,6 +131,8 @@ class _Reader:
             library=taken,
             arguments=self.arguments,
         )
+        if fault := track_fault(sweep):
+            faults.note("disk.track_length", fault)
         return with_velocities_for_rates(sweep, faults.notes), tables
 
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:

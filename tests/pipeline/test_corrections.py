@@ -7,6 +7,7 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.run.physics import physics_left_out
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
@@ -113,6 +114,7 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
         ("pin.stem={resistance='3 K'}", "cannot be converted to K/W"),
         ("pin.stem={length='3 mm'}", "pin.stem.area: missing"),
         ("disk.track_length=0 m", "above 0"),
+        ("disk.track_length=2 mm", "times the width of the contact"),
     ],
 )  # fmt: skip
 def test_bad_entries_are_named(tmp_path, irg, setting, problem):
@@ -121,6 +123,19 @@ def test_bad_entries_are_named(tmp_path, irg, setting, problem):
     assert setting.partition("=")[0] in error
     assert problem in error
     assert "Traceback" not in error
+
+
+def test_a_rod_does_not_hold_a_pin_that_turns(tmp_path, irg):
+    (tmp_path / "plain.toml").write_text(SCENE)
+    rod, command = 'pin.stem={resistance="8 K/W"}', ("check", tmp_path / "plain.toml", "--set")
+    rolling = ("motion.slide_roll_ratio=1", "motion.track_length=314 mm")
+    error = irg(*command, rod, *(f"--set={entry}" for entry in rolling), code=2)
+    assert "pin.stem: the pin turns, at" in error
+    assert "8 K/W" in irg(*command, rod, "--set=motion.slide_roll_ratio=2")  # at rest
+    scene = pipeline.load_scene(
+        tmp_path / "plain.toml", overrides={"motion": {"slide_roll_ratio": 1}}
+    )
+    assert "pin.stem" not in [effect.entry for effect in physics_left_out(scene)]
 
 
 def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):

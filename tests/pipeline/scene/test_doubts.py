@@ -91,6 +91,14 @@ def test_materials_are_named_after_their_body_where_they_differ():
     assert [doubt.split(" is ")[0] for doubt in said_of(of_both(density=7.8))] == ["the density"]
 
 
+@pytest.mark.parametrize(("length", "is_doubted"), [(0.019, True), (0.34, False)])
+def test_a_track_is_the_way_around_a_plausible_disk(length, is_doubted):
+    track = tribo.Track.under(SMOOTH.pin, STEEL, length)
+    conditions = replace(SMOOTH.conditions, corrections=tribo.Corrections(track=track))
+    said = said_of(replace(SMOOTH, conditions=conditions))
+    assert any("the disk's track is 19 mm" in doubt for doubt in said) is is_doubted
+
+
 def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
     assert said_of(replace(SMOOTH, wear=tribo.Wear(0.0))) == ()
 

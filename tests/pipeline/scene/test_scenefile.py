@@ -242,7 +242,7 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [
-        ({"disk.roughness.ra": 0.27}, 'ra: 0.27 has no unit; give a length above 0, such as "0.95'),
+        ({"disk.roughness.ra": 0.27}, 'ra: 0.27 has no unit; give a length above 0, such as "0.27'),
         ({"disk.roughness.ra": "0.27 GPa"}, '"0.27 GPa" cannot be converted to um'),
         ({"disk.roughness.ra": "0.27 parsnip"}, "unknown unit: 'parsnip'"),
         ({"disk.roughness.ra": "-0.27 um"}, "out of range; give a length above 0"),
