@@ -20,8 +20,6 @@ TABLES = (".csv", ".md")
 FIGURES = (".pdf", ".png", ".svg")
 """Endings of the files that a table, or a figure, may be written to."""
 
-_WIDE = 40  # characters of a cell, beyond which its column gets no wider on a page
-
 
 class Column(NamedTuple):
     """Column of a table.
@@ -169,16 +167,8 @@ class Table:
             yield "   ".join(cells).rstrip()
 
     def html(self) -> str:
-        """The table as HTML, with widths of columns in proportion to what they hold."""
-        columns = zip(*self.cells(), strict=True) if self.rows else [()] * len(self.columns)
-        lengths = [
-            max(max(map(len, column.head.split())), min(_WIDE, max(map(len, cells), default=0))) + 2
-            for column, cells in zip(self.columns, columns, strict=True)
-        ]
-        heads = "".join(
-            f'<th width="{100 * length // sum(lengths)}%">{html.escape(column.head)}</th>'
-            for column, length in zip(self.columns, lengths, strict=True)
-        )
+        """The table as HTML."""
+        heads = "".join(f"<th>{html.escape(column.head)}</th>" for column in self.columns)
         rows = (
             "".join(f"<td>{html.escape(cell) or '–'}</td>" for cell in row) for row in self.cells()
         )

@@ -9,6 +9,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NamedTuple
@@ -124,11 +125,11 @@ COMMANDS = (
         ),
     ),
     Command(
-        "report", "figures:report", "write a report for people without the tool: HTML or PDF",
-        "results/scene.zarr --points duty.csv -o report.pdf",
+        "report", "figures:report",
+        "write a report for people without the tool, as HTML that a browser prints",
+        "results/scene.zarr --points duty.csv -o report.html",
         (
-            o.STORE, o.output("REPORT.html", "file to write, .html or .pdf; default: beside the "
-            "store"),
+            o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
             o.POINTS, o.WEAR_RATE, o.AT, o.CONDITIONS,
         ),
     ),
@@ -169,7 +170,7 @@ def whole_parser() -> argparse.ArgumentParser:
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
         epilog="Begin with:\n  irg new scene.toml\nWhat a command takes:\n  irg COMMAND --help\n"
-        'Completion in bash and zsh:\n  eval "$(register-python-argcomplete irg)"',
+        'Completion in bash and zsh, with argcomplete installed:\n  eval "$(register-python-argcomplete irg)"',
     )
     parser.add_argument(
         "--version",
@@ -188,9 +189,10 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Read the options of one command; `function_of` gives its function."""
     parser = whole_parser()
     if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
-        import argcomplete
+        with suppress(ImportError):  # of the extra completion
+            import argcomplete
 
-        argcomplete.autocomplete(parser)
+            argcomplete.autocomplete(parser)
     options, unknown = parser.parse_known_args(arguments)
     if unknown:  # an error of the command, whose usage shows its options
         flags = re.findall(r"--[a-z-]+", options.parser.format_usage())

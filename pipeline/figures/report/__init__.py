@@ -1,1 +1,1 @@
-"""A report of a sweep for people without the tool: one document, as HTML or PDF."""
+"""A report of a sweep for people without the tool: one document of HTML."""

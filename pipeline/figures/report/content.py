@@ -1,4 +1,4 @@
-"""Content of a report, as plain HTML that both a browser and the PDF library lay out."""
+"""Content of a report, as plain HTML."""
 
 from __future__ import annotations
 
@@ -95,9 +95,7 @@ def _html(part: Part) -> str:
     if isinstance(part, str):
         return f"<p>{html.escape(part)}</p>"
     encoded = base64.b64encode(png_of(part, _DPI)).decode()
-    return (
-        f'<p><img src="data:image/png;base64,{encoded}" width="490" alt="Transition diagram"></p>'
-    )
+    return f'<p><img src="data:image/png;base64,{encoded}" alt="Transition diagram"></p>'
 
 
 def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
