@@ -20,22 +20,20 @@ from pipeline.cli.scenes import (
 )
 from tribo import InputError
 
-_RIVALS = "rivals"
-_OF_KINDS = (*PLACE, *CONDITIONS, "log", "given_measured", "scatter", _RIVALS)
+_OF_KINDS = (*PLACE, *CONDITIONS, "log", "given_measured", "scatter")
 """Options that only some kinds of figures have."""
 
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    look = values_in(options, *PLACE, _RIVALS, "scatter", "width", "dpi", "log", "given_measured")
+    look = values_in(options, *PLACE, "scatter", "width", "dpi", "log", "given_measured")
     conditions = conditions_in(options)
     _require_options(options.kind, [*look, *conditions])
     look |= {"with_title": not options.no_title}
     if options.watch:
         return _watched(options, look | conditions)
     ds = opened(options)
-    suffix = "gif" if options.kind == "animation" else "png"
-    out = options.output or beside(options.store, f"_{options.kind}.{suffix}")
+    out = options.output or beside(options.store, f"_{options.kind}.png")
     written = pipeline.plot(ds, options.kind, out, **look, **conditions)
     document = {"kind": options.kind, "file": str(written)}
     return Result(document, [str(written)], pipeline.warned(ds, **conditions))
@@ -70,7 +68,7 @@ def _require_options(kind: str, names: Iterable[str]) -> None:
     allowed = [name for name in options_of(kind) if name in _OF_KINDS]
     for name in names:
         if name in _OF_KINDS and name not in allowed:
-            flag, others = (flags_of(some).replace(_RIVALS, "rival") for some in ([name], allowed))
+            flag, others = flags_of([name]), flags_of(allowed)
             raise InputError(f"--kind {kind} takes no {flag}; it takes {others}")
 
 

@@ -279,9 +279,8 @@ OF_REPRODUCE = (
 OF_PLOT = (
     Option(
         "--kind", default="diagram",
-        choices=("diagram", "ramp", "fields", "temperature", "histogram", "animation"),
-        help="default: diagram; temperature is over the velocity, histogram over the contact, "
-        "animation of the fields while the load grows",
+        choices=("diagram", "ramp", "fields", "temperature"),
+        help="default: diagram; temperature is over the velocity",
     ),
     Group(
         "",
@@ -294,14 +293,9 @@ OF_PLOT = (
         ),
     ),
     _quantity("--width", "W", "8.5 cm", "width of the figure, whose words stay readable"),
-    Option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),
+    Option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png"),
     _flag("--no-title", "draw no title, where a caption gives it"),
     _flag("--log", "scale both axes of the diagram by the logarithm"),
-    Option(
-        "--rival", metavar="NAME", dest="rivals", action="append",
-        help="simpler criterion to draw into the diagram: blok, power, power-density or pv; may be "
-        "repeated",
-    ),
 )  # fmt: skip
 OF_EXPLORE = (
     output("PAGE.html", "file of the page; default: beside the store"),

@@ -170,7 +170,8 @@ def whole_parser() -> argparse.ArgumentParser:
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
         epilog="Begin with:\n  irg new scene.toml\nWhat a command takes:\n  irg COMMAND --help\n"
-        'Completion in bash and zsh, with argcomplete installed:\n  eval "$(register-python-argcomplete irg)"',
+        "Completion in bash and zsh, with argcomplete installed:\n"
+        '  eval "$(register-python-argcomplete irg)"',
     )
     parser.add_argument(
         "--version",

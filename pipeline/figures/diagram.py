@@ -29,7 +29,6 @@ from pipeline.figures.overlays import (
     film_lines,
     isoline,
     measured_transitions,
-    rival_lines,
 )
 from pipeline.figures.regions import name_regions
 from pipeline.figures.style import (
@@ -54,10 +53,10 @@ from tribo import InputError
 
 _AS_DRAWN = (
     "the diagram of samples shows the probability of severe wear for the inputs as they were "
-    "drawn; leave out conditions, surface, rivals and ax"
+    "drawn; leave out conditions, surface and ax"
 )
 _ONE_LINE_EACH = (
-    "the diagram of several scenes has one line for each; leave out rivals and a second friction, "
+    "the diagram of several scenes has one line for each; leave out a second friction, "
     'or take one scene with --at "{}=..."'
 )
 _RESOLUTION = 240
@@ -69,7 +68,6 @@ def diagram(
     ds: xr.Dataset,
     friction: float | Sequence[float] | None = None,
     realization: int | None = None,
-    rivals: Sequence[str] = (),
     log: bool = False,
     given_measured: bool = False,
     scatter: float | None = None,
@@ -87,11 +85,11 @@ def diagram(
     """
     if variant_of(ds) == "sample" or given_measured or scatter is not None:
         others = (friction, realization, ax, *changed.values())
-        if rivals or any(value is not None for value in others):
+        if any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log)
     if entry_dims(ds):
-        if rivals or isinstance(friction, Sequence):
+        if isinstance(friction, Sequence):
             raise InputError(_ONE_LINE_EACH.format(entry_dims(ds)[0]))
         return _of_scenes(ds, {"friction": friction, **changed}, realization, log, ax)
     band = attributes_of(ds).get("friction_band")
@@ -118,7 +116,6 @@ def diagram(
         legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, ds, conditions, band)
         legend += film_lines(axes, ds, conditions)
-        legend += rival_lines(axes, ds, conditions, rivals)
     elif max(sizes) > 1:
         legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)

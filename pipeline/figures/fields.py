@@ -1,33 +1,25 @@
-"""Pressure, temperature and wear over the contact at the end of a point, and as the load grows."""
+"""Pressure, temperature and wear over the contact at the end of a point."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.animation import PillowWriter
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import corrected_field, on_surface
-from pipeline.analysis.tables import writing_to
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
-from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature
 from tribo import InputError
 from tribo.types import Array
 
 _HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
-_PACE = 2  # pictures of an animation a second
-_LAST = 3  # times that its last picture is shown again
-_DPI = 100
 
 
 def fields(
@@ -43,39 +35,6 @@ def fields(
     ds = _with_fields(ds, realization)
     point = chosen_points(ds, load, velocity, conditions)[0]
     return _contact(ds, point, conditions, stacked)
-
-
-def animation(
-    ds: xr.Dataset,
-    load: float | str | None = None,
-    velocity: float | str | None = None,
-    realization: int | None = None,
-    stacked: bool = False,
-    **changed: Any,
-) -> list[Figure]:
-    """Draw the contact at the end of each load up to one that is done, on the same scales."""
-    conditions = conditions_of(ds, **changed)
-    ds = _with_fields(ds, realization)
-    last, j = chosen_points(ds, load, velocity, conditions)[0]
-    status = ds["status"].transpose("load", "velocity").values
-    points = [(int(i), j) for i in np.flatnonzero(status[: last + 1, j] == DONE)]
-    scales = np.array([_scales(_shown(ds, point, conditions)) for point in points])
-    ends = np.stack([scales[:, :, 0].min(axis=0), scales[:, :, 1].max(axis=0)], axis=1)
-    return [_contact(ds, point, conditions, stacked, ends) for point in points]
-
-
-def save_animation(figures: Sequence[Figure], out: Path, dpi: float | None = None) -> Path:
-    """Write figures of one size as an animated GIF; raises an `InputError` if that fails."""
-    for figure in figures:  # places settle as they are drawn, and are to stay from then on
-        figure.draw_without_rendering()
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-    writer = PillowWriter(fps=_PACE)
-    with writing_to(out), writer.saving(figures[0], str(out), _DPI if dpi is None else dpi):
-        for figure in [*figures, *[figures[-1]] * _LAST]:
-            writer.fig = figure
-            writer.grab_frame()
-    return out
 
 
 def _with_fields(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
@@ -104,28 +63,19 @@ def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tu
     )
 
 
-def _scales(values: tuple[Array, ...]) -> Array:
-    """Lowest and highest value of the scale of each panel; only temperatures do not begin at 0."""
-    pressure, temperature, wear_depth = values
-    ends = (0.0, pressure.max()), (temperature.min(), temperature.max()), (0.0, wear_depth.max())
-    return np.array(ends)
-
-
 @in_house_style
 def _contact(
     ds: xr.Dataset,
     point: tuple[int, int],
     conditions: Conditions,
-    stacked: bool = False,
-    ends: Array | None = None,
+    stacked: bool,
 ) -> Figure:
-    """Draw the contact at the end of a point; `ends` of each panel's scale, or the point's own."""
+    """Draw the contact at the end of a point."""
     values = _shown(ds, point, conditions)
-    ends = _scales(values) if ends is None else ends
     temperature = values[1]
     critical = conditions.critical_temperature
     limit = math.inf if critical is None else celsius(critical)
-    outlined = ends[1][0] < limit < ends[1][1] and min(temperature.shape) > 1
+    outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
     labels = (
         "contact pressure [GPa]",
         f"contact temperature{f', outlined at {limit:g}' if outlined else ''} [°C]",
@@ -139,10 +89,11 @@ def _contact(
     figure = Picture(figsize=size)
     row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
     touching = np.ma.masked_equal(values[0], 0.0), *values[1:]
-    for axes, label, field, colours, (low, high) in zip(
-        row, labels, touching, ("viridis_r", "inferno", "cividis"), ends, strict=True
+    lowest = 0.0, temperature.min(), 0.0
+    for axes, label, field, colours, low in zip(
+        row, labels, touching, ("viridis_r", "inferno", "cividis"), lowest, strict=True
     ):
-        image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, vmax=high, rasterized=True)
+        image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, rasterized=True)
         axes.set_aspect("equal" if 0.5 < height < 12 else "auto")
         axes.grid(visible=False)
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
@@ -155,7 +106,7 @@ def _contact(
         row[0].set_ylabel("y [µm]")
     else:
         row[0].set_yticks([])
-    if outlined and temperature.min() < limit < temperature.max():
+    if outlined:
         row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
     figure.suptitle(f"{title_of(ds)}\n{name_of(ds, point)}, {heating(conditions)}")
     return figure

@@ -1,10 +1,9 @@
-"""Lines and marks over the diagram: lift-off by the film, simpler criteria, measurements."""
+"""Lines and marks over the diagram: lift-off by the film, measurements."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from statistics import geometric_mean
 from typing import Any
 
 import numpy as np
@@ -15,18 +14,16 @@ from matplotlib.lines import Line2D
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.interpolation import crossing
-from pipeline.figures.rivals import RIVALS, SmoothContact
-from pipeline.figures.style import BLACK, GREY, celsius
+from pipeline.figures.style import BLACK, GREY
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
-from tribo import InputError, lubrication_regime
+from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 
 _NEAR = 0.02  # relative difference of friction that is not worth a mark of its own
 _RESOLUTION = 60
 _DOTS = (0, (1, 2))
-_STYLES = ((0, (4, 2)), (0, (6, 2, 1, 2)), (0, (2, 1)), (0, (8, 3)))
 
 
 def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
@@ -46,36 +43,6 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
         regime = lubrication_regime(float(film.mean()))
         span = f"{film.min():.2f} to {film.max():.2f}"
         legend.append(Line2D([], [], ls="none", label=f"Λ {span}: {regime}"))
-    return legend
-
-
-def rival_lines(
-    axes: Axes, ds: xr.Dataset, conditions: Conditions, names: Sequence[str]
-) -> list[Artist]:
-    """Draw the transition by simpler criteria.
-
-    The limit of Blok's flash temperature is the critical temperature; that of the others is the
-    geometric mean of their values at the measured transitions.
-    """
-    if not names:
-        return []
-    mu, contact = conditions.friction, SmoothContact.stored(attributes_of(ds))
-    legend: list[Artist] = []
-    for name, style in zip(dict.fromkeys(names), _STYLES * len(names), strict=False):
-        if name not in RIVALS:
-            raise InputError(f"rival is {name!r}; allowed are {', '.join(RIVALS)}")
-        rival = RIVALS[name]
-        plane = _over_figure(ds, lambda F, V, value=rival.value: value(contact, F, V, mu))
-        if name == "blok":
-            limit = conditions.known_critical_temperature() - conditions.mean_bulk_temperature
-            label = f"{rival.label}, {celsius(conditions.known_critical_temperature()):g} °C"
-        else:
-            limit = _calibrated(ds, name, contact, mu)
-            label = f"{rival.label} {rival.scale * limit:.3g} {rival.unit}"
-        look = {"linewidths": 1.6, "linestyles": [style], "zorder": 2.8}
-        if not isoline(axes, plane, limit, f"rival {name}", colors=GREY, **look):
-            label = f"{label}: not here"
-        legend.append(Line2D([], [], color=GREY, lw=1.6, ls=style, label=label))
     return legend
 
 
@@ -123,23 +90,6 @@ def at_own_friction(
         label="computed at the friction measured", gid="at own friction",
     )  # fmt: skip
     return list(line)
-
-
-def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: float) -> float:
-    """Mean of a criterion's values at the measured transitions, in the logarithms."""
-    measured = attributes_of(ds).get("measured") or []
-    if not measured:
-        raise InputError(
-            f"rival is {name!r}, whose limit comes from measured transitions; the scene has none: "
-            "give it a [[measured]] with load and velocity, or take blok"
-        )
-    values = [
-        RIVALS[name].value(
-            contact, test["normal_load"], test["velocity"], test["friction"] or friction
-        )
-        for test in measured
-    ]
-    return geometric_mean(values)
 
 
 def _over_figure(ds: xr.Dataset, value: Callable[..., Any]) -> xr.DataArray:

@@ -16,25 +16,22 @@ from matplotlib.figure import Figure
 
 from pipeline.analysis.conditions import CONDITIONS
 from pipeline.analysis.dataset import dataset_of
-from pipeline.analysis.tables import writable_path
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fields import animation, fields, save_animation
+from pipeline.figures.fields import fields
 from pipeline.figures.fit import fitted
 from pipeline.figures.ramp import ramp
 from pipeline.figures.style import figure_path, save_figure
-from pipeline.figures.temperatures import histogram, temperature
+from pipeline.figures.temperatures import temperature
 from pipeline.scene.quantities import in_si
 from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
 _DPI = (20, 2400)
-KINDS: dict[str, Callable[..., Figure | list[Figure]]] = {
+KINDS: dict[str, Callable[..., Figure]] = {
     "diagram": diagram,
     "ramp": ramp,
     "fields": fields,
     "temperature": temperature,
-    "histogram": histogram,
-    "animation": animation,
 }
 """Function that draws each kind of figure."""
 
@@ -47,23 +44,22 @@ def plot(
     dpi: float | None = None,
     with_title: bool = True,
     **options: Any,
-) -> Figure | list[Figure] | Path:
+) -> Figure | Path:
     """Draw a figure of a sweep.
 
     Parameters
     ----------
     ds : Dataset or path
         Dataset of `pipeline.open_sweep`, or folder or address of the store.
-    kind : {"diagram", "ramp", "fields", "temperature", "histogram", "animation"}
-        Name of the figure; the animation shows the fields while the load grows.
+    kind : {"diagram", "ramp", "fields", "temperature"}
+        Name of the figure.
     out : path, optional
-        File to write; its suffix, one of .pdf, .png and .svg, decides the format. That of an
-        animation is .gif.
+        File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
         Width of the figure [m], or as text, such as "8.5 cm"; words stay readable. Its own if not
         given.
     dpi : float, optional
-        Dots per inch of a .png, 150 if not given, or of a .gif, 100 if not given.
+        Dots per inch of a .png; 150 if not given.
     with_title : bool
         Draw the titles of the figure.
     **options
@@ -74,24 +70,22 @@ def plot(
           ``realization``, seed of the surface to draw (if not given the first; in a diagram all,
           with a band from the tenth to the ninetieth of a hundred). In a diagram several values of
           ``friction`` make a band, and their median the boundary.
-        - diagram: ``rivals``, names of simpler criteria out of `pipeline.figures.rivals.RIVALS`;
-          ``log``, True for logarithmic axes, without velocity 0; of samples ``given_measured``,
-          True to let the measured transitions narrow the inputs, and ``scatter`` of
-          `pipeline.posterior`.
-        - ramp, fields, temperature, histogram, animation: ``load`` [N], or text with a unit, the
+        - diagram: ``log``, True for logarithmic axes, without velocity 0; of samples
+          ``given_measured``, True to let the measured transitions narrow the inputs, and
+          ``scatter`` of `pipeline.posterior`.
+        - ramp, fields, temperature: ``load`` [N], or text with a unit, the
           highest if not given; of a ramp several.
-        - ramp, fields, histogram, animation: ``velocity`` [m/s], or text with a unit; of a ramp
-          several. If not given, the one nearest to the transition at that load, in a histogram the
-          transition itself.
+        - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
+          the one nearest to the transition at that load.
         - ramp: the temperature is known at the ends of points, and between where the scene asked
           for it.
-        - fields, animation: ``stacked``, True for panels below each other.
-        - diagram, temperature, histogram: ``ax``, axes of matplotlib to draw on; not of samples.
+        - fields: ``stacked``, True for panels below each other.
+        - diagram, temperature: ``ax``, axes of matplotlib to draw on; not of samples.
 
     Returns
     -------
-    Figure, list of Figure or Path
-        The figure, or those of an animation; the file they were written to if `out` is given.
+    Figure or Path
+        The figure; the file it was written to if `out` is given.
 
     Raises
     ------
@@ -111,9 +105,7 @@ def plot(
     for name in options:
         if name not in allowed:
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
-    path = None
-    if out is not None:
-        path = writable_path(out, (".gif",)) if kind == "animation" else figure_path(out)
+    path = None if out is None else figure_path(out)
     if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
         raise InputError(f"dpi is {dpi:g}; it must be from {_DPI[0]} to {_DPI[1]}")
     metres = None if width is None else in_si("width", width, "1 m")
@@ -124,13 +116,8 @@ def plot(
         if path or metres or dpi:
             raise InputError("ax: out, width and dpi are those of its figure; set them there")
         return drawn
-    for figure in drawn if isinstance(drawn, list) else [drawn]:
-        fitted(figure, metres, with_title)
-    if path is None:
-        return drawn
-    if isinstance(drawn, list):
-        return save_animation(drawn, path, dpi)
-    return save_figure(drawn, path, dpi)
+    fitted(drawn, metres, with_title)
+    return drawn if path is None else save_figure(drawn, path, dpi)
 
 
 def options_of(kind: str) -> list[str]:

@@ -6,20 +6,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.figures.rivals import SmoothContact, load_speed_exponent
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.store.identity import describe
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from tribo import lubrication_regime
+from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, Table, cells, mean
+from workflows.paper.smooth import SmoothContact, load_speed_exponent
 from workflows.paper.study import Study
 from workflows.paper.transitions import beside_boundary, film_parameter, name_of, on_surfaces
 
@@ -126,7 +125,8 @@ def rivals(study: Study) -> Report:
 
 def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criterion]:
     """The criterion of the model, and those that need no simulation; worn ones as measured."""
-    conditions, contact = sweep.conditions, SmoothContact.stored({"scene": describe(sweep)})
+    conditions, pin = sweep.conditions, cast(Cylinder, sweep.pin)
+    contact = SmoothContact(pin, sweep.disk)
     bulk = float(celsius(conditions.bulk_temperature))
     F, V, mu = TABLE_4.normal_load, TABLE_4.velocity, TABLE_4.friction
 
@@ -144,7 +144,7 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criter
     for state, widths in (("unworn", unworn), ("worn", TABLE_4.measured_width)):
         points = list(zip(F, V, widths, strict=True))
         flash = np.array([contact.flash_rise(f, v, 1.0, width) for f, v, width in points])
-        density = np.array([f * v / contact.area(f, width) for f, v, width in points])
+        density = np.array([f * v / (width * pin.length) for f, v, width in points])
         pv, per_area = f"PV, {state}", f"power per {state} area"
         criteria |= {
             f"blok_{state}": by_friction(f"Blok, smooth, {state}", "°C", flash, 0.5),

@@ -123,7 +123,7 @@ def test_plot_writes_a_figure(store, tmp_path, irg, kind, conditions):
     ("kind", "option", "others"),
     [
         ("ramp", ["--given-measured"], "--friction, --bulk-temperature"),
-        ("temperature", ["--rival", "blok"], "--friction, --bulk-temperature"),
+        ("temperature", ["--log"], "--friction, --bulk-temperature"),
         ("diagram", ["--load", "600 N"], "--friction, --bulk-temperature"),
     ],
 )
@@ -220,10 +220,6 @@ def test_another_scene_is_refused_with_what_differs(store, tmp_path, irg):
         ),
         (["diff", "missing.zarr", "small.zarr"], ["missing.zarr"]),
         (["status", "small.toml"], ["small.toml is a file, not a store"]),
-        (
-            ["plot", "small.zarr", "--kind", "histogram", "--velocity", "1 m/s", "--friction", "0"],
-            ["friction is 0", "for a histogram"],
-        ),
         (["infer", "small.toml", "--duration", "8 s"], ["--duration belongs to --contact-width"]),
         (["infer", "small.zarr", "--set", "increments=5"], ["as they were computed", "--set"]),
     ],

@@ -27,7 +27,7 @@ def test_the_command_takes_every_kind(kind):
     assert parse(["plot", "out.zarr", "--kind", kind]).kind == kind
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "animation"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
     figure = plot(sweep.assign_attrs(title=100 * "words "), kind, width="8.5 cm")
     figure.draw_without_rendering()
@@ -85,7 +85,7 @@ def test_words_of_an_svg_stay_words(sweep, tmp_path):
 
 
 def test_dots_per_inch_are_those_asked_for(sweep, tmp_path):
-    plot(sweep, "histogram", tmp_path / "a.png", width=0.127, dpi=100)
+    plot(sweep, "diagram", tmp_path / "a.png", width=0.127, dpi=100)
     assert mpl.image.imread(tmp_path / "a.png").shape[1] == 500
 
 

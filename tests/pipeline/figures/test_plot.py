@@ -10,9 +10,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
-from pipeline.figures.rivals import SmoothContact
 from pipeline.figures.uncertainty import draw_risk
-from pipeline.store.identity import describe
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
@@ -177,7 +175,7 @@ def test_diagram_of_next_to_nothing(ds, tmp_path):
     assert plot(ds, "diagram", tmp_path / "figure.png").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("kind", ["diagram", "temperature", "histogram"])
+@pytest.mark.parametrize("kind", ["diagram", "temperature"])
 def test_figures_are_drawn_on_axes_of_the_caller(sweep, kind):
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     left, right = figure.subplots(1, 2)
@@ -329,7 +327,7 @@ def test_a_sweep_without_results_has_no_ramp():
 )
 def test_the_suffix_decides_the_format(sweep, tmp_path, suffix, magic):
     out = tmp_path / f"figure{suffix}"
-    assert plot(sweep, "histogram", out) == out
+    assert plot(sweep, "temperature", out) == out
     assert out.read_bytes().startswith(magic)
 
 
@@ -343,32 +341,6 @@ def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
     with pytest.raises(InputError, match=r"cannot write .*there is no folder"):
         plot(sweep, "diagram", tmp_path / "missing" / "figure.png")
     assert list(tmp_path.iterdir()) == []
-
-
-SCENE = describe(pipeline.load_scene("first_try"))
-
-
-def test_a_rival_is_drawn_where_its_criterion_reaches_its_limit():
-    ds = synthetic.sweep(scene=SCENE, measured=MEASURED)
-    axes = diagram(ds, rivals=["blok", "power"]).axes[0]
-    contact = SmoothContact.stored(ds.attrs)
-    (line,) = contour(axes, "rival blok")
-    rises = [contact.flash_rise(load, velocity, 0.1) for velocity, load in line[::7]]
-    assert rises == pytest.approx([120.0] * len(rises), rel=1e-3)
-    (line,) = contour(axes, "rival power")
-    power = [0.103 * 750 * 1.25, 0.1 * 600 * 1.5, 0.091 * 400 * 2.25, 0.1 * 200 * 3.75]
-    level = np.prod(power) ** 0.25
-    assert [0.1 * np.prod(place) for place in line] == pytest.approx([level] * len(line), rel=1e-3)
-
-
-def test_rivals_that_cannot_be_drawn_are_told():
-    ds = synthetic.sweep(scene=SCENE, measured=[])
-    with pytest.raises(InputError, match="rival is 'blak'; allowed are blok, power"):
-        diagram(ds, rivals=["blak"])
-    with pytest.raises(InputError, match=r"give it a \[\[measured\]\]"):
-        diagram(ds, rivals=["pv"])
-    figure = diagram(ds, rivals=["blok"], critical_temperature=1000.0)
-    assert "Blok, smooth, 726.85 °C: not here" in labels(figure.legends[0])
 
 
 def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
@@ -423,9 +395,8 @@ def _upwards(line):
 
 
 def test_options_that_do_not_go_with_samples_are_refused(unknown, sweep):
-    for option in ({"friction": 0.09}, {"rivals": ["blok"]}):
-        with pytest.raises(InputError, match="leave out conditions, surface, rivals and ax"):
-            diagram(unknown, given_measured=True, **option)
+    with pytest.raises(InputError, match="leave out conditions, surface and ax"):
+        diagram(unknown, given_measured=True, friction=0.09)
     with pytest.raises(InputError, match=r"scatter is 0\.03, of measured velocities"):
         diagram(unknown, scatter=0.03)
     with pytest.raises(InputError, match="the sweep has no samples"):

@@ -6,7 +6,6 @@ import pytest
 from pipeline.analysis.boundary import boundary
 from pipeline.figures.plot import plot
 from tests.helpers import synthetic
-from tribo import InputError
 
 
 @pytest.fixture(scope="module")
@@ -24,23 +23,3 @@ def test_the_temperature_crosses_the_critical_one_at_the_transition(sweep):
     curves = (line for line in axes.lines if len(line.get_xdata()) == 200)
     exceeded = next(line for line in curves if line.get_ls() == "-")
     assert np.interp(time, *exceeded.get_data()) == pytest.approx(145.0, abs=0.2)
-
-
-def test_at_the_transition_just_the_failing_share_is_above_the_critical_temperature(sweep):
-    axes = plot(sweep, "histogram", load=400.0).axes[0]
-    assert "10 % above 145 °C" in [text.get_text() for text in axes.figure.legends[0].get_texts()]
-    assert "at the transition" in axes.get_title()
-    assert sum(bar.get_height() for bar in axes.patches) == pytest.approx(100.0)
-
-
-def test_a_velocity_between_the_points_is_interpolated_and_one_beyond_refused(sweep):
-    def share(velocity):
-        figure = plot(sweep, "histogram", load=400.0, velocity=velocity)
-        words = [text.get_text() for text in figure.legends[0].get_texts()]
-        return float(next(word for word in words if " % above" in word).split(" %")[0])
-
-    assert share(2.0) < share("2.5 m/s") < share(4.0)
-    with pytest.raises(InputError, match=r"from 0\.5 to 4 m/s at most"):
-        plot(sweep, "histogram", load=400.0, velocity=9.0)
-    with pytest.raises(InputError, match="no transition at 400 N; give a velocity"):
-        plot(sweep, "histogram", load=400.0, friction=1e-4)
