@@ -65,7 +65,7 @@ def check(options: argparse.Namespace) -> Result:
         show_text(text)
     searched = options.boundary_only is not None
     cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
-    document |= cost.as_dict() | {"warnings": [*doubted, *cost.warnings]} | selected(sweep)
+    document |= cost.as_dict() | selected(sweep)
     return Result(document, _cost(sweep, cost, searched))
 
 
@@ -233,4 +233,3 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     yield from (f"           {line}" for line in cost.basis.split("; "))
     size = cost.disk_bytes / 1e6
     yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
-    yield from (f"  warning  {warning}" for warning in cost.warnings)

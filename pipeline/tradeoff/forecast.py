@@ -19,7 +19,6 @@ from pipeline.sweep.plan import columns_of, step_count
 from pipeline.sweep.stages import duration
 from tribo import QUANTILES, State, contacts, heat
 from tribo.simulation import forget_contacts, leads_to
-from tribo.thermal import DIRECT_MEMORY
 
 _HERE = 4  # workers a core; more of them are taken to be on other machines
 _SECONDS_TO_START = 1.0  # of a cluster and its workers
@@ -27,7 +26,6 @@ _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _PATIENCE = 3.0  # [s] of processor time, after which no further point is timed
-_NODES = 1280  # of the elimination that is timed
 _SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
 
 
@@ -51,8 +49,6 @@ class Estimate:
         Measurement from which the time is foretold.
     worker_bytes, disk_bytes : float
         Memory of each worker; size of the store, uncompressed [B].
-    warnings : tuple of str
-        Points that will fail.
 
     Examples
     --------
@@ -71,7 +67,6 @@ class Estimate:
     basis: str
     worker_bytes: float
     disk_bytes: float
-    warnings: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields by name."""
@@ -139,8 +134,6 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         _SECONDS_TO_START + alone * (1.0 if elsewhere else max(1.0, (others + parallel) / cores))
         for others in (busy, 0.0)
     )
-    highest = sweep.loads[-1] / timed.state.normal_load
-    nodes = round(np.count_nonzero(timed.state.pressure) * highest)
     basis = "mostly right within a factor of 1.5, from steps timed just now"
     if elsewhere:
         basis += "; for workers that have a core each, as fast as those here"
@@ -154,17 +147,14 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         workers=workers,
         seconds=seconds,
         basis=basis,
-        worker_bytes=max(worker_bytes(sweep.variant(entry), nodes) for entry in sweep.entries),
+        worker_bytes=max(worker_bytes(sweep.variant(entry)) for entry in sweep.entries),
         disk_bytes=points * _point_bytes(scene, timed.state),
-        warnings=tuple(_too_many_nodes(scene, nodes)) if moving else (),
     )
 
 
-def worker_bytes(sweep: Sweep, contact_nodes: int = 0) -> float:
-    """Memory of a worker [B]; elements in contact count for the direct heat partition alone."""
-    direct = sweep.fidelity.partition == "direct" and sweep.friction_heat
-    matrix = 8.0 * contact_nodes**2 if direct else 0.0
-    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.grid.shape) + matrix
+def worker_bytes(sweep: Sweep) -> float:
+    """Memory of a worker [B]."""
+    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.grid.shape)
 
 
 def machine_bytes() -> float:
@@ -205,8 +195,6 @@ def _timed(sweep: Sweep) -> _Timed:
 
 def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
     """Contacts of a ramp through all loads, each with the processor time that it took [s]."""
-    if sweep.fidelity.partition == "direct":  # whose matrix may be beyond reason
-        sweep = replace(sweep, fidelity=replace(sweep.fidelity, partition="local"))
     trunk, began = None, time.process_time()
     for load in sweep.loads:
         if trunk and (sweep.independent or not leads_to(sweep, trunk, load)):
@@ -220,14 +208,10 @@ def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
 
 
 def _heat_seconds(sweep: Sweep, state: State, velocity: float) -> float:
-    """Processor time of the temperature of a contact [s]; by elimination, from a smaller one."""
-    began, share = time.process_time(), 1.0
-    if sweep.fidelity.partition == "direct":
-        np.linalg.solve(np.eye(_NODES) + 0.5, np.ones(_NODES))
-        share = np.count_nonzero(state.pressure) / _NODES
-    else:
-        heat(sweep, state, velocity)
-    return float(share**3 * (time.process_time() - began))
+    """Processor time of the temperature of a contact [s]."""
+    began = time.process_time()
+    heat(sweep, state, velocity)
+    return time.process_time() - began
 
 
 def _searched(sweep: Sweep) -> int:
@@ -259,13 +243,3 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     numbers += len(sweep.rates) * (len(QUANTILES) + 2)
     fields = (3 + sweep.unequal_bulks) * math.prod(sweep.grid.shape) * sweep.store_fields
     return 8.0 * (numbers * max(step_count(sweep, load) for load in sweep.loads) + fields)
-
-
-def _too_many_nodes(sweep: Sweep, nodes: int) -> Iterator[str]:
-    """Warn of a direct heat partition whose matrix is refused."""
-    if sweep.fidelity.partition == "direct" and (matrix := 8.0 * nodes**2) > DIRECT_MEMORY:
-        yield (
-            f"direct partition of {nodes} nodes takes a matrix of {matrix / 2**30:.1f} GiB, "
-            f"allowed are {DIRECT_MEMORY / 2**30:.1f} GiB: points at high loads will fail; "
-            "take partition = 'local'"
-        )

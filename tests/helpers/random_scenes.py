@@ -94,7 +94,7 @@ def random_point(seed, wildness):
         "precision": draw.either("double", "double", "single"),
         "wear_scheme": draw.either("implicit", "implicit", "sdirk2", "explicit"),
         "heat_model": draw.either("elapsed", "elapsed", "history"),
-        "partition": draw.either("local", "local", "uniform", "direct"),
+        "partition": draw.either("local", "local", "uniform"),
         "heat_tolerance": draw.log(1e-8, 1e-4, far=4.0),
         "temperature_interval": draw.either(0, 2),
     }

@@ -8,7 +8,6 @@ from tribo.thermal.duhamel import Conductor as Conductor
 from tribo.thermal.duhamel import HeatHistory as HeatHistory
 from tribo.thermal.duhamel import conducted_spectrum as conducted_spectrum
 from tribo.thermal.duhamel import partition_with_history as partition_with_history
-from tribo.thermal.partition import DIRECT_MEMORY as DIRECT_MEMORY
 from tribo.thermal.partition import HeatPartition as HeatPartition
 from tribo.thermal.partition import partition_heat as partition_heat
 from tribo.thermal.quantiles import BULK_RATIOS as BULK_RATIOS

@@ -106,7 +106,7 @@ def partition_with_history(
     time: float,
     heat_flux: Array,
     contact: Mask,
-    method: Literal["local", "direct", "uniform"] = "local",
+    method: Literal["local", "uniform"] = "local",
     tolerance: float = 1e-8,
     bulk_difference: ArrayLike = 0.0,
     spectrum_of: SpectrumOf = conducted_spectrum,

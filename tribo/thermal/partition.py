@@ -8,9 +8,6 @@ q − q₁ what flows into the disk, T_b,1 + T₁q₁ = T_b,2 + T₂(q − q₁)
 
 The unknown is the flux and not the fraction q₁/q, which is unbounded where q → 0: a hot pin may
 well warm the cold leading edge of a contact (q₁ < 0).
-
-No product or solution here goes through BLAS or LAPACK, whose last bits depend on the number of
-their threads; sums by NumPy itself do not.
 """
 
 from __future__ import annotations
@@ -24,13 +21,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.convolution import Convolution, padded_shape
+from tribo.convolution import Convolution
 from tribo.errors import ConvergenceError, InputError
 from tribo.stencil import Neighbourhood
 from tribo.types import Array, Mask, Nodes
-
-DIRECT_MEMORY = 2 * 2**30
-"""Largest matrix that ``method="direct"`` builds [byte]; 16384 nodes in contact."""
 
 # Directions that the iteration keeps orthogonal. It rarely needs as many.
 _KEPT_DIRECTIONS = 60
@@ -54,7 +48,7 @@ class HeatPartition:
     pin_share : float
         Share of the heat that enters the pin, Σq₁/Σq; NaN if there is no frictional heat at all.
     iterations : int
-        Iterations of the local method, each one convolution; 0 for the others.
+        Iterations of the local method, each one convolution; 0 for the uniform one.
     residual : float
         Difference between the two surface temperatures, relative to the right-hand side of
         Eq. (1); root mean squares over the contact.
@@ -84,7 +78,7 @@ def partition_heat(
     disk: Convolution,
     heat_flux: Array,
     contact: Mask,
-    method: Literal["local", "direct", "uniform"] = "local",
+    method: Literal["local", "uniform"] = "local",
     tolerance: float = 1e-8,
     bulk_difference: ArrayLike = 0.0,
     max_iterations: int = 500,
@@ -99,9 +93,8 @@ def partition_heat(
         Frictional heat q = µVp [W/m²], 0 outside the contact.
     contact : ndarray of bool, shape ``grid.shape``
         True at elements that touch.
-    method : {"local", "direct", "uniform"}, optional
-        "local" solves Eq. (1) by iteration, "direct" by elimination, which takes 8n² bytes and
-        2n³/3 operations for n nodes in contact. "uniform" is Blok's way: one fraction q₁/q for
+    method : {"local", "uniform"}, optional
+        "local" solves Eq. (1) at every node. "uniform" is Blok's way: one fraction q₁/q for
         the whole contact, such that the mean temperatures of both surfaces over it are equal.
     tolerance : float, optional
         Largest `HeatPartition.residual` that the local method accepts, from 1e-14 to below 1.
@@ -118,8 +111,7 @@ def partition_heat(
     Raises
     ------
     InputError
-        If "direct" would need more than `DIRECT_MEMORY`, "uniform" has no heat to divide, or
-        fields do not fit each other.
+        If "uniform" has no heat to divide, or fields do not fit each other.
     ConvergenceError
         If the local method does not reach `tolerance`; it carries the `HeatPartition` found.
 
@@ -155,10 +147,7 @@ def partition_heat(
         raise InputError(
             "bulk_difference is not 0; it must be, since the bodies have had no time to conduct"
         )
-    if method == "direct":
-        solution, iterations = _eliminate(_dense(both, contact), target), 0
-    else:
-        solution, iterations = _iterated(both, near, nodes, target, tolerance, max_iterations)
+    solution, iterations = _iterated(both, near, nodes, target, tolerance, max_iterations)
     pin_flux = np.zeros(grid.shape)
     pin_flux.reshape(-1)[nodes] = solution
     total = float(np.sum(q))
@@ -168,7 +157,7 @@ def partition_heat(
     mismatch = (disk(heat_flux - pin_flux) - rise).take(nodes) + delta
     residual = _norm(mismatch) / _norm(target)
     partition = HeatPartition(rise, pin_flux, share, iterations, residual)
-    if method == "local" and not residual <= tolerance:
+    if not residual <= tolerance:
         advice = (
             "Raise max_iterations or tolerance"
             if iterations >= max_iterations
@@ -176,8 +165,7 @@ def partition_heat(
         )
         raise ConvergenceError(
             f"heat partition stopped at a residual of {residual:.1e} after {iterations} "
-            f"iterations; the tolerance is {tolerance:.1e}. {advice}, or "
-            'use method="direct" if the contact is small',
+            f"iterations; the tolerance is {tolerance:.1e}. {advice}",
             partition,
         )
     return partition
@@ -185,8 +173,8 @@ def partition_heat(
 
 def _check_choices(method: str, tolerance: float) -> None:
     """Raise `InputError` for a method or tolerance that cannot be."""
-    if method not in ("local", "direct", "uniform"):
-        raise InputError(f'method is {method!r}; it must be "local", "direct" or "uniform"')
+    if method not in ("local", "uniform"):
+        raise InputError(f'method is {method!r}; it must be "local" or "uniform"')
     if not 1e-14 <= tolerance < 1:
         raise InputError(f"tolerance is {tolerance!r}; it must be from 1e-14 to below 1")
 
@@ -244,7 +232,7 @@ def _on_nodes(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
 
 
 def _norm(vector: Array) -> float:
-    return math.sqrt(float((vector * vector).sum()))
+    return math.sqrt(float(vector @ vector))
 
 
 def _uniform(
@@ -282,58 +270,16 @@ def _iterate(
         direction = precondition(residual)
         image = operator(direction)
         kept = min(iteration, _KEPT_DIRECTIONS)
-        overlap = np.einsum("ij,j->i", images[:kept], image)
-        direction -= np.einsum("i,ij->j", overlap, directions[:kept])
-        image -= np.einsum("i,ij->j", overlap, images[:kept])
+        overlap = images[:kept] @ image
+        direction -= overlap @ directions[:kept]
+        image -= overlap @ images[:kept]
         length = _norm(image)
         if not length > 0:  # only rounding is left, or no number at all
             break
         place = iteration % _KEPT_DIRECTIONS
         directions[place], images[place] = direction / length, image / length
-        step = float((images[place] * residual).sum())
+        step = float(images[place] @ residual)
         solution += step * directions[place]
         residual -= step * images[place]
         iteration, error = iteration + 1, _norm(residual) / scale
     return solution, iteration
-
-
-def _dense(both: Convolution, contact: Mask) -> Array:
-    """Matrix of the operator on the contact [K m²/W]; the kernel's wrapped order takes i − j."""
-    i, j = np.nonzero(contact)
-    if 8 * i.size**2 > DIRECT_MEMORY:
-        raise InputError(
-            f"{i.size} nodes in contact need a matrix of {8 * i.size**2 / 2**30:.1f} GiB; at most "
-            f'{DIRECT_MEMORY / 2**30:.1f} GiB are allowed. Use method="local"'
-        )
-    kernel = np.fft.irfft2(both.spectrum, s=padded_shape(both.grid))
-    matrix = np.empty((i.size, i.size))
-    for row in range(i.size):
-        matrix[row] = kernel[i[row] - i, j[row] - j]
-    return matrix
-
-
-def _eliminate(matrix: Array, right_side: Array) -> Array:
-    """Solve by Gaussian elimination in blocks, overwriting `matrix`.
-
-    No pivots are needed where the symmetric part is positive definite.
-    """
-    n, size = len(right_side), 64
-    for start in range(0, n, size):
-        stop = min(start + size, n)
-        for k in range(start, stop):
-            matrix[k + 1 :, k] /= matrix[k, k]
-            matrix[k + 1 :, k + 1 : stop] -= matrix[k + 1 :, k, None] * matrix[k, k + 1 : stop]
-        for k in range(start, stop):
-            matrix[k + 1 : stop, stop:] -= matrix[k + 1 : stop, k, None] * matrix[k, stop:]
-        for rows in range(stop, n, size):
-            lower = matrix[rows : rows + size, start:stop]
-            matrix[rows : rows + size, stop:] -= np.einsum(
-                "ik,kj->ij", lower, matrix[start:stop, stop:]
-            )
-    solution = right_side.copy()
-    for k in range(n):
-        solution[k + 1 :] -= matrix[k + 1 :, k] * solution[k]
-    for k in reversed(range(n)):
-        solution[k] /= matrix[k, k]
-        solution[:k] -= matrix[:k, k] * solution[k]
-    return solution

@@ -112,15 +112,6 @@ def test_the_time_is_that_of_a_whole_run_within_its_factor(monkeypatch, patience
     assert taken / 2 < foretold < 2.5 * taken  # on a machine that is busy by turns
 
 
-def test_a_partition_beyond_reason_is_named_beforehand(monkeypatch):
-    direct = replace(SWEEP, fidelity=replace(PRESETS["as-published"], pixels_per_element=1))
-    assert not estimate(direct).warnings
-    monkeypatch.setattr(forecast, "DIRECT_MEMORY", 1e5)
-    (said,) = estimate(direct).warnings
-    assert "points at high loads will fail" in said
-    assert not estimate(replace(direct, velocities=(0.0,))).warnings  # no heat at all
-
-
 def test_fields_take_room_only_where_they_are_asked_for():
     grid = Grid((64, 32), (6.5e-6, 7.5e-6))
     without, with_fields = (
