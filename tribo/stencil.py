@@ -173,12 +173,11 @@ def _near_kernel(convolution: Convolution) -> Array:
     """The kernel at the offsets -2 to 2 along x, and 0 to 2 along y, shape (5, 3)."""
     even, odd, wave_y = _waves(*padded_shape(convolution.grid))
     spectrum = convolution.spectrum
-    # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-    sums = np.einsum("ix,xy->iy", even, spectrum.real)[[2, 1, 0, 1, 2]]
+    sums = (even @ spectrum.real)[[2, 1, 0, 1, 2]]
     if np.iscomplexobj(spectrum):
-        beyond = np.einsum("ix,xy->iy", odd, spectrum.imag)
+        beyond = odd @ spectrum.imag
         sums += np.concatenate((beyond[::-1], np.zeros_like(beyond[:1]), -beyond))
-    kernel: Array = np.einsum("iy,jy->ij", sums, wave_y)
+    kernel: Array = sums @ wave_y.T
     return kernel
 
 

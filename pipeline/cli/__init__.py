@@ -30,6 +30,8 @@ _LEAST_MEMORY = 700 * 2**20  # [bytes] of addresses, with which the packages can
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
+    # One thread of BLAS, as workers have: a point alone has the bits of the same point in a sweep.
+    os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     atexit.register(gc.freeze)  # saves 0.3 s of searching imported modules for garbage at the end
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

@@ -134,8 +134,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
         )
     s, weights = _widths(grid, kernel)
     along_x, along_y = (_factor(grid, axis, kernel, s) for axis in (0, 1))
-    # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-    quarter = np.einsum("sm,sn->mn", along_x * weights[:, None], along_y)
+    quarter = (along_x * weights[:, None]).T @ along_y
     if kernel == "periodic":
         # What does not vary along a periodic axis has an infinite constant, which is left out.
         match grid.periodic:
@@ -190,7 +189,7 @@ def _all_images(n: int, s: Array) -> Array:
     mu = np.arange(n // 2 + 1) / n
     offsets = np.arange(_OFFSETS)
     both_sides = np.where(offsets > 0, 2, 1) * _values(_OFFSETS, 1.0, narrow)
-    left = np.einsum("sj,jm->sm", both_sides, np.cos(2 * np.pi * offsets[:, None] * mu))
+    left = both_sides @ np.cos(2 * np.pi * offsets[:, None] * mu)
     waves = mu + np.array([[-1], [0], [1]])
     right = 2 * np.einsum("pm,spm->sm", np.sinc(waves), np.exp(-((np.pi * waves * wide) ** 2)))
     return np.concatenate((left, right))

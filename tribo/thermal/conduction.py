@@ -250,8 +250,7 @@ def _weighted_factor(
 def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
     """Add the outer products of g and f, summed over the nodes, to the first modes."""
     block = half[: g.shape[1], : f.shape[1]].view(float)
-    # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-    block += np.einsum("sn,sm->nm", g, f.view(float))
+    block += g.T @ f.view(float)
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
