@@ -5,6 +5,7 @@ A new store is no store until its root is there, which is written last.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
@@ -24,11 +25,12 @@ from pipeline.store.place import (
     Folder,
     PathLike,
     Place,
+    StoreError,
     StoreMismatchError,
     place_of,
     writes,
 )
-from pipeline.store.root import Root, find_root, read_root, root_document
+from pipeline.store.root import MOST_POINTS, Root, find_root, read_root, root_document
 from pipeline.store.schema import variables_of
 from pipeline.store.write import Store
 from pipeline.sweep.model import Sweep, named
@@ -75,6 +77,12 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
     wanted = variables_of(sweep, with_fields)
     axes = grown_axes(before.axes if before else {}, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
+    points = math.prod(len(axes[dim]) for dim in wanted["status"].dims)
+    if points > MOST_POINTS:
+        raise StoreError(
+            f"{place} would have {points:.4g} points; a store has at most {MOST_POINTS:.0e}: give "
+            "fewer loads or velocities"
+        )
     attributes = attributes_of(sweep, before.attributes if before else None) | {"axes": axes}
     if not before:
         sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}

@@ -1,40 +1,47 @@
 """The lock of a store: one driver writes at a time, by whatever path it came.
 
-In a folder it is a `flock` on a file of the store, which the kernel releases when its process dies;
-the file says who holds it. In an object store it is the exclusive creation of an object, which a
-killed process leaves behind.
+On a disk of this machine it is a `flock` on a file of the store, which the kernel releases when its
+process dies. Nothing else decides there; what the file says is for people. On disks that other
+machines see, and in an object store, it is a heartbeat.
 """
 
 from __future__ import annotations
 
 import errno
-import hashlib
 import os
-import re
-import socket
-import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.store.disks import is_local
 from pipeline.store.files import make_folder
-from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError, writes
+from pipeline.store.heartbeat import (
+    Heartbeat,
+    beating,
+    beats,
+    in_use,
+    name_of,
+    repeated,
+    this_process,
+)
+from pipeline.store.place import LOCK, Folder, Place, StoreError, writes
 
 try:
     import fcntl
 except ImportError:  # not a POSIX system: stores can be read, but not written
     fcntl = None  # type: ignore[assignment]
 
-_HOLDER = re.compile(r"process (\d+) on (\S+)\n")
 # A pipe in place of the file must not wait for a reader, nor a link lead to a file of others.
 _AS_IT_IS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
+_TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
 
 
 @dataclass(frozen=True, slots=True)
-class Lock:
-    """A lock that this process holds: a file and its open descriptor."""
+class FileLock:
+    """A `flock` that this process holds: a file and its open descriptor."""
 
     file: Path
     descriptor: int
@@ -46,13 +53,20 @@ class Lock:
         except OSError:  # also on a file server that no longer knows the folder
             return False
 
+    def touch(self) -> None:
+        """Let machines that see this disk from elsewhere know that the lock is held."""
+        os.utime(self.descriptor)
+
+
+Lock = FileLock | Heartbeat
+"""A lock that this process holds."""
+
 
 @contextmanager
 def held(place: Place) -> Iterator[Lock]:
     """Hold the lock of a store, at once or not at all.
 
-    Raise a `StoreError` if another process holds it, the disk has no locks, or the place cannot be
-    written to.
+    Raise a `StoreError` if another process holds it, or the place cannot be written to.
     """
     if fcntl is None:
         raise StoreError(
@@ -61,73 +75,75 @@ def held(place: Place) -> Iterator[Lock]:
         )
     with ExitStack() as stack:
         with writes(place):
-            lock = stack.enter_context(_locked(_file(place), str(place)))
-            if isinstance(place, Bucket):
-                stack.enter_context(_created(place))
+            lock: Lock | None = None
+            if isinstance(place, Folder):
+                _require_file(place.path / LOCK)
+                if is_local(place.path):
+                    lock = stack.enter_context(_flocked(place))
+            lock = lock or stack.enter_context(beating(place))
         yield lock
 
 
 def holder_of(place: Place) -> str | None:
-    """Name the process that writes to a store; None if there is none.
-
-    A process of another machine counts as long as its name stands in the lock.
-    """
+    """Name the process that writes to a store; None if there is none."""
     if fcntl is None:
         return None
     try:
-        name = _complete(place.read(LOCK) or b"")
+        if name := beats(place):
+            return name
+        if isinstance(place, Folder) and _is_locked(place.path / LOCK):
+            return name_of(place.read(LOCK) or b"")
     except OSError:
-        return None
-    if name and (_may_write(name) if isinstance(place, Bucket) else not _is_here(name)):
-        return name
-    return (name or "another process") if _is_locked(_file(place)) else None
+        pass
+    return None
+
+
+def _require_file(file: Path) -> None:
+    make_folder(file.parent)
+    if os.path.lexists(file) and (file.is_symlink() or not file.is_file()):
+        raise OSError(f"{file} is not a file; move it elsewhere")
 
 
 @contextmanager
-def _locked(file: Path, store: str) -> Iterator[Lock]:
-    make_folder(file.parent)
-    if os.path.lexists(file) and (file.is_symlink() or not file.is_file()):
-        raise OSError(f"{file} is not a file; delete it")
-    descriptor = os.open(file, os.O_RDWR | os.O_CREAT | _AS_IT_IS, 0o644)
+def _flocked(folder: Folder) -> Iterator[FileLock | None]:
+    """Hold a `flock`; None if the disk has none."""
+    file, store = folder.path / LOCK, str(folder)
+    descriptor = os.open(file, os.O_RDWR | os.O_CREAT | _AS_IT_IS, 0o666)
     try:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            holder = _complete(os.read(descriptor, 1000))
-            raise _in_use(store, holder or "another process") from None
-        except OSError as error:
-            if error.errno not in _NO_LOCKS:
-                raise
-            raise StoreError(
-                f"{store}: the disk has no locks on files, without which two runs could write at "
-                "the same time and lose points; give a folder on another disk"
-            ) from None
-        name = _complete(os.read(descriptor, 1000))
-        if name and not _is_here(name):
-            # The kernel's locks may not reach from machine to machine.
-            raise _in_use(store, f"{name} (if that has ended, delete {file})")
+        if not _has_locks(descriptor, store):
+            yield None
+            return
+        # Another machine to which this disk is a server's goes by the heartbeat.
+        if name := beats(folder):
+            raise in_use(store, name)
         os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, _this_process(), 0)
+        os.pwrite(descriptor, this_process(), 0)
+        lock = FileLock(file, descriptor)
         try:
-            yield Lock(file, descriptor)
+            with repeated(lock.touch):
+                yield lock
         finally:
             os.ftruncate(descriptor, 0)
     finally:
         os.close(descriptor)
 
 
-@contextmanager
-def _created(bucket: Bucket) -> Iterator[None]:
-    """Hold the lock of an object store, of which this process holds the stand-in."""
-    if not bucket.create(LOCK, _this_process()):
-        holder = (bucket.read(LOCK) or b"").decode(errors="replace").strip()
-        if holder and _may_write(holder):
-            raise _in_use(str(bucket), f"{holder} (if that has ended, delete {bucket}/{LOCK})")
-        bucket.put({LOCK: _this_process()})  # left behind by a process of this machine
-    try:
-        yield
-    finally:
-        bucket.remove(LOCK)
+def _has_locks(descriptor: int, store: str) -> bool:
+    """Lock a file; False if its disk cannot."""
+    for left in reversed(range(_TRIES)):
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if not left:
+                raise in_use(store, name_of(os.pread(descriptor, 1000, 0))) from None
+            time.sleep(_PAUSE)
+        except OSError as error:
+            if error.errno in _NO_LOCKS:
+                return False
+            raise
+        else:
+            return True
+    return True
 
 
 def _is_locked(file: Path) -> bool:
@@ -137,43 +153,3 @@ def _is_locked(file: Path) -> bool:
     except OSError as error:
         return isinstance(error, BlockingIOError)
     return False
-
-
-def _in_use(store: str, holder: str) -> StoreError:
-    return StoreError(f"{store} is in use by {holder}; wait for it, or write to another store")
-
-
-def _file(place: Place) -> Path:
-    """File that is locked: one of the store, or on this machine one that stands for a bucket's."""
-    if isinstance(place, Folder):
-        return place.path / LOCK
-    digest = hashlib.sha256(place.address.encode()).hexdigest()[:16]
-    return Path(tempfile.gettempdir()) / f"irg-{os.getuid()}-{digest}.lock"
-
-
-def _this_process() -> bytes:
-    return f"process {os.getpid()} on {socket.gethostname()}\n".encode()
-
-
-def _complete(content: bytes) -> str | None:
-    """Holder that a lock names, if it names one in full."""
-    text = content.decode(errors="replace")
-    return text.strip() if _HOLDER.fullmatch(text) else None
-
-
-def _is_here(holder: str) -> bool:
-    return holder.endswith(f" on {socket.gethostname()}")
-
-
-def _may_write(holder: str) -> bool:
-    """True for a process elsewhere, and for another one here that lives, perhaps another user's."""
-    number = _HOLDER.fullmatch(f"{holder}\n")
-    if not number or not _is_here(holder):
-        return True
-    try:
-        os.kill(int(number[1]), 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return int(number[1]) != os.getpid()

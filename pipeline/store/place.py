@@ -14,6 +14,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -90,6 +91,29 @@ class Folder:
         """Replace files; return once they are on the disk."""
         replace_files(self.path, contents)
 
+    def create(self, key: str, content: bytes) -> bool:
+        """Create a file unless there is one; return whether that was done."""
+        try:
+            with (self.path / key).open("xb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+        except FileExistsError:
+            return False
+        return True
+
+    def remove(self, key: str) -> None:
+        """Remove a file."""
+        (self.path / key).unlink()
+
+    def written_at(self, key: str) -> float:
+        """Time at which a file was written, by the clock of its disk [s]; 0 if there is none."""
+        try:
+            with (self.path / key).open("rb") as stream:  # NFS asks its server when it opens one
+                return os.fstat(stream.fileno()).st_mtime
+        except FileNotFoundError:
+            return 0.0
+
     def keys(self) -> set[str]:
         """Names of all files in the folder and in those in it, but not of pipes."""
         names: set[str] = set()
@@ -150,6 +174,14 @@ class Bucket:
         """Remove an object."""
         self._call("rm_file", self._key(key))
 
+    def written_at(self, key: str) -> float:
+        """Time at which an object was written, by its server's clock [s]; 0 if there is none."""
+        try:
+            time: datetime = self._call("modified", self._key(key))
+        except FileNotFoundError:
+            return 0.0
+        return time.timestamp()
+
     def _key(self, key: str) -> str:
         return f"{self.address.removeprefix(SCHEME)}/{key}"
 
@@ -204,7 +236,7 @@ def is_beginning(key: str) -> bool:
 
     Nothing is lost if a store is made over it.
     """
-    if key in (LOCK, ROOT + PARTIAL):
+    if key.startswith(LOCK) or key == ROOT + PARTIAL:
         return True
     name, _, rest = key.removesuffix(PARTIAL).partition("/")
     return rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
@@ -231,6 +263,17 @@ def writes(place: Place, advice: str = "") -> Iterator[None]:
         in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())
         reason = next(in_the_way, error.strerror or error)
         raise StoreError(f"{place} cannot be written: {reason}{advice}") from error
+
+
+@contextmanager
+def reaches(place: Place) -> Iterator[None]:
+    """Turn an `OSError` into a `StoreError` that says why a place cannot be read."""
+    try:
+        yield
+    except OSError as error:
+        if is_lack_of_memory(error):
+            raise
+        raise StoreError(f"{place} cannot be read: {error.strerror or error}") from error
 
 
 @contextmanager

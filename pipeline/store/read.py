@@ -10,7 +10,7 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.place import PathLike, StoreError, damaged, place_of, reads
+from pipeline.store.place import PathLike, StoreError, damaged, place_of, reaches, reads
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, PENDING, RECORDS, is_coordinate
 from pipeline.store.write import Store
@@ -34,7 +34,9 @@ class _Backend(BackendEntrypoint):
         place = place_of(filename_or_obj)
         store = Store(place, read_root(place))  # statuses first: a point that was done stays whole
         done = store.flags == DONE
-        keys, of_points = place.keys(), itertools.filterfalse(is_coordinate, store.arrays)
+        with reaches(place):
+            keys = place.keys()
+        of_points = itertools.filterfalse(is_coordinate, store.arrays)
         if lost := [name for name in of_points if store.lacks(name, done, keys)]:
             raise StoreError(damaged(place, ", ".join(sorted(lost))))
         present: dict[str, Any] = {"status": store.flags, "asked": store.asked}

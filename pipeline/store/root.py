@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.store.lock import holder_of
@@ -19,10 +21,14 @@ from pipeline.store.place import (
     StoreError,
     is_beginning,
     place_of,
+    reaches,
 )
 from pipeline.store.schema import FORMAT
 from tribo.files import near_path
 
+MOST_POINTS = 10_000_000
+"""Points that a store may have."""
+_LARGEST = 2**28  # bytes of a root
 _HASH = "root_hash"
 _CONSOLIDATED = "consolidated_metadata"
 _ELSEWHERE = "restore it from a backup, or write to another store"
@@ -48,7 +54,8 @@ def read_root(place: Place) -> Root:
     """
     root = find_root(place)
     if root is None and isinstance(place, Folder) and place.path.is_dir():
-        raise _unfinished(place) if place.keys() else _no_store(place)
+        with reaches(place):
+            raise _unfinished(place) if place.keys() else _no_store(place)
     if root is None:
         near = near_path(place.path) if isinstance(place, Folder) else ""
         raise StoreError(f"{place} does not exist{near}; give a store that irg run made")
@@ -57,13 +64,13 @@ def read_root(place: Place) -> Root:
 
 def find_root(place: Place) -> Root | None:
     """Read the root of a store; None if there is none, nor anything else; else as `read_root`."""
-    try:
-        if isinstance(place, Folder) and place.path.is_file():
-            raise StoreError(f"{place} is a file, not a store; give a folder that irg run made")
+    with reaches(place):
+        if isinstance(place, Folder):
+            if place.path.is_file():
+                raise StoreError(f"{place} is a file, not a store; give a folder that irg run made")
+            _require_small(place.path / ROOT)
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
-    except OSError as error:
-        raise StoreError(f"{place} cannot be read: {error.strerror or error}") from error
     if content is not None:
         return _parsed(place, content)
     if any(key.startswith("status/c.") for key in keys):
@@ -113,7 +120,44 @@ def _parsed(place: Place, content: bytes) -> Root:
         )
     if not is_as_written:
         raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
-    return Root(attributes, arrays)
+    root = Root(attributes, arrays)
+    _require_likely(place, root)
+    return root
+
+
+def _require_small(file: Path) -> None:
+    """Refuse a root of more text than memory may have; a million points need 2 MB."""
+    if file.is_file() and (size := file.stat().st_size) > _LARGEST:
+        raise StoreError(
+            f"{file.parent} is not the store of a sweep, or its {ROOT} is damaged: it has "
+            f"{size:.2g} bytes; {_ELSEWHERE}"
+        )
+
+
+def _require_likely(place: Place, root: Root) -> None:
+    """Refuse a root of more points than a store has, or of arrays that do not fit its axes.
+
+    The arrays are made as large as it says, before a chunk of them is read.
+    """
+    try:
+        sizes = {name: len(values) for name, values in root.axes.items()}
+        fits = all(
+            array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
+            for array in root.arrays.values()
+        )
+        points = math.prod(root.arrays["status"]["shape"])
+    except (KeyError, TypeError, AttributeError):
+        fits, points = False, 0
+    if not fits:
+        raise StoreError(
+            f"{place}: {ROOT} is damaged: its arrays do not have the sizes of its axes; "
+            f"{_ELSEWHERE}"
+        )
+    if points > MOST_POINTS:
+        raise StoreError(
+            f"{place}: {ROOT} tells of {points:.4g} points, and a store has at most "
+            f"{MOST_POINTS:.0e}; {_ELSEWHERE}"
+        )
 
 
 def _hash(document: Mapping[str, Any]) -> str:

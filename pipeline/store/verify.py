@@ -20,7 +20,7 @@ import numpy as np
 from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.layout import Slices, blocks, chunk_key, slices_of
 from pipeline.store.lock import held
-from pipeline.store.place import ROOT, PathLike, StoreError, place_of
+from pipeline.store.place import ROOT, PathLike, StoreError, place_of, reaches, writes
 from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import ABOUT, Store, values_of
@@ -134,6 +134,13 @@ def examined(
     store: Store, repair: bool, progress: Callable[[int, int], None] | None = None
 ) -> Verification:
     """Read all of an open store; see `verify_store`."""
+    with writes(store.place) if repair else reaches(store.place):
+        return _examined(store, repair, progress)
+
+
+def _examined(
+    store: Store, repair: bool, progress: Callable[[int, int], None] | None
+) -> Verification:
     shared, keys = [*_shared_faults(store, repair)], store.place.keys()
     begun = [
         (numbers, block)
@@ -285,14 +292,15 @@ def _repair(
 ) -> None:
     """Make damaged points pending, and write anew what is told of the others."""
     damaged = [index for index, (_, record) in faults.items() if record is None]
+    pending = dict.fromkeys([*map(tuple, np.argwhere(unknown)), *damaged], PENDING)
+    store.write({}, pending)  # first: a point that is done is whole, also after a kill in between
     for name, block in lost:
         array = store.arrays[name]
         array[block] = store.asked[block] if name == "asked" else array.fill_value
     for index, name in itertools.product(damaged, store.arrays.keys() & AT_END.keys()):
         store.arrays[name][index] = store.arrays[name].fill_value
     values = {index: values_of(record) for index, (_, record) in faults.items() if record}
-    pending = dict.fromkeys([*map(tuple, np.argwhere(unknown)), *damaged], PENDING)
-    store.write(values, pending | {store.index(point): DONE for point in complete})
+    store.write(values, {store.index(point): DONE for point in complete})
 
 
 def _shared_faults(store: Store, repair: bool) -> Iterator[str]:

@@ -22,7 +22,7 @@ from pipeline.store.identity import record_checksum
 from pipeline.store.layout import arrays_of, blocks, chunk_key, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.packing import packed
-from pipeline.store.place import LOCK, ROOT, Folder, Place, StoreError, reads, writes
+from pipeline.store.place import LOCK, ROOT, Place, StoreError, reads, writes
 from pipeline.store.root import Root, root_document
 from pipeline.store.schema import DONE, FAILED, PENDING, STEPPED
 from pipeline.sweep.model import Point, Sweep
@@ -30,6 +30,7 @@ from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
 from tribo.types import Indices, Mask
 
+_ADVICE = "; what is finished is safe, go on when there is room and permission to write"
 _LONGEST = 2000  # characters of a message, which somebody is to read
 ABOUT = ("message", "warning_flags", "wall_time", "finished_at")
 """Variables with what is told about a point."""
@@ -216,12 +217,13 @@ class Store:
     @contextmanager
     def _writes(self) -> Iterator[None]:
         self._require_lock()
-        advice = "; what is finished is safe, go on when there is room and permission to write"
-        with writes(self.place, advice):
+        with writes(self.place, _ADVICE):
             yield
 
     def _require_lock(self) -> None:
-        if isinstance(self.place, Folder) and self.lock and not self.lock.is_in_place():
+        with writes(self.place, _ADVICE):
+            is_lost = self.lock is not None and not self.lock.is_in_place()
+        if is_lost:
             raise StoreError(
                 f"{self.place}: its lock ({LOCK}) was deleted or replaced while this run wrote; it "
                 "stops, since another one may write now. What is finished is safe, run it again"

@@ -21,7 +21,7 @@ from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally
 from pipeline.store import create, files
-from pipeline.store.lock import Lock
+from pipeline.store.lock import FileLock
 from pipeline.store.place import StoreError
 from pipeline.store.write import Store
 from tests.crash.sweeps import record_of
@@ -104,7 +104,7 @@ def _unsynced():
     return mock.patch.object(files.os, "fsync")
 
 
-class _NoLock(Lock):
+class _NoLock(FileLock):
     def is_in_place(self):
         return True
 

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 
 import boto3
 import pytest
@@ -14,7 +15,7 @@ from s3fs.errors import translate_boto_error
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store import place
+from pipeline.store import heartbeat, place
 from pipeline.store.create import writing
 from pipeline.store.place import Bucket, StoreError, StoreMismatchError
 from pipeline.store.progress import summary
@@ -26,6 +27,7 @@ from tests.helpers.processes import python
 from tests.helpers.s3 import served
 from tests.helpers.stores import HOLDER, Killed, assert_is_as_computed, commit, done_points, record
 
+ELSEWHERE = b"process 7 on elsewhere\nmachine %s\n" % (b"0" * 32)
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
 POINT, OTHER = points(SWEEP)
 
@@ -38,7 +40,6 @@ def server():
 
 @pytest.fixture
 def address(server, request):
-    """One that no other run of these tests has: the lock of an address holds on the machine."""
     return f"s3://irg/{request.node.name}_{os.getpid()}/tiny.zarr"
 
 
@@ -145,7 +146,7 @@ def test_one_driver_at_a_time(address):
     assert keys(f"{address}/status/lock") == []
 
 
-def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address):
+def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address, monkeypatch):
     killed = """if True:
         import os, sys
         from pipeline.store.create import writing
@@ -158,15 +159,19 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address)
     assert keys(f"{address}/status/lock")
     assert summary(address).running is None
     commit(address, SWEEP, [POINT])
-    put(f"{address}/status/lock", b"process 7 on elsewhere\n")
+    put(f"{address}/status/lock", ELSEWHERE)
     assert summary(address).running == "process 7 on elsewhere"
-    with pytest.raises(StoreError, match=r"process 7 on elsewhere \(if that has ended, delete s3:"):
+    with pytest.raises(StoreError, match=r"process 7 on elsewhere; .*last heard of . s ago"):
         commit(address, SWEEP, ())
+    monkeypatch.setattr(heartbeat, "STALE", 1.5)
+    monkeypatch.setattr(heartbeat, "SETTLE", 0.0)
+    time.sleep(3.0)  # S3 tells times in seconds
+    assert summary(address).running is None
+    commit(address, SWEEP, [OTHER])
 
 
-def test_a_driver_of_another_user_of_this_machine_counts(address, tmp_path):
-    """Its stand-in for the lock lies elsewhere."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "TMPDIR": str(tmp_path)}
+def test_another_driver_of_this_machine_counts_as_long_as_it_lives(address):
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-c", HOLDER, address]
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
         assert process.stdout.readline() == b"held\n"

@@ -1,5 +1,6 @@
 """Damage of stores: it is named, never read, and repaired."""
 
+import errno
 import itertools
 import shutil
 from dataclasses import replace
@@ -11,7 +12,7 @@ import zarr
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.store.create import writing
-from pipeline.store.place import StoreError
+from pipeline.store.place import Folder, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
@@ -24,6 +25,7 @@ from tests.helpers.stores import (
     contents,
     done_points,
     fail,
+    killed_after,
     opened,
     record,
 )
@@ -273,3 +275,48 @@ def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
     assert verify_store(path).is_clean
     with open_sweep(path) as ds:
         assert ds["status"].values.ravel().tolist() == [1, 0]
+
+
+def test_a_repair_that_is_killed_leaves_no_damaged_point_done(copy, monkeypatch):
+    cut(copy / "time" / "c.0.0.0")
+    harmed = shutil.copytree(copy, copy.with_name("harmed.zarr"))
+    for count in itertools.count():
+        shutil.rmtree(copy)
+        shutil.copytree(harmed, copy)
+        with killed_after(monkeypatch, count) as was_killed:
+            verify_store(copy, repair=True)
+        before = set(done_points(copy))
+        assert before == (ALL if count == 0 else set())
+        verify_store(copy, repair=True)
+        assert set(done_points(copy)) == set()
+        with open_sweep(copy) as ds:
+            ds.load()
+        if not was_killed:
+            assert count > 1
+            return
+
+
+@pytest.mark.parametrize("method", ["read", "keys", "put"])
+def test_what_a_disk_refuses_is_an_error_of_the_store(copy, monkeypatch, method):
+    (copy / "time" / "zarr.json").unlink()  # to be restored
+
+    def refused(*_):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    calls = {
+        "status": lambda: summary(copy),
+        "open": lambda: open_sweep(copy),
+        "verify": lambda: verify_store(copy),
+        "repair": lambda: verify_store(copy, repair=True),
+        "write": lambda: commit(copy, SWEEP, [POINT]),
+    }
+    monkeypatch.setattr(Folder, method, refused)
+    said = {}
+    for name, call in calls.items():
+        try:
+            call()
+        except StoreError as error:
+            said[name] = str(error)
+    expected = {"read": set(calls), "keys": {"open", "verify", "repair"}, "put": {"repair"}}
+    assert said.keys() >= expected[method]
+    assert all("Permission denied" in words for words in said.values())

@@ -1,0 +1,132 @@
+"""On a disk that other machines see, a store belongs to who renews its lock."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from pipeline.store import heartbeat, lock
+from pipeline.store.create import writing
+from pipeline.store.disks import kind_of
+from pipeline.store.place import LOCK, StoreError
+from pipeline.store.progress import summary
+from pipeline.store.verify import verify_store
+from pipeline.sweep.model import Point
+from tests.helpers import tiny
+from tests.helpers.stores import HOLDER, assert_is_as_computed, commit, record
+
+SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
+HERE = f"process {os.getpid()} on {os.uname().nodename}"
+ELSEWHERE = f"process 7 on elsewhere\nmachine {'0' * 32}\n"
+ON_NFS = HOLDER.replace("import sys", "import sys, pipeline.store.lock as lock").replace(
+    "    with", "    lock.is_local = lambda folder: False\n    with", 1
+)
+
+
+@pytest.fixture
+def path(tmp_path, monkeypatch):
+    """A store on a disk that passes for one of another machine."""
+    monkeypatch.setattr(lock, "is_local", lambda folder: False)
+    monkeypatch.setattr(heartbeat, "SETTLE", 0.0)
+    path = tmp_path / "tiny.zarr"
+    commit(path, SWEEP, [POINT])
+    return path
+
+
+def left_behind(path, age, content=ELSEWHERE):
+    """Lock of a process that was last heard of so many seconds ago."""
+    (path / LOCK).write_text(content)
+    moment = time.time() - age
+    os.utime(path / LOCK, (moment, moment))
+
+
+def refuse(path, holder):
+    with pytest.raises(StoreError, match=f"in use by {holder}; wait for it.* last heard of"):
+        commit(path, SWEEP, ())
+
+
+def test_one_process_holds_a_store_and_leaves_no_lock(path):
+    with writing(path, SWEEP):
+        refuse(path, HERE)
+        assert summary(path).running == HERE
+    assert summary(path).running is None
+    assert not (path / LOCK).exists()
+
+
+def test_a_process_elsewhere_holds_a_store_until_it_is_silent_for_minutes(path):
+    left_behind(path, 0.9 * heartbeat.STALE)
+    refuse(path, "process 7 on elsewhere")
+    assert summary(path).running == "process 7 on elsewhere"
+    left_behind(path, 1.1 * heartbeat.STALE)
+    assert summary(path).running is None
+    commit(path, SWEEP, [OTHER])
+    assert_is_as_computed(path, [POINT, OTHER])
+    assert {file.name for file in (path / "status").iterdir()} == {"zarr.json", "c.0.0"}
+
+
+@pytest.mark.parametrize("left", ["", "process 7 on else", "\n"])
+def test_a_lock_that_was_cut_short_is_free_after_minutes(path, left):
+    left_behind(path, 1.1 * heartbeat.STALE, left)
+    commit(path, SWEEP, ())
+
+
+def test_a_process_of_this_machine_that_was_killed_holds_nothing(path):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", ON_NFS, path]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
+        assert process.stdout.readline() == b"held\n"
+        refuse(path, f"process {process.pid} on {os.uname().nodename}")
+        process.kill()
+    assert (path / LOCK).exists()
+    assert summary(path).running is None
+    commit(path, SWEEP, ())
+
+
+def test_the_lock_of_a_long_run_stays_fresh(path, monkeypatch):
+    monkeypatch.setattr(heartbeat, "BEAT", 0.02)
+    with writing(path, SWEEP):
+        left_behind(path, 2 * heartbeat.STALE, (path / LOCK).read_text())
+        deadline = time.monotonic() + 10
+        while time.time() - (path / LOCK).stat().st_mtime > heartbeat.STALE:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+
+
+def test_a_run_that_slept_while_another_took_its_store_stops_and_loses_nothing(path):
+    with writing(path, SWEEP) as store:
+        left_behind(path, 2 * heartbeat.STALE, (path / LOCK).read_text().replace("/", "0/", 1))
+        with writing(path, SWEEP) as other:
+            with pytest.raises(StoreError, match=r"its lock .* was deleted or replaced"):
+                store.commit([record(Point(150.0, 0.5))])
+            other.commit([record(OTHER)])
+    assert_is_as_computed(path, [POINT, OTHER])
+    assert verify_store(path).is_clean
+
+
+def test_of_two_that_take_a_lock_at_once_one_gives_way(path, monkeypatch):
+    left_behind(path, 2 * heartbeat.STALE)
+    monkeypatch.setattr(time, "sleep", lambda _: (path / LOCK).write_text(ELSEWHERE))
+    with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
+        commit(path, SWEEP, ())
+
+
+def test_the_server_of_a_disk_heeds_the_heartbeat_of_its_clients(path, monkeypatch):
+    monkeypatch.setattr(lock, "is_local", lambda folder: True)
+    left_behind(path, 0.9 * heartbeat.STALE)
+    with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
+        commit(path, SWEEP, ())
+    left_behind(path, 1.1 * heartbeat.STALE)
+    commit(path, SWEEP, ())
+
+
+MOUNTS = "/dev/a / ext4 rw 0 0\nx /home ext4 rw 0 0\nhost:/h /home nfs rw 0 0\nb /mnt 9p rw 0 0\n"
+
+
+@pytest.mark.parametrize(
+    ("folder", "kind"),
+    [("/homes/a", "ext4"), ("/home/a", "nfs"), ("/mnt", "9p"), ("/mnt2/mnt", "ext4")],
+)
+def test_the_last_mount_above_a_folder_tells_its_kind(tmp_path, folder, kind):
+    assert kind_of(tmp_path.__class__(folder), MOUNTS) == kind
