@@ -23,7 +23,7 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 	$(BIN)/irg plot results/irg_transition.zarr --kind diagram -o results/irg_transition.png
 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
-	$(BIN)/irg reproduce all -o workflows
+	$(BIN)/python -m workflows.paper all -o workflows
 
 reference: .venv/run  ## write the references of the scene file and of the dataset anew
 	$(BIN)/python -m pipeline.scene.reference > workflows/SCENE.md

@@ -14,8 +14,9 @@ import io
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from typing import Any
 
 import pipeline
 from pipeline.cli.parser import function_of, parse
@@ -41,12 +42,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if (reason := _too_little_memory()) is not None:
             print(f"irg: {reason}", file=sys.stderr)
             return 2
-        return _carried_out(options)
+        return carried_out(options, function_of(options))
     except KeyboardInterrupt:  # before a command began
         return 130
 
 
-def _carried_out(options: argparse.Namespace) -> int:
+def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
     """Exit code of a command, after a line on the error that may have ended it."""
     # Here, since they import NumPy, which --help needs not and cannot do with little memory.
     from pipeline.cli import output
@@ -58,7 +59,7 @@ def _carried_out(options: argparse.Namespace) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: output.tell(f"note: {message}")
-            result = function_of(options)(options)
+            result = function(options)
             output.show(options, result)
             if sys.stdout is not None:
                 sys.stdout.flush()  # here, where it can be said that it fails

@@ -267,14 +267,6 @@ OF_TRADE = (
     _flag("--diagram", "compare whole small diagrams"),
     FIGURE_OR_TABLE,
 )
-OF_REPRODUCE = (
-    Option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
-    LIST.but(help="list the figures and tables"),
-    output("FILE.png", "figure to draw; for all, the folder of their common page"),
-    PRESET.but(help=f"fidelity: {_PRESETS}"),
-    Option("--surfaces", metavar="N", type=values.count, help="number of random surfaces"),
-    WORKERS.but(help="workers for the diagram"),
-)
 
 OF_PLOT = (
     Option(

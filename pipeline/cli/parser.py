@@ -112,11 +112,6 @@ COMMANDS = (
         o.OF_TRADE,
     ),
     Command(
-        "reproduce", "studies:reproduce",
-        "recompute a figure or table of the paper, beside what it prints, in a checkout", "table4",
-        o.OF_REPRODUCE,
-    ),
-    Command(
         "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (

@@ -1,21 +1,19 @@
-"""The commands that study a scene and the tool: its inputs one by one, its errors, the paper."""
+"""The commands that study a scene and the tool: its inputs one by one, its errors."""
 
 from __future__ import annotations
 
 import argparse
-import importlib
 import itertools
 import math
 from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.cli.output import Result, tell
-from pipeline.cli.scenes import scene_of, settings_of, values_in
+from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -105,33 +103,3 @@ def trade(options: argparse.Namespace) -> Result:
     )
     draw = partial(pipeline.draw_trade, measured)
     return Result(measured.as_dict(), [str(measured)], tables=[measured.table], draw=draw)
-
-
-def _study_of_the_paper() -> Any:
-    """The package of the source that recomputes the paper, which no installed one depends on."""
-    try:
-        return importlib.import_module("workflows.paper")
-    except ModuleNotFoundError as error:
-        if error.name not in ("workflows", "workflows.paper"):
-            raise
-        raise InputError(
-            "the figures and tables of the paper are recomputed by workflows/paper of the source, "
-            "which is not installed with the command; run irg reproduce in a checkout"
-        ) from error
-
-
-def reproduce(options: argparse.Namespace) -> Result:
-    """Recompute a figure or table of the paper, all of them, or list them."""
-    paper = _study_of_the_paper()
-    if options.list or options.name is None:
-        results, others = paper.RESULTS, paper.NOT_REPRODUCED
-        text = [f"{name:12} {summary}" for name, summary in results.items()]
-        text += ["", "not recomputed", *(f"{name:12} {reason}" for name, reason in others.items())]
-        return Result(results | {"not_recomputed": others}, text)
-    chosen = values_in(options, "preset", "surfaces", "workers")
-    if options.name == "all":
-        reports = paper.write_gallery(options.output or Path("results"), tell=tell, **chosen)
-        text = [line for report in reports for line in (*report.lines(), "")]
-        return Result({report.name: report.as_dict() for report in reports}, text)
-    report = paper.reproduce(options.name, options.output, tell=tell, **chosen)
-    return Result(report.as_dict(), report.lines())

@@ -27,7 +27,7 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
     for report in reports:
         name, title = report.name, report.title
         yield f"\n## {name}\n"
-        yield f"{title[0].upper()}{title[1:]}. `irg reproduce {name}`\n"
+        yield f"{title[0].upper()}{title[1:]}. `python -m workflows.paper {name}`\n"
         yield f"![{title}]({name}.png)\n"
         yield from report.table.markdown()
         yield ""

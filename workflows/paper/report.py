@@ -154,7 +154,7 @@ class Report:
     Attributes
     ----------
     name : str
-        Name of the result, as in `irg reproduce --list`.
+        Name of the result, as in `python -m workflows.paper --list`.
     title : str
         One line on what is shown.
     table : Table

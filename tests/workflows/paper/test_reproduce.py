@@ -14,6 +14,7 @@ from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
 from workflows.paper import inference
+from workflows.paper.__main__ import main
 from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.report import Finding, line
 from workflows.paper.rivals import _constancy, _Criterion
@@ -279,7 +280,7 @@ def test_the_gallery_shows_each_result_with_its_command(tmp_path):
     folder = tmp_path / "new" / "gallery"
     reports = paper.write_gallery(folder, ["fig4"])
     page = (folder / "README.md").read_text(encoding="utf-8")
-    assert "irg reproduce fig4" in page
+    assert "python -m workflows.paper fig4" in page
     assert "![" in page
     assert (folder / "fig4.png").exists()
     for finding in reports[0].findings:
@@ -315,6 +316,17 @@ def test_the_shipped_gallery_shows_all_results():
 def test_wrong_use_is_named(name, options, said):
     with pytest.raises(tribo.TriboError, match=re.escape(said)):
         paper.reproduce(name, **options)
+
+
+def test_the_command_lists_recomputes_and_names_mistakes(tmp_path, capsys):
+    assert main(["--list"]) == 0
+    assert "table4" in capsys.readouterr().out
+    out = tmp_path / "fig4.png"
+    assert main(["fig4", "-o", str(out)]) == 0
+    assert "agrees" in capsys.readouterr().out
+    assert out.exists()
+    assert main(["fig44"]) == 2
+    assert 'did you mean "fig4"' in capsys.readouterr().err
 
 
 def test_a_figure_that_cannot_be_written_is_named(tmp_path):
