@@ -185,6 +185,7 @@ def _unknown(sweep: Sweep) -> dict[str, Any]:
         "unknown": [
             one.as_dict() | {"simulated": one.path in simulated} for one in sweep.samples.unknown
         ],
+        "fixed": {one.unknown.path: one.value for one in sweep.samples.fixed},
         "samples": len(sweep.samples),
         "samples_per_contact": sweep.samples.design.per_contact,
         "sample_seed": sweep.samples.design.seed,
@@ -200,6 +201,7 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
     for one in sweep.samples.unknown:
         free = "" if one.path in simulated else "; applied afterwards, at no cost"
         yield f"  unknown  {one}{free}"
+    yield from (f"  fixed    {one}" for one in sweep.samples.fixed)
     low, high = design.velocities
     are_all = len(sweep.samples) == design.sufficient
     yield (

@@ -20,7 +20,7 @@ from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNITS, in_wo
 from pipeline.cli.next_steps import after_margin, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.scenes import conditions_in, flags_of, opened, values_in
-from pipeline.cli.unknowns import notes, on_risk, samples_of, table_of_intervals
+from pipeline.cli.unknowns import about, notes, on_risk, samples_of, table_of_intervals
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
     else:
         table = pipeline.risk_table(ensemble, options.points, draws)
         document, text = _on_points(options, table)
-    document["given_measured"] = measured is not None
+    document |= {"given_measured": measured is not None, **about(ensemble)}
     return Result(document, [*text, *notes(ensemble, measured)], pipeline.warned(ds), [table])
 
 

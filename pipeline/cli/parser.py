@@ -99,7 +99,7 @@ COMMANDS = (
         "risk", "unknowns:risk",
         "find the probability of severe wear, where inputs are not known exactly",
         f"results/uncertain.zarr {_AT}",
-        (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER),
+        (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.AT),
     ),
     Command(
         "sensitivity", "unknowns:sensitivity",

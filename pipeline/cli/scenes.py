@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
+_FIXING = ("unknowns:risk", "margins:margin", "crossings:boundary")
+"""Commands that take ``--at`` for unknown inputs of samples, too."""
 PLACE = ("load", "velocity", "realization")
 """Options that `pipeline.plot` takes by these names."""
 
@@ -88,7 +90,12 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
             "sweep.samples in the scene"
         )
     wanted = {path: value for path, value in options.at if store is None or path in ds.dims}
-    if wanted:
+    if wanted and "sample" in ds.dims and options.command not in _FIXING:
+        raise InputError(
+            "--at fixes unknown inputs of samples in irg risk, irg margin and irg boundary alone; "
+            "leave it out, or run the scene with --set into another store"
+        )
+    if wanted and "sample" not in ds.dims:
         ds = pipeline.at_entries(ds, wanted)
     wear_rate = getattr(options, "wear_rate", None)
     return ds if wear_rate is None else pipeline.at_wear_rate(ds, wear_rate)

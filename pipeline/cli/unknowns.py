@@ -48,7 +48,7 @@ def risk(options: argparse.Namespace) -> Result:
     ds = pipeline.open_sweep(options.store)
     ensemble, weighed = samples_of(options, ds)
     draws = weighed.draws if weighed else None
-    document = {"given_measured": weighed is not None, **_about(ensemble)}
+    document = {"given_measured": weighed is not None, **about(ensemble)}
     text = list(notes(ensemble, weighed))
     if place:
         with working("finding the probability"):
@@ -121,7 +121,7 @@ def boundary_of_samples(
     ensemble, weighed = samples_of(options, ds, **conditions)
     with working("finding probabilities at each load"):
         lines = table_of_lines(ensemble, weighed.draws if weighed else None)
-    document = {"given_measured": weighed is not None, **_about(ensemble), **_document(lines)}
+    document = {"given_measured": weighed is not None, **about(ensemble), **_document(lines)}
     text = [*_on_lines(lines), *notes(ensemble, weighed)]
     if ensemble.tests and not (weighed or conditions):
         text.append("next: add --given-measured to weigh the inputs by the scene's tests")
@@ -172,7 +172,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
         f"{next_tests([options.store], options.scatter, target)}",
     ]
     draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
-    document = _about(ensemble) | indices.as_dict()
+    document = about(ensemble) | indices.as_dict()
     return Result(document, text, pipeline.warned(ds), [table], draw)
 
 
@@ -292,17 +292,34 @@ def samples_of(
             f"{flags_of([*conditions])}"
         )
     with working("reading samples"):
-        ensemble = pipeline.Ensemble.of(ds, **conditions)
+        at = _once(getattr(options, "at", []))
+        ensemble = pipeline.Ensemble.of(ds, at, **conditions)
     with working("weighing the inputs by the measurements"):
         return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
 
 
-def _about(ensemble: Ensemble) -> dict[str, Any]:
+def about(ensemble: Ensemble) -> dict[str, Any]:
+    """Samples and inputs, as plain data."""
     return {
         "samples": len(ensemble.inputs),
         "samples_left_out": ensemble.missing,
         "unknown": [one.as_dict() for one in ensemble.unknown],
+        "fixed": _fixed(ensemble),
     }
+
+
+def _once(at: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """Values of --at by their paths, each of which is given once."""
+    values = dict(at)
+    if len(values) < len(at):
+        twice = next(path for path in values if [p for p, _ in at].count(path) > 1)
+        raise InputError(f"--at: {twice} is given more than once; give it once")
+    return values
+
+
+def _fixed(ensemble: Ensemble) -> dict[str, float]:
+    """Values of inputs that are fixed, in SI."""
+    return {one.unknown.path: one.value for one in ensemble.fixed}
 
 
 def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
@@ -311,6 +328,7 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
     if weighed:
         basis = f"given {weighed.evidence}, {_scatter(weighed)}"
     yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
+    yield from (f"  {one}" for one in ensemble.fixed)
     if weighed:
         yield _draws(weighed)
     if ensemble.missing:
@@ -338,6 +356,7 @@ def _on_inputs(weighed: Posterior) -> Iterator[str]:
     yield f"{weighed.evidence}, {_scatter(weighed)}; {samples} samples"
     if len(weighed.ensembles) > 1:
         yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
+    yield from dict.fromkeys(f"  {one}" for sweep in weighed.ensembles for one in sweep.fixed)
     yield _draws(weighed)
     heads = ("input", "before", "after", "90 % within")
     summaries = zip(weighed.summary(), weighed.unknown, strict=True)

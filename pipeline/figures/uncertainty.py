@@ -97,6 +97,7 @@ def draw_risk(
     basis = "inputs as assumed, before any measurement"
     if posterior:
         basis = f"given {posterior.evidence}"
+    basis = "; ".join([basis, *map(str, ensemble.fixed)])
     axes.set_title(f"{as_title(ensemble.title, 74)}\n{basis}")
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)

@@ -379,9 +379,10 @@ FORMAT = Table({
     "unknown": Optional(UNKNOWN,
         "Inputs that are not known exactly, by the paths of their entries: normal by mean and "
         "standard deviation, log-normal by median and the factor within which two thirds lie, "
-        "uniform between two values, or a list of values that are as likely. `correlated` in a "
-        "table gives others by their paths, each with its correlation: that of the normal scores, "
-        "which are the values of a normal input and the logarithms of a log-normal one.",
+        "uniform between two values, or a list of values that are as likely. An entry that "
+        "`--set` gives, or a scene that extends this one, is fixed at that value. `correlated` in "
+        "a table gives others by their paths, each with its correlation: that of the normal "
+        "scores, which are the values of a normal input and the logarithms of a log-normal one.",
         example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
     "measured": Optional(List(Either(TRANSITION, LOG)),
         "Transitions that were measured, each a table `[[measured]]`: drawn in the diagram, and "

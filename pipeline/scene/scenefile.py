@@ -24,7 +24,7 @@ from pipeline.scene.parts import corrections_of, loading_of, oil_of, pin_of, wea
 from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.shipped import scene_path
-from pipeline.scene.unknown import samples_of
+from pipeline.scene.unknown import fixed_paths, samples_of
 from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Measurement, Sweep
@@ -82,7 +82,7 @@ def load_scene(
     try:
         sweep, tables = reader.sweep(entries, faults)
         if sweep is not None:
-            samples = samples_of(tables, sweep, variant, faults, faults.notes)
+            samples = samples_of(tables, sweep, variant, faults, fixed_paths(document))
             over = over_of(tables["sweep"]["over"], sweep, variant)
             sweep = replace(sweep, samples=samples, over=over, notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:

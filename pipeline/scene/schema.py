@@ -224,13 +224,16 @@ class ByPath(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
         if not isinstance(value, dict):
             raise UnfitError(f"{quoted(value)} is not a table")
-        forms = self.of.forms if isinstance(self.of, Distribution) else ()
-        ends = {key for table in forms for key in table.keys}
         read = {
             path: self.of.read(leaf, f"{place}.{quoted(path)}", faults)
-            for path, leaf in flat(value, "", ends)
+            for path, leaf in self.leaves(value)
         }
         return {path: leaf for path, leaf in read.items() if leaf is not None}
+
+    def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+        """Paths of entries, and what stands at each in the file."""
+        forms = self.of.forms if isinstance(self.of, Distribution) else ()
+        return flat(value, "", {key for table in forms for key in table.keys})
 
 
 def flat(

@@ -7,7 +7,7 @@ in ten thousand lies.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, cast
 
@@ -15,8 +15,11 @@ import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
 from pipeline.scene.correlation import with_correlations
-from pipeline.scene.faults import Faults, quoted
+from pipeline.scene.document import Document
+from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
+from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
@@ -29,7 +32,7 @@ from pipeline.sweep.samples import (
     drawn_samples,
     samples_per_contact,
 )
-from pipeline.sweep.unknown import MOST, Kind, Unit, Unknown
+from pipeline.sweep.unknown import MOST, Fixed, Kind, Unit, Unknown, without
 from tribo import InputError, Material, Scene, Wear, inseparable
 
 Make = Callable[[Mapping[str, Any], Faults], Sweep | None]
@@ -70,17 +73,43 @@ class _Input:
         return Rounded(text, float(value)) if isinstance(text, str) else text
 
 
+def fixed_paths(document: Document) -> frozenset[str]:
+    """Paths of unknown inputs whose value is given above their distribution.
+
+    ``--set`` stands above the scene, and the scene above the one that it extends.
+    """
+    fixed, above, seen = set[str](), set[str](), set[str]()
+    for layer in document.layers:
+        table = layer.entries.get("unknown")
+        unknown = {path for path, _ in UNKNOWN.leaves(table)} if isinstance(table, dict) else set()
+        fixed |= (unknown - seen) & above
+        seen |= unknown
+        above |= {path for path, _ in flat(layer.entries)}
+    return frozenset(fixed)
+
+
 def samples_of(
-    tables: dict[str, Any], sweep: Sweep, make: Make, faults: Faults, notes: list[str]
+    tables: dict[str, Any],
+    sweep: Sweep,
+    make: Make,
+    faults: Faults,
+    fixed: Collection[str] = (),
 ) -> Samples | None:
-    """Samples of a scene; None if it asks for none, or something is wrong."""
-    count, table = tables["sweep"]["samples"], tables["unknown"]
-    if count is not None and not table:
-        problem = f"{count} does not fit a scene in which all is known; give [unknown], too"
-        faults.note("sweep.samples", problem)
+    """Samples of a scene; None if it asks for none, or something is wrong.
+
+    Inputs of the paths `fixed` have the scene's value.
+    """
+    count, table = tables["sweep"]["samples"], tables["unknown"] or {}
+    if count is not None and not set(table) - set(fixed):
+        faults.note(
+            "sweep.samples",
+            f"{count} does not fit a scene in which all is known; give [unknown], too, or leave it "
+            "out",
+        )
+        return None
     if not table:
         return None
-    before = len(faults)
+    before, notes = len(faults), faults.notes
     if sweep.unequal_bulks:
         faults.note(
             "temperature.bulk",
@@ -88,14 +117,8 @@ def samples_of(
             "the whole rise: give one for both bodies, or leave out [unknown] and use irg vary",
         )
         return None
-    inputs = []
-    for path, shape in table.items():
-        try:
-            inputs.append(_input(path, cast(Kind, shape.form), shape.parameters))
-        except (UnitError, InputError) as error:
-            faults.note(f"unknown.{quoted(path)}", str(error))
-    joint = with_correlations(tuple(one.unknown for one in inputs), table, faults)
-    inputs = [replace(one, unknown=unknown) for one, unknown in zip(inputs, joint, strict=True)]
+    inputs, known = _inputs(tables, fixed, faults)
+    notes.extend(f"unknown: {one}, as it is given beside its distribution" for one in known)
     if len(inputs) > MOST:
         faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST} at most")
     layers = [_layer(one, sweep, make, faults) for one in inputs]
@@ -111,7 +134,29 @@ def samples_of(
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         notes.append(f"sweep.samples: {count} are computed, which suffice for these unknown inputs")
-    return _drawn(inputs, design, count, sweep, make, faults)
+    samples = _drawn(inputs, design, count, sweep, make, faults)
+    return samples and replace(samples, fixed=known)
+
+
+def _inputs(
+    tables: Mapping[str, Any], fixed: Collection[str], faults: Faults
+) -> tuple[list[_Input], tuple[Fixed, ...]]:
+    """Inputs that are unknown, and those that have the scene's value all the same."""
+    table, inputs = tables["unknown"], []
+    for path, shape in table.items():
+        try:
+            inputs.append(_input(path, cast(Kind, shape.form), shape.parameters))
+        except (UnitError, InputError) as error:
+            faults.note(f"unknown.{quoted(path)}", str(error))
+    joint = with_correlations(tuple(one.unknown for one in inputs), table, faults)
+    known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
+    by_path = {one.path: one for one in without(joint, fixed)}
+    left = [
+        replace(one, unknown=by_path[one.unknown.path])
+        for one in inputs
+        if one.unknown.path in by_path
+    ]
+    return left, known
 
 
 def _design(

@@ -16,7 +16,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from tribo import BULK_RATIOS, QUANTILES
 
-_OPTIONAL = ("coordinates", "lubrication", "samples", "sample_seed", "unknown")
+_OPTIONAL = ("coordinates", "fixed", "lubrication", "samples", "sample_seed", "unknown")
 """Attributes of a scene that a store has only where there are samples, or an oil."""
 
 
@@ -105,6 +105,7 @@ def _samples_of(sweep: Sweep) -> dict[str, Any]:
         "samples": len(samples),
         "sample_seed": samples.design.seed,
         "unknown": [quantity.as_dict() for quantity in samples.unknown],
+        "fixed": [one.as_dict() for one in samples.fixed],
     }
 
 

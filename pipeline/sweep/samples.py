@@ -21,7 +21,7 @@ from typing import Any, Literal
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.sweep.unknown import MOST, Unknown, sequence
+from pipeline.sweep.unknown import MOST, Fixed, Unknown, sequence
 from tribo.types import Array
 
 Layer = Literal["contact", "wear rate", "heat", "conditions"]
@@ -147,6 +147,7 @@ class Samples:
     values: tuple[tuple[float, ...], ...]  # by sample and input of the design [SI]
     velocities: tuple[float, ...]  # [m/s]
     parts: tuple[tuple[tuple[str, Any], ...], ...]  # fields of the `Sweep` that differ
+    fixed: tuple[Fixed, ...] = ()  # inputs that have one value in place of their distribution
 
     def __len__(self) -> int:
         return len(self.velocities)

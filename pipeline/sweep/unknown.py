@@ -8,8 +8,8 @@ drawn of an input does not depend on those that stand after it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -162,6 +162,45 @@ class Unknown:
         return f"{self.path}: {words}{''.join(pairs)}"
 
 
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """An unknown input that has one value in place of its distribution.
+
+    Examples
+    --------
+    >>> ra = Unknown("disk.roughness.ra", "uniform", (1e-7, 3e-7), "m", Unit("µm", 1e-6))
+    >>> print(Fixed(ra, 2e-7))
+    disk.roughness.ra is fixed at 0.2 µm
+    """
+
+    unknown: Unknown
+    value: float  # [SI]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the distribution and the value as plain data."""
+        return self.unknown.as_dict() | {"value": self.value}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Fixed:
+        """Make one from what `as_dict` returned."""
+        return cls(
+            Unknown.from_dict({k: v for k, v in data.items() if k != "value"}), data["value"]
+        )
+
+    def __str__(self) -> str:
+        unit = self.unknown.shown
+        return f"{self.unknown.path} is fixed at {unit.of(self.value):.6g}{unit.suffix}"
+
+
+def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown, ...]:
+    """Unknown inputs without some of them, which others are then not correlated with."""
+    return tuple(
+        replace(one, correlated=tuple(pair for pair in one.correlated if pair[0] not in paths))
+        for one in unknown
+        if one.path not in paths
+    )
+
+
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     """Draw samples of unknown inputs.
 
@@ -193,7 +232,8 @@ def at_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
     inside = np.clip(scores, -_OUTERMOST, _OUTERMOST)
     joint = inside @ np.linalg.cholesky(correlations(unknown)).T
     shares = scipy.special.ndtr(np.clip(joint, -_OUTERMOST, _OUTERMOST))
-    return np.stack([one.quantile(row) for one, row in zip(unknown, shares.T, strict=True)], 1)
+    columns = [one.quantile(row) for one, row in zip(unknown, shares.T, strict=True)]
+    return np.array(columns, float).T.reshape(np.shape(scores))
 
 
 def correlations(unknown: Sequence[Unknown]) -> Array:

@@ -28,17 +28,22 @@ from pipeline.analysis.dataset import end_of_point, values_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.samples import Design
-from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.unknown import Fixed, Unknown, without
 from pipeline.uncertain.emulator import Emulator, Groups, features_of, fitted
+from pipeline.uncertain.fixed import (
+    BULK,
+    CRITICAL,
+    FRICTION,
+    SHARE,
+    condition,
+    fixed_at,
+    with_conditions,
+)
 from tribo import InputError
 from tribo.types import Array, Mask
 
-FRICTION, BULK, CRITICAL, SHARE = (
-    "friction.coefficient", "temperature.bulk", "temperature.critical", "temperature.failing_share",
-)  # fmt: skip
 Axis = Sequence[float] | Array
 """Loads [N] or velocities [m/s]."""
-_CONDITIONS = {FRICTION: "friction", BULK: "bulk_temperature", CRITICAL: "critical_temperature"}
 # For the few draws of a wide distribution that cross what is possible, such as a negative friction.
 _LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
@@ -99,8 +104,8 @@ class Ensemble:
         Duration at the full load [s].
     rises_by_hold : mapping of float to ndarray
         Rises of shorter holds, of those that tests have, where the samples tell them.
-    fixed : mapping of str to float
-        Inputs that have one value, whatever is assumed of them, by path [SI].
+    fixed : tuple of Fixed
+        Inputs that have one value in place of their distribution.
     missing : int
         Samples left out, since some of their loads are not done.
 
@@ -125,17 +130,21 @@ class Ensemble:
     tests: tuple[dict[str, Any], ...] = ()
     hold: float = 0.0
     rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
-    fixed: Mapping[str, float] = field(default_factory=dict)
+    fixed: tuple[Fixed, ...] = ()
     missing: int = 0
 
     @classmethod
-    def of(cls, ds: xr.Dataset, **changed: Any) -> Ensemble:
+    def of(
+        cls, ds: xr.Dataset, at: Mapping[str, float | str] | None = None, **changed: Any
+    ) -> Ensemble:
         """Read the samples of an opened sweep.
 
         Parameters
         ----------
         ds : Dataset
             Dataset of `pipeline.open_sweep`.
+        at : mapping of str to float or str, optional
+            Values at which to fix unknown inputs, by their paths [SI], or text with a unit.
         **changed
             Friction, temperatures, share and criterion in place of the scene's and of those that
             are drawn; see `pipeline.boundary`.
@@ -143,8 +152,8 @@ class Ensemble:
         Raises
         ------
         InputError
-            If the sweep has no samples, too few of them are done, or a condition lies outside its
-            range.
+            If the sweep has no samples, too few of them are done, a condition lies outside its
+            range, or a value to fix an input at lies outside the samples.
         """
         about = attributes_of(ds)
         if "sample" not in ds.dims:
@@ -155,8 +164,10 @@ class Ensemble:
         design = Design.from_dict(about["scene"]["samples"])
         if isinstance(changed.get("friction"), tuple):
             raise InputError("samples are judged at one --friction at a time; give one")
-        changed = {name: value for name, value in changed.items() if value is not None}
+        changed = with_conditions(at or {}, changed)
         conditions = conditions_of(ds, **changed)
+        unknown = tuple(Unknown.from_dict(quantity) for quantity in about["unknown"])
+        fixed = fixed_at(unknown, at or {}, changed, conditions)
         ds = ds.sortby("load").isel(sample=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
@@ -180,7 +191,7 @@ class Ensemble:
         }
         return cls(
             title=str(about["title"]),
-            unknown=tuple(Unknown.from_dict(quantity) for quantity in about["unknown"]),
+            unknown=without(unknown, [one.unknown.path for one in fixed]),
             design=design,
             conditions=conditions,
             inputs=inputs.reshape(len(numbers), len(paths))[done],
@@ -192,7 +203,7 @@ class Ensemble:
             tests=tests,
             hold=hold,
             rises_by_hold=by_hold,
-            fixed={k: getattr(conditions, v) for k, v in _CONDITIONS.items() if v in changed},
+            fixed=(*map(Fixed.from_dict, about.get("fixed", ())), *fixed),
             missing=int(np.count_nonzero(~done)),
         )
 
@@ -232,13 +243,13 @@ class Ensemble:
     def values(self, path: str, draws: Array) -> Array:
         """Values of an input by draw, shape (n,): fixed, drawn, or the scene's [SI]."""
         values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))
-        values |= self.fixed
+        values |= {one.unknown.path: one.value for one in self.fixed}
         if path in values:
             value = values[path]
         elif path == CRITICAL:
             value = self.conditions.known_critical_temperature()
-        elif path in _CONDITIONS:
-            value = getattr(self.conditions, _CONDITIONS[path])
+        elif (known := condition(self.conditions, path)) is not None:
+            value = known
         else:
             (entry,) = (one for one in self.design.inputs if one.path == path)
             value = float(entry.quantile(np.array([0.5]))[0])

@@ -18,8 +18,8 @@ from scipy.special import log_ndtr, ndtr, softmax
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION
 from pipeline.uncertain.evidence import distances_of
+from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
 from pipeline.uncertain.weigh import Posterior
 from tribo import InputError
 from tribo.types import Array

@@ -15,7 +15,8 @@ from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
-from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
 from pipeline.uncertain.inputs import QUANTILES, Draws
 from tribo.types import Array
 

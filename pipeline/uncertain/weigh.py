@@ -196,6 +196,7 @@ class Posterior:
                 }
                 for judged in self.judged
             ],
+            "fixed": {one.unknown.path: one.value for sw in self.ensembles for one in sw.fixed},
             "scatter": self.scatter,
             "inferred_scatter": _by_share(self.inferred_scatter),
             "samples": [len(ensemble.inputs) for ensemble in self.ensembles],

@@ -16,7 +16,8 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import at_scores
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
-from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.fixed import CRITICAL, FRICTION
 from tests.promises.risk import entries_of
 
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
@@ -127,7 +128,8 @@ class Rig:
         if bulk >= self._scene.conditions.critical_temperature:
             return -math.inf
         nodes = np.geomspace(*self.ensemble.velocities, 9)
-        at_bulk = replace(self.ensemble, fixed={BULK: bulk})
+        conditions = replace(self.ensemble.conditions, bulk_temperature=bulk)
+        at_bulk = replace(self.ensemble, conditions=conditions)
         vars(at_bulk)["_rise"] = self.ensemble._rise
         guess = at_bulk.excess(self.truth[None], load, nodes, with_error=False)
         low, high = np.log(self.ensemble.velocities)

@@ -16,7 +16,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
 ):
     page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
-    assert len(commands) == 10
+    assert len(commands) == 11
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     scene = str(WORKFLOWS / "uncertain.toml")

@@ -30,7 +30,8 @@ def content_of_samples(
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
-        "basis": f"Not known exactly{evidence}: {'; '.join(map(str, ensemble.unknown))}.",
+        "basis": f"Not known exactly{evidence}: "
+        f"{'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}.",
         "measured": attributes.get("measured") or [],
         "loads": plane["load"].values.tolist(),
         "velocities": plane["velocity"].values.tolist(),

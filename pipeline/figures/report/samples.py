@@ -29,7 +29,7 @@ def sections(
             "mild to severe adhesive wear (scuffing), with inputs that are not known exactly? "
             f"{len(ensemble.inputs)} samples of them were simulated."
         )
-        yield f"Not known exactly: {'; '.join(map(str, ensemble.unknown))}."
+        yield f"Not known exactly: {'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}."
         words = []
         for load, *row in dict.fromkeys([lines.rows[0], lines.rows[-1]]):
             low, middle, high = (_velocity(velocity, ensemble) for velocity in row)

@@ -189,3 +189,11 @@ def test_the_risk_is_that_of_direct_simulations(sampled):
     assert 0.2 < verdict["direct"] < 0.8  # where chance tells most
     assert abs(verdict["standard_errors_apart"]) < risk.LIMIT
     assert verdict["spread"] < 3 * verdict["rise_error"] < 0.06
+
+
+def test_a_store_whose_draw_differs_by_a_fixed_input_is_another_store(sampled):
+    folder, _, _ = sampled
+    fixed = {"wear.specific_wear_rate": "1e-6 mm^3/(N m)"}
+    sweep = pipeline.load_scene(folder / "scene.toml", overrides=fixed)
+    with pytest.raises(StoreMismatchError):
+        pipeline.run_sweep(sweep, folder / "out.zarr", workers=1)

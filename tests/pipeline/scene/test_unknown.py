@@ -339,3 +339,52 @@ def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):
 def test_samples_and_surfaces_exclude_each_other(tmp_path):
     path = scene(tmp_path, text=SCENE.replace("[sweep]", "[sweep]\nrealizations = 2"))
     assert '"disk.roughness.seed" = [0, 1, 2, 3]' in faults(path)[0]
+
+
+# Inputs whose value is given above their distribution
+
+
+def test_an_input_given_by_a_setting_is_fixed_in_the_draw_too(tmp_path):
+    path = scene(tmp_path)
+    drawn = pipeline.load_scene(path)
+    setting = {"disk.roughness.correlation_length": "15 um"}
+    fixed = pipeline.load_scene(path, overrides=setting)
+    assert [str(one) for one in fixed.samples.fixed] == [
+        "disk.roughness.correlation_length is fixed at 15 µm"
+    ]
+    assert "disk.roughness.correlation_length" not in [one.path for one in fixed.samples.unknown]
+    assert fixed.variant((("sample", 5),)).roughness.correlation_length == (15e-6, 15e-6)
+    assert any("is fixed at 15 µm" in note for note in fixed.notes)
+    assert scene_hash(describe(fixed)) != scene_hash(describe(drawn))
+    assert drawn.samples.fixed == ()
+
+
+def test_a_scene_that_extends_another_fixes_what_it_gives(tmp_path):
+    scene(tmp_path)
+    above = tmp_path / "above.toml"
+    above.write_text('extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n')
+    (friction,) = pipeline.load_scene(above).samples.fixed
+    assert (friction.unknown.path, friction.value) == ("friction.coefficient", 0.12)
+    above.write_text(
+        'extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n[unknown]\n'
+        '"friction.coefficient" = { mean = 0.12, sd = 0.001 }\n'
+    )
+    assert pipeline.load_scene(above).samples.fixed == ()  # beside its distribution
+
+
+def test_others_keep_their_distribution_where_one_they_are_correlated_with_is_fixed(tmp_path):
+    joint = UNKNOWN.replace(
+        "sd = 0.005", 'sd = 0.005, correlated = { "temperature.critical" = 0.5 }'
+    )
+    path = scene(tmp_path, joint)
+    critical = pipeline.load_scene(path).samples.unknown[-2]
+    assert critical.correlated
+    fixed = pipeline.load_scene(path, overrides={"friction.coefficient": 0.1})
+    assert not any(one.correlated for one in fixed.samples.unknown)
+
+
+def test_a_scene_whose_inputs_are_all_fixed_has_nothing_to_sample(tmp_path):
+    only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
+    setting = {"temperature.critical": "150 degC"}
+    (fault,) = faults(scene(tmp_path, only), setting)
+    assert "does not fit a scene in which all is known" in fault

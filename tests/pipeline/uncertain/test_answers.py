@@ -12,9 +12,13 @@ from pipeline.uncertain.sensitivity import _first_of, indices
 from tests.helpers.samples import (
     ALL,
     CRITICAL,
+    FRICTION,
     JOINT,
+    LENGTH,
     LOADS,
+    RATE,
     critical_velocity,
+    dataset,
     ensemble,
     limit,
     rise,
@@ -48,6 +52,40 @@ def test_the_probability_counts_with_what_is_correlated(samples):
     severe = rise(direct, 400.0, 1.6) > limit(direct)
     assert risk.probability == pytest.approx(severe.mean(), abs=0.006)
     assert risk.probability < alone.probability - 0.02
+
+
+def test_an_input_is_fixed_without_a_new_run_as_if_it_had_been_drawn_so():
+    fixed = pipeline.Ensemble.of(
+        dataset(ensemble()), {LENGTH.path: "5.5 um", CRITICAL.path: "150 degC"}
+    )
+    assert [one.path for one in fixed.unknown] == [RATE.path, FRICTION.path]
+    assert [one.value for one in fixed.fixed] == pytest.approx([423.15, 5.5e-6])
+    direct = drawn(ALL, 99, 2**14)
+    direct[:, 0], direct[:, 3] = 423.15, 5.5e-6
+    severe = rise(direct, 400.0, 2.0) > limit(direct)
+    assert pipeline.risk(fixed, 400.0, 2.0).probability == pytest.approx(severe.mean(), abs=0.01)
+    free = pipeline.risk(ensemble(), 400.0, 2.0).probability
+    assert abs(free - severe.mean()) > 0.03
+
+
+def test_an_input_fixed_by_a_condition_is_not_unknown_any_more():
+    judged = pipeline.Ensemble.of(dataset(ensemble()), friction=0.09)
+    assert FRICTION.path not in [one.path for one in judged.unknown]
+    assert [str(one) for one in judged.fixed] == ["friction.coefficient is fixed at 0.09"]
+
+
+@pytest.mark.parametrize(
+    ("at", "fault"),
+    [
+        ({LENGTH.path: "9 um"}, r"correlation_length is 9e-06 m, beyond the samples; give one fr"),
+        ({LENGTH.path: "9 N"}, r'correlation_length: "9 N" cannot be converted'),
+        ({"pin.radius": "4 mm"}, r"pin\.radius is not an unknown input of these samples"),
+        ({"friction.coefficient": "much"}, r"friction is 'much'"),
+    ],
+)
+def test_a_value_that_samples_do_not_reach_is_refused(at, fault):
+    with pytest.raises(InputError, match=fault):
+        pipeline.Ensemble.of(dataset(ensemble()), at)
 
 
 def test_the_lines_of_the_plane_are_quantiles_of_the_boundary(samples):
