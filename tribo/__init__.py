@@ -10,7 +10,6 @@ from .contact import elastic_influence as elastic_influence
 from .contact import solve_contact as solve_contact
 from .convolution import Convolution as Convolution
 from .corrections import Corrections as Corrections
-from .corrections import Stem as Stem
 from .corrections import Track as Track
 from .criterion import CRITERIA as CRITERIA
 from .criterion import Criterion as Criterion
@@ -73,10 +72,12 @@ from .spectrum import SelfAffineFit as SelfAffineFit
 from .spectrum import fit_self_affine as fit_self_affine
 from .thermal import BULK_RATIOS as BULK_RATIOS
 from .thermal import QUANTILES as QUANTILES
+from .thermal import Bulk as Bulk
 from .thermal import ConductingHalfSpace as ConductingHalfSpace
 from .thermal import Conductor as Conductor
 from .thermal import HeatHistory as HeatHistory
 from .thermal import HeatPartition as HeatPartition
+from .thermal import Stem as Stem
 from .thermal import contact_quantiles as contact_quantiles
 from .thermal import failed_share as failed_share
 from .thermal import partition_heat as partition_heat

@@ -1,17 +1,22 @@
 """Physics beside the two half-spaces, which acts after the simulation.
 
-Friction that falls with velocity multiplies the rise at friction 1. A film on the disk, the stem
-that holds the pin, and heat of earlier passes in the disk's track add to it: resistances and
-warmings of the thermal circuit `tribo.thermal.circuit_rise`, in proportion to friction. So all of
-it follows from what a simulation records, and costs none.
+Friction that falls with velocity multiplies the rise at friction 1. Other parts stand in series
+with the half-spaces in one thermal circuit, `tribo.thermal.circuit_rise`, in proportion to
+friction: a film on the disk, the stem that holds the pin, the heat of earlier turns in the tracks
+of both bodies, and behind them a bulk that warms. So all of it follows from what a simulation
+records, and costs none.
+
+A track that has kept heat of earlier turns is warmer by w s, where s is its body's share of the
+heat. The share is taken to have been that of now all the time, so that the track is one more
+resistance, w over the heat.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import scipy  # parts of it are loaded where they are used
@@ -20,9 +25,11 @@ from tribo.analytic import hertz_contact
 from tribo.criterion import columns_of
 from tribo.errors import InputError, require_positive
 from tribo.material import Material
-from tribo.simulation import Ball, Crowned, Cylinder, Scene, State, measures
-from tribo.thermal import circuit_rise, stem_fraction, track_warming
-from tribo.types import Array, Mask
+from tribo.simulation import Ball, Crowned, Cylinder, Motion, Scene, State, measures
+from tribo.simulation.present_heat import stations_so_far
+from tribo.thermal import Bulk, Stem, bulk_warming, circuit_rise, conductances, track_warming
+from tribo.thermal.circuit import Values
+from tribo.types import Array
 
 NEEDED = (
     "time", "normal_load", "sliding_distance", "mean_pressure", "contact_width", "pin_heat_share",
@@ -32,48 +39,8 @@ NEEDED = (
 
 
 @dataclass(frozen=True, slots=True)
-class Stem:
-    """The rod between the heated end of the pin and its holder.
-
-    Attributes
-    ----------
-    resistance : float
-        Thermal resistance in the steady state, L/(K A) for a rod [K/W].
-    settling_time : float
-        L²/κ [s]; 0 for a resistance without heat capacity.
-
-    Examples
-    --------
-    >>> Stem.rod(5e-3, 13.6e-6, thermal_conductivity=45.0, thermal_diffusivity=1.2275e-5)
-    Stem(resistance=8.169..., settling_time=2.036...)
-    """
-
-    resistance: float
-    settling_time: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_positive(resistance=self.resistance)
-        if not 0 <= self.settling_time < math.inf:
-            raise InputError(f"settling_time is {self.settling_time!r}; it must be finite and ≥ 0")
-
-    @classmethod
-    def rod(
-        cls, length: float, area: float, thermal_conductivity: float, thermal_diffusivity: float
-    ) -> Self:
-        """A rod of a length [m], cross section [m²], K [W/(m K)] and κ [m²/s]."""
-        require_positive(length=length, area=area)
-        return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
-
-    def resistance_after(self, time: Array) -> Array:
-        """Resistance after a time under constant heat [K/W]."""
-        if self.settling_time == 0:
-            return np.full(np.shape(time), self.resistance)
-        return self.resistance * stem_fraction(np.asarray(time) / self.settling_time)
-
-
-@dataclass(frozen=True, slots=True)
 class Track:
-    """The ring of the disk that passes under the pin again and again.
+    """The ring of a body that passes through the contact again and again.
 
     Attributes
     ----------
@@ -84,7 +51,7 @@ class Track:
     aspect : float
         Width of the contact across the track over that along it, of a ball or a crowned pin.
     thermal_diffusivity, heat_capacity : float
-        κ [m²/s] and ρc [J/(m³ K)] of the disk.
+        κ [m²/s] and ρc [J/(m³ K)] of the body.
 
     Examples
     --------
@@ -99,8 +66,8 @@ class Track:
     heat_capacity: float
 
     @classmethod
-    def under(cls, pin: Cylinder | Ball | Crowned, disk: Material, length: float) -> Self:
-        """The track under a pin at rest, of a length [m].
+    def under(cls, pin: Cylinder | Ball | Crowned, body: Material, length: float) -> Self:
+        """The track of a pin's contact around a body, of a length [m].
 
         Examples
         --------
@@ -109,8 +76,8 @@ class Track:
         2.8...
         """
         of_point = hertz_contact(1.0, 1e11, pin.radius, crown_radius=pin.crown_radius)
-        capacity = disk.density * disk.specific_heat
-        return cls(length, pin.length, of_point.aspect, disk.thermal_diffusivity, capacity)
+        capacity = body.density * body.specific_heat
+        return cls(length, pin.length, of_point.aspect, body.thermal_diffusivity, capacity)
 
     def __post_init__(self) -> None:
         require_positive(**{k: v for k, v in asdict(self).items() if v is not None})
@@ -125,10 +92,15 @@ class Corrections:
     friction : tuple of tuple of float
         Sliding velocities above 0, ascending [m/s], and friction there over the coefficient of
         friction; smooth and monotonic in between, and beyond the ends as there.
-    track : Track or None
-        Track of the disk, which earlier passes have warmed.
+    track, pin_track : Track or None
+        Tracks of disk and pin, which earlier turns have warmed; that of a body at rest is cold.
+    motion : Motion or None
+        Motion of both bodies; None where the pin is at rest.
     stem : Stem or None
-        Stem of the pin.
+        Stem of the pin, which must not turn.
+    pin_bulk, disk_bulk : Bulk or None
+        Heat capacity and loss of both bodies behind all else; one that is None stays as warm as it
+        starts.
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
 
@@ -143,6 +115,10 @@ class Corrections:
     track: Track | None = None
     stem: Stem | None = None
     film_resistance: float = 0.0
+    pin_track: Track | None = None
+    pin_bulk: Bulk | None = None
+    disk_bulk: Bulk | None = None
+    motion: Motion | None = None
 
     def __post_init__(self) -> None:
         velocities = [velocity for velocity, _ in self.friction]
@@ -160,12 +136,11 @@ class Corrections:
     @classmethod
     def of_plain(cls, plain: Mapping[str, Any]) -> Self:
         """Corrections from the plain data that `as_dict` gives."""
-        track, stem = plain.get("track"), plain.get("stem")
+        parts = {name: kind(**plain[name]) for name, kind in _PARTS.items() if plain.get(name)}
         return cls(
             friction=tuple((v, factor) for v, factor in plain.get("friction", ())),
-            track=Track(**track) if track else None,
-            stem=Stem(**stem) if stem else None,
             film_resistance=plain.get("film_resistance", 0.0),
+            **parts,
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -176,13 +151,17 @@ class Corrections:
     @property
     def worded(self) -> str:
         """The corrections in words."""
-        parts = (
-            (self.friction, "friction by velocity"),
-            (self.track, f"earlier passes, {self.track.length:.3g} m" if self.track else ""),
-            (self.stem, f"stem of the pin, {self.stem.resistance:.3g} K/W" if self.stem else ""),
-            (self.film_resistance, f"film on the disk, {self.film_resistance:.3g} m² K/W"),
-        )
-        return "; ".join(words for part, words in parts if part)
+        film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
+        parts = {
+            "friction by velocity": self.friction and "measured",
+            "earlier turns of the pin": self.pin_track and f"{self.pin_track.length:.3g} m",
+            "earlier turns of the disk": self.track and f"{self.track.length:.3g} m",
+            "stem of the pin": self.stem and f"{self.stem.resistance:.3g} K/W",
+            "film on the disk": film,
+            "bulk of the pin": self.pin_bulk,
+            "bulk of the disk": self.disk_bulk,
+        }
+        return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def friction_factor(self, velocity: Array) -> Array:
         """Friction at sliding velocities [m/s] over the coefficient of friction."""
@@ -199,32 +178,52 @@ class Corrections:
         return factor
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
-        """Additional rise of the contact at friction 1 by film, stem and earlier passes [K].
+        """Additional rise of the contact at friction 1 by all that is in the circuit [K].
 
         The columns are those of `NEEDED`, the steps last, in their order in time. NaN where the
         temperature was not asked for.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
-        if not (self.track or self.stem or self.film_resistance) or not heats.any():
+        if self == replace(_NOTHING, friction=self.friction) or not heats.any():
             return np.zeros_like(rise)
         theta, F, t = rise[heats], load[heats], time[heats]
         share, V = columns["pin_heat_share"][heats], columns["sliding_distance"][heats] / t
-        area = F / columns["mean_pressure"][heats]
-        warming = (1 - share) * _warming(self.track, columns, heats) if self.track else 0.0
-        added: Array = rise * 0.0
-        added[heats] = (
-            circuit_rise(
-                theta,
-                share,
-                F * V,
-                self.stem.resistance_after(t) if self.stem else 0.0,
-                self.film_resistance / area,
-                warming,
-            )
-            - theta
+        moments = [_Moment.of(columns, place) for place in np.argwhere(heats).tolist()]
+        speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
+        resistances = (
+            (self.stem.resistance_after(t) if self.stem else 0.0)
+            + _of_turns(self.pin_track, moments, speeds[:, 0])
+            + (self.pin_bulk.resistance if self.pin_bulk else 0.0),
+            self.film_resistance * columns["mean_pressure"][heats] / F
+            + _of_turns(self.track, moments, speeds[:, 1])
+            + (self.disk_bulk.resistance if self.disk_bulk else 0.0),
         )
+        warmings = self._bulk_warmings(moments, V, conductances(theta, share, F * V, *resistances))
+        added: Array = rise * 0.0
+        added[heats] = circuit_rise(theta, share, F * V, *resistances, *warmings) - theta
         return added
+
+    def _speeds(self, sliding: float) -> tuple[float, float]:
+        """Speeds of the surfaces of pin and disk past the contact [m/s]."""
+        pin, disk = self.motion.velocities(sliding) if self.motion else (0.0, sliding)
+        return abs(pin), abs(disk)
+
+    def _bulk_warmings(
+        self, moments: Sequence[_Moment], velocities: Array, ties: tuple[Values, Values]
+    ) -> Array:
+        """Warming of the bulk of pin and disk at some moments [K], shape (2, n_moment)."""
+        bulks = self.pin_bulk, self.disk_bulk
+        if not any(bulk and bulk.capacity for bulk in bulks):
+            return np.zeros((2, 1))
+        return np.array(
+            [
+                bulk_warming(moment.times, moment.loads * velocity, (pin, disk), bulks)
+                for moment, velocity, pin, disk in zip(
+                    moments, velocities, *np.broadcast_arrays(*ties), strict=True
+                )
+            ]
+        ).T
 
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Columns whose rises at friction 1 have the corrections, at all bulk ratios [K].
@@ -241,6 +240,15 @@ class Corrections:
         return {**columns, **rises}
 
 
+_NOTHING = Corrections()
+_PARTS = {
+    "track": Track,
+    "pin_track": Track,
+    "stem": Stem,
+    "pin_bulk": Bulk,
+    "disk_bulk": Bulk,
+    "motion": Motion,
+}
 _RISES: dict[str, Any] = {
     "max_rise": ...,
     "mean_rise": ...,
@@ -253,7 +261,7 @@ _RISES: dict[str, Any] = {
 def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
     """Rises of a state as columns of one moment, with corrections.
 
-    The state has to have a temperature. Before, the load is taken to have grown evenly.
+    The state has to have a temperature. Before, the load was that of the scene's loading.
     """
     if state.heat is None:
         raise InputError("a point ended without a temperature")
@@ -261,25 +269,49 @@ def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Ma
     if corrections is None:
         return columns
     record = {**measures(scene, state), **columns}
-    steps = corrections.applied({name: np.array([value]) for name, value in record.items()})
-    return {name: value[0] for name, value in steps.items()}
+    stations = stations_so_far(scene, state)[:-1]  # and last, this moment
+    steps = {
+        name: np.concatenate([np.full((len(stations), *np.shape(value)), np.nan), [value]])
+        for name, value in record.items()
+    }
+    steps["time"][:-1] = [station.time for station in stations]
+    steps["normal_load"][:-1] = [station.normal_load for station in stations]
+    return {name: values[-1] for name, values in corrections.applied(steps).items()}
 
 
-def _warming(track: Track, columns: Mapping[str, Any], heats: Mask) -> Array:
-    """Warming of the track at some steps, for each unit of heat that enters the disk [K]."""
-    terms = []
-    for place in map(tuple, np.argwhere(heats).tolist()):
-        before, now = place[:-1], place[-1]
-        time, load = (columns[name][before][: now + 1] for name in ("time", "normal_load"))
-        velocity = columns["sliding_distance"][place] / time[now]
-        terms.append(
+class _Moment(NamedTuple):
+    """A step of a point, and the load until then."""
+
+    times: Array  # s, that are known, ascending
+    loads: Array  # N
+    contact_width: float  # m
+
+    @classmethod
+    def of(cls, columns: Mapping[str, Any], place: Sequence[int]) -> Self:
+        """The moment at a place of some columns, whose steps are last."""
+        *before, now = place
+        times, loads = (columns[name][*before][: now + 1] for name in ("time", "normal_load"))
+        known = np.isfinite(times)
+        return cls(times[known], loads[known], float(columns["contact_width"][*before][now]))
+
+
+def _of_turns(track: Track | None, moments: Sequence[_Moment], speeds: Array) -> Array | float:
+    """Resistance by which earlier turns have warmed a track, at some moments [K/W]."""
+    if track is None:
+        return 0.0
+    return np.array(
+        [
             track_warming(
-                time[now],
-                track.length / velocity,
-                (time, load),
-                track.width or track.aspect * columns["contact_width"][place],
+                moment.times[-1],
+                track.length / speed,
+                (moment.times, moment.loads),
+                track.width or track.aspect * moment.contact_width,
                 track.thermal_diffusivity,
                 track.heat_capacity,
             )
-        )
-    return np.array(terms)
+            / (moment.loads[-1] * speed)
+            if speed
+            else 0.0
+            for moment, speed in zip(moments, speeds.tolist(), strict=True)
+        ]
+    )

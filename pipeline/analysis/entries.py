@@ -13,7 +13,13 @@ _ATTRIBUTES = (
     "scene", "conditions", "friction_band", "lubrication", "loads", "velocities", "realizations",
     "samples", "sample_seed", "wear_rates", "measured", "tested", "preset",
 )  # fmt: skip
-_NOT_SHOWN = ("friction_heat", "unequal_bulks", "lubrication.", "sweep.samples.")
+_NOT_SHOWN = (
+    "friction_heat",
+    "unequal_bulks",
+    "lubrication.",
+    "sweep.samples.",
+    "conditions.corrections.motion",
+)
 """Paths of values that follow from other entries."""
 _TESTS = ("measured.", "tested.")
 _TYPES = tuple(
@@ -41,6 +47,9 @@ _PATHS = {
     "conditions.corrections.friction": "friction.by_velocity",
     "conditions.corrections.stem": "pin.stem",
     "conditions.corrections.track": "disk.track",
+    "conditions.corrections.pin_track": "pin.track",
+    "conditions.corrections.pin_bulk": "pin",
+    "conditions.corrections.disk_bulk": "disk",
     "conditions.corrections.film_resistance": "disk.film",
 }
 """Paths in the scene file of what a store calls otherwise, the more special ones first."""
@@ -61,6 +70,8 @@ _UNITS = {
     "1/GPa": ("pressure_coefficients",),
     "mm²/s": ("viscosities", "thermal_diffusivity"),
     "K/W": ("resistance",),
+    "J/K": ("capacity",),
+    "W/K": ("loss",),
     "mm² K/W": ("film_resistance",),
     "MJ/(m³ K)": ("heat_capacity",),
 }

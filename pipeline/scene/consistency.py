@@ -9,9 +9,11 @@ from typing import Any
 import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import nearest
+from pipeline.scene.parts import track_of
 from pipeline.scene.quantities import display
 from pipeline.scene.roughness import Roughness
 
+_ALIKE = 0.01  # by which two lengths of one track may differ
 Sound = Callable[..., list[Any]]
 Misfits = Iterator[tuple[str, str]]
 
@@ -132,7 +134,8 @@ def _of_motion(sound: Sound) -> Misfits:
         "motion", "pin.radius", "window.pixels", "window.pixel_size"
     )
     if motion:
-        track = motion["track_length"] or 2 * math.pi * radius
+        around = track_of(pin) if (pin := sound("pin")[0]) else None
+        track = motion["track_length"] or around or 2 * math.pi * radius
         yield from _short_of_window("motion.track_length", track, pixels, sides, 0)
     rod, motion, velocities = sound("pin.stem", "motion", "sweep.velocities")
     if rod and motion:
@@ -144,12 +147,33 @@ def _of_motion(sound: Sound) -> Misfits:
                 "rod between its end and a holder belongs to a pin at rest; leave it out, or leave "
                 "out [motion]",
             )
-    track, motion = sound("disk.track_length", "motion")
-    if track is not None and motion is not None:
+    yield from _of_tracks(sound)
+
+
+def _of_tracks(sound: Sound) -> Misfits:
+    for body in ("pin", "disk"):
+        length, diameter = sound(f"{body}.track_length", f"{body}.diameter")
+        if length and diameter:
+            yield (
+                f"{body}.diameter",
+                f"{display(diameter, 'mm')} stands beside a track_length of "
+                f"{display(length, 'mm')}; give one of them",
+            )
+    motion, pin = sound("motion", "pin")
+    around = track_of(pin) if pin else None
+    if not around:
+        return
+    key = "pin.diameter" if pin["diameter"] else "pin.track_length"
+    if motion is None:
         yield (
-            "disk.track_length",
-            "earlier passes are counted under a pin at rest, and the scene has a [motion]; leave "
-            'out "disk.track_length" or [motion]',
+            key,
+            "the pin is at rest, so that no earlier turn has warmed it; leave it out, or give a "
+            "[motion]",
+        )
+    elif (worn := motion["track_length"]) and abs(worn / around - 1) > _ALIKE:
+        yield (
+            "motion.track_length",
+            f"{display(worn, 'mm')} is not the {display(around, 'mm')} of {key}; leave it out",
         )
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from pipeline.scene.facts import Facts
+from pipeline.scene.facts import Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Crowned, Cylinder, Material, SelfAffineRoughness, analytic
@@ -99,9 +99,8 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
         yield f"friction is {friction:g}, where 0 to 1 is usual: check the number"
     yield from _VELOCITY.doubt("the highest ", max(sweep.velocities))
     yield from _BULK.doubt("the ", sweep.conditions.bulk_temperature)
-    corrections = sweep.conditions.corrections
-    if corrections and corrections.track:
-        yield from _TRACK.doubt("the disk's ", corrections.track.length)
+    for body, track in tracks_of(sweep).items():
+        yield from _TRACK.doubt(f"the {body}'s ", track.length)
     if sweep.wear is None:
         yield (
             "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "

@@ -8,7 +8,7 @@ that each holds where the other is small. Against simulations of smooth pins the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, get_origin, get_type_hints
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
-from tribo import Cylinder, InputError, analytic, contact_modulus
+from tribo import Corrections, Cylinder, InputError, Track, analytic, contact_modulus
 from tribo.laws import OwnWear
 from tribo.types import Array
 
@@ -134,22 +134,29 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
         )
 
 
-def track_fault(sweep: Sweep) -> str | None:
-    """Fault of a track that is too short for the passes on it to be apart; None if there is none.
+def tracks_of(sweep: Sweep) -> dict[str, Track]:
+    """Tracks that earlier turns have warmed, by their body."""
+    corrections = sweep.conditions.corrections or Corrections()
+    tracks = {"pin": corrections.pin_track, "disk": corrections.track}
+    return {body: track for body, track in tracks.items() if track}
 
-    A pass is taken to lay its heat at once, which needs a round much longer than the contact.
+
+def track_faults(sweep: Sweep) -> Iterator[tuple[str, str]]:
+    """Bodies whose track is too short for the turns on it to be apart, and why it is a fault.
+
+    A turn is taken to lay its heat at once, which needs a round much longer than the contact.
     """
-    corrections = sweep.conditions.corrections
-    if corrections is None or corrections.track is None:
-        return None
-    length, width = corrections.track.length, facts_of(sweep).contact_width.high
-    if length >= _FEWEST_WIDTHS * width:
-        return None
-    return (
-        f"{1e3 * length:.4g} mm is {length / width:.2g} times the width of the contact, which is "
-        f"expected to be {1e3 * width:.3g} mm; give the whole way around the disk, at least "
-        f"{_FEWEST_WIDTHS:g} times that width, {1e3 * _FEWEST_WIDTHS * width:.3g} mm"
-    )
+    tracks = tracks_of(sweep)
+    width = facts_of(sweep).contact_width.high if tracks else 0.0
+    for body, track in tracks.items():
+        if track.length < _FEWEST_WIDTHS * width:
+            yield (
+                body,
+                f"the track is {1e3 * track.length:.4g} mm long, {track.length / width:.2g} times "
+                f"the width of the contact, which is expected to be {1e3 * width:.3g} mm; give the "
+                f"whole way around the {body}, at least {_FEWEST_WIDTHS:g} times that width, "
+                f"{1e3 * _FEWEST_WIDTHS * width:.3g} mm",
+            )
 
 
 def _duration(sweep: Sweep, load: float) -> tuple[float, float]:

@@ -129,7 +129,7 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     word, words = word[:80].lower(), list(words)
     ends = [other for other in words if other.endswith(f".{word}")]
     longer = [other for other in words if len(word) > 2 and other.startswith(word)]
-    near = ends or longer or difflib.get_close_matches(word, words, n=1)
+    near = ends or longer or difflib.get_close_matches(word, words, n=1, cutoff=0.67)
     return f' (did you mean "{near[0]}"?)' if near else ""
 
 

@@ -70,6 +70,29 @@ STEM = Either(
             "Thermal resistance to the holder."),
     }, form="resistance"),
 )
+
+def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
+    """Entries of a body on the heat that stays in it."""
+    return {
+        "track_length": Optional(_length(example),
+            f"Length of the track {track}, which earlier turns have warmed; without it each turn "
+            "meets a cold track. It takes effect after the simulation."),
+        "diameter": Optional(_length("100 mm"),
+            f"Diameter of the track around the {body}, whose circumference is the length of the "
+            "track; in place of `track_length`."),
+        "capacity": Optional(
+            Either(Quantity("a heat capacity", "650 J/K"), Table({
+                "diameter": Entry(_length("150 mm")),
+                "thickness": Entry(_length("10 mm")),
+            })),
+            f"Heat that warms all of the {body} behind the track by one kelvin, or its size, of "
+            "its material; `bulk` is then where it starts. It takes effect after the simulation."),
+        "loss": Optional(Quantity("a heat loss per kelvin", "2 W/K"),
+            f"Heat that the {body} loses to oil, air and holder for each kelvin above where it "
+            "starts; none by default. It takes effect after the simulation."),
+    }
+
+
 _ROUND = {
     "shape": Entry(Choice(("cylinder", "ball", "crowned")), "Shape of the pin."),
     "radius": Entry(_length("2 mm"),
@@ -81,6 +104,7 @@ _OF_PIN = {
         "Rod between the heated end of the pin and a holder at the bulk temperature, or its "
         "thermal resistance; a half-space without the table. It takes effect after the "
         "simulation."),
+    **_kept_heat("pin", "around a pin that rolls", "314 mm"),
 }
 PIN = Either(
     Table({
@@ -144,9 +168,7 @@ def _own_law(meaning: str, form: str = "") -> Table:
 
 DISK = Table({
     "material": Entry(Text(), "Name of its material, here or in the library."),
-    "track_length": Optional(_length("340 mm"),
-        "Length of the track under the pin, which earlier passes have warmed; without it each "
-        "pass meets a cold disk. It takes effect after the simulation."),
+    **_kept_heat("disk", "under the pin", "340 mm"),
     "film": Optional(Table({
         "thickness": Entry(_length("20 nm"), "Thickness of the film."),
         "thermal_conductivity": Entry(Quantity("a conductivity", "2 W/(m K)"),
@@ -199,7 +221,8 @@ MOTION = Table({
     "entrainment_velocity": Optional(Quantity("a velocity", "3 m/s", zero=True),
         "Mean velocity of both surfaces, the same at every sliding velocity."),
     "track_length": Optional(_length("314 mm"),
-        "Length of the pin's track, over which its wear spreads; by default its circumference."),
+        "Length of the pin's track, over which its wear spreads; by default that of `[pin]`, or "
+        "the circumference of its radius."),
 })
 
 WEAR = Either(

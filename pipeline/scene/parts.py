@@ -5,6 +5,7 @@ Each is None where its table is missing or faulty.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -98,7 +99,6 @@ def corrections_of(
     """Physics beside the two half-spaces, of sound tables."""
     coefficient = tables["friction"]["coefficient"]
     rod, film = tables["pin"]["stem"], tables["disk"]["film"]
-    track = tables["disk"]["track_length"]
     measured = sorted(
         (entry["velocity"], entry["coefficient"]) for entry in tables["friction"]["by_velocity"]
     )
@@ -108,10 +108,42 @@ def corrections_of(
     elif rod:
         conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
         stem = tribo.Stem.rod(rod["length"], rod["area"], *conduction)
+    of_pin, of_disk = track_of(tables["pin"]), track_of(tables["disk"])
     corrections = tribo.Corrections(
         friction=tuple((velocity, mu / coefficient) for velocity, mu in measured),
-        track=tribo.Track.under(pin, disk, track) if track else None,
+        track=tribo.Track.under(pin, disk, of_disk) if of_disk else None,
+        pin_track=tribo.Track.under(pin, pin.material, of_pin) if of_pin else None,
         stem=stem,
         film_resistance=film["thickness"] / film["thermal_conductivity"] if film else 0.0,
+        pin_bulk=_bulk_of(tables["pin"], pin.material),
+        disk_bulk=_bulk_of(tables["disk"], disk),
+        motion=motion_of(tables) if of_disk or of_pin else None,
     )
     return corrections if corrections != tribo.Corrections() else None
+
+
+def motion_of(tables: Mapping[str, Any]) -> tribo.Motion | None:
+    """The motion of both bodies; the pin's wear spreads over the track around it."""
+    motion = tables["motion"]
+    if not motion:
+        return None
+    return tribo.Motion(
+        **motion | {"track_length": motion["track_length"] or track_of(tables["pin"])}
+    )
+
+
+def track_of(body: Mapping[str, Any]) -> float | None:
+    """Length of the track around a body [m]; None if its table gives none."""
+    length: float | None = body["track_length"]
+    return math.pi * body["diameter"] if body["diameter"] else length
+
+
+def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | None:
+    """The heat capacity and the loss of a body."""
+    capacity, loss = body["capacity"], body["loss"]
+    if capacity is None and loss is None:
+        return None
+    if isinstance(capacity, Mapping):
+        volume = math.pi / 4 * capacity["diameter"] ** 2 * capacity["thickness"]
+        capacity = volume * material.density * material.specific_heat
+    return tribo.Bulk(capacity or 0.0, loss or 0.0)

@@ -14,13 +14,13 @@ from typing import Any
 import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
-from pipeline.scene.facts import track_fault
+from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
 from pipeline.scene.over import over_of, with_first_values
-from pipeline.scene.parts import corrections_of, loading_of, oil_of, pin_of, wear_of
+from pipeline.scene.parts import corrections_of, loading_of, motion_of, oil_of, pin_of, wear_of
 from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.shipped import scene_path
@@ -131,8 +131,9 @@ class _Reader:
             library=taken,
             arguments=self.arguments,
         )
-        if fault := track_fault(sweep):
-            faults.note("disk.track_length", fault)
+        for body, fault in track_faults(sweep):
+            given = "diameter" if entry_at(tables, f"{body}.diameter") else "track_length"
+            faults.note(f"{body}.{given}", fault)
         return with_velocities_for_rates(sweep, faults.notes), tables
 
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
@@ -250,7 +251,7 @@ def _sound_entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:
             window["pixel_size"],
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
-        "motion": tribo.Motion(**tables["motion"]) if tables["motion"] else None,
+        "motion": motion_of(tables),
         "friction_heat": max([friction["coefficient"], *(friction["band"] or [])]) > 0,
         "name": name,
         "title": tables["title"] or name,

@@ -1,5 +1,6 @@
 """Physics beside the half-spaces: entries that cost no simulation, one for all answers."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -19,12 +20,15 @@ ALL = tribo.Corrections(
     track=tribo.Track.under(tiny.sweep().pin, STEEL, 0.34),
     stem=tribo.Stem.rod(4e-3, 13.6e-6, 45.0, STEEL.thermal_diffusivity),
     film_resistance=1e-8,
+    pin_bulk=tribo.Bulk(loss=0.5),
+    disk_bulk=tribo.Bulk(capacity=650.0, loss=2.0),
 )
 PARTS = {
     "friction": replace(tribo.Corrections(), friction=ALL.friction),
     "track": replace(tribo.Corrections(), track=ALL.track),
     "stem": replace(tribo.Corrections(), stem=ALL.stem),
     "film": replace(tribo.Corrections(), film_resistance=ALL.film_resistance),
+    "bulk": replace(tribo.Corrections(), pin_bulk=tribo.Bulk(0.5), disk_bulk=ALL.disk_bulk),
     "all": ALL,
 }
 CONDITIONS = Conditions(0.1, 298.15, 345.0)
@@ -32,6 +36,9 @@ BESIDE = """extends = "plain.toml"
 pin.stem = { length = "4 mm", area = "13.6 mm^2" }
 disk.track_length = "34 cm"
 disk.film = { thickness = "20 nm", thermal_conductivity = "2 W/(m K)" }
+disk.capacity = { diameter = "15 cm", thickness = "1 cm" }
+pin.loss = "0.5 W/K"
+disk.loss = "2 W/K"
 friction.by_velocity = [
   { velocity = "1.5 m/s", coefficient = 0.09 }, { velocity = "50 cm/s", coefficient = 0.11 },
 ]
@@ -103,6 +110,10 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
     assert corrections.stem == ALL.stem
     assert corrections.film_resistance == pytest.approx(1e-8)
     np.testing.assert_allclose(corrections.friction, ALL.friction)
+    assert corrections.pin_bulk == ALL.pin_bulk
+    assert corrections.disk_bulk.loss == 2.0
+    assert corrections.disk_bulk.capacity == pytest.approx(np.pi / 4 * 0.15**2 * 0.01 * 3.666e6)
+    assert tribo.Corrections.of_plain(json.loads(json.dumps(ALL.as_dict()))) == ALL
     assert pipeline.load_scene(tmp_path / "plain.toml").conditions.corrections is None
 
 
@@ -115,6 +126,9 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
         ("pin.stem={length='3 mm'}", "pin.stem.area: missing"),
         ("disk.track_length=0 m", "above 0"),
         ("disk.track_length=2 mm", "times the width of the contact"),
+        ("pin.track_length=314 mm", "the pin is at rest"),
+        ("disk.loss=2 W", "cannot be converted to W/K"),
+        ("disk.capacity={diameter='3 mm'}", "disk.capacity.thickness: missing"),
     ],
 )  # fmt: skip
 def test_bad_entries_are_named(tmp_path, irg, setting, problem):
@@ -136,6 +150,27 @@ def test_a_rod_does_not_hold_a_pin_that_turns(tmp_path, irg):
         tmp_path / "plain.toml", overrides={"motion": {"slide_roll_ratio": 1}}
     )
     assert "pin.stem" not in [effect.entry for effect in physics_left_out(scene)]
+
+
+def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
+    """A diameter stands for its circumference, over which the pin's wear spreads, too."""
+    (tmp_path / "plain.toml").write_text(SCENE)
+    entries = {"motion": {"slide_roll_ratio": 0.5}, "pin.diameter": "10 cm"}
+    entries |= {"disk.track_length": "40 cm"}
+    scene = pipeline.load_scene(tmp_path / "plain.toml", overrides=entries)
+    corrections = scene.conditions.corrections
+    assert corrections.pin_track.length == pytest.approx(np.pi * 0.1) == scene.track_length
+    assert corrections.track.length == 0.4
+    assert corrections.motion == scene.motion
+    assert tribo.Corrections.of_plain(json.loads(json.dumps(corrections.as_dict()))) == corrections
+    for wrong, problem in (
+        ({"pin.track_length": "314 mm"}, "pin.diameter: 100 mm stands beside a track_length"),
+        ({"motion.track_length": "200 mm"}, "motion.track_length: 200 mm is not the 314.159 mm"),
+        ({"pin.diameter": "0.5 mm"}, "pin.diameter: the track is 1.571 mm long"),
+    ):
+        with pytest.raises(pipeline.SceneFileError) as error:
+            pipeline.load_scene(tmp_path / "plain.toml", overrides=entries | wrong)
+        assert problem in str(error.value)
 
 
 def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):

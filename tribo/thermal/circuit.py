@@ -12,21 +12,45 @@ from tribo.types import Array
 Values = float | Array
 
 
+def conductances(
+    rise: Values,
+    pin_share: Values,
+    heat: Values,
+    pin_resistance: Values = 0.0,
+    disk_resistance: Values = 0.0,
+) -> tuple[Values, Values]:
+    """Conductances from the contact into pin and disk [W/K], with resistances in series [K/W].
+
+    With θ the mean rise between half-spaces, φ the pin's share of the heat Q [W], h₁ = φQ/θ and
+    h₂ = (1 − φ)Q/θ, and resistances R₁ and R₂ in series, hᵢ' = hᵢ/(1 + Rᵢhᵢ).
+
+    Examples
+    --------
+    >>> [f"{h:.2f}" for h in conductances(90.0, 0.1, 90.0, pin_resistance=10.0)]
+    ['0.05', '0.90']
+    """
+    into_pin, into_disk = pin_share * heat, (1 - pin_share) * heat
+    return (
+        into_pin / (rise + pin_resistance * into_pin),
+        into_disk / (rise + disk_resistance * into_disk),
+    )
+
+
 def circuit_rise(
     rise: Values,
     pin_share: Values,
     heat: Values,
     pin_resistance: Values = 0.0,
     disk_resistance: Values = 0.0,
+    pin_warming: Values = 0.0,
     disk_warming: Values = 0.0,
 ) -> Values:
     """Mean rise of the contact between bodies with resistances in series [K].
 
-    With θ the mean rise between half-spaces, φ the pin's share of the heat Q [W], the conductances
-    h₁ = φQ/θ of the pin and h₂ = (1 − φ)Q/θ of the disk, resistances R₁ and R₂ in series [K/W],
-    hᵢ' = hᵢ/(1 + Rᵢhᵢ), and θ₂ the warming of the disk's bulk [K],
+    With the conductances hᵢ' of `conductances`, and the warming of the bulk behind them, θ₁ of the
+    pin and θ₂ of the disk [K],
 
-        θ' = (Q + h₂'θ₂)/(h₁' + h₂')
+        θ' = (Q + h₁'θ₁ + h₂'θ₂)/(h₁' + h₂')
 
     That is exact where both bodies' rises are uniform over the contact. So an insulated pin
     (R₁ → ∞) has θ/(1 − φ).
@@ -43,8 +67,5 @@ def circuit_rise(
     >>> f"{circuit_rise(90.0, 0.1, 100.0, disk_warming=10.0) - 90:.3f} K"
     '9.000 K'
     """
-    into_pin, into_disk = pin_share * heat, (1 - pin_share) * heat
-    # hᵢ' times θ, so that nothing is divided by a rise of 0
-    pin = into_pin * rise / (rise + pin_resistance * into_pin)
-    disk = into_disk * rise / (rise + disk_resistance * into_disk)
-    return (heat * rise + disk * disk_warming) / (pin + disk)
+    pin, disk = conductances(rise, pin_share, heat, pin_resistance, disk_resistance)
+    return (heat + pin * pin_warming + disk * disk_warming) / (pin + disk)

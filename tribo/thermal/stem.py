@@ -3,12 +3,55 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
+from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
 _TERMS = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Stem:
+    """The rod between the heated end of the pin and its holder.
+
+    Attributes
+    ----------
+    resistance : float
+        Thermal resistance in the steady state, L/(K A) for a rod [K/W].
+    settling_time : float
+        L²/κ [s]; 0 for a resistance without heat capacity.
+
+    Examples
+    --------
+    >>> Stem.rod(5e-3, 13.6e-6, thermal_conductivity=45.0, thermal_diffusivity=1.2275e-5)
+    Stem(resistance=8.169..., settling_time=2.036...)
+    """
+
+    resistance: float
+    settling_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(resistance=self.resistance)
+        if not 0 <= self.settling_time < math.inf:
+            raise InputError(f"settling_time is {self.settling_time!r}; it must be finite and ≥ 0")
+
+    @classmethod
+    def rod(
+        cls, length: float, area: float, thermal_conductivity: float, thermal_diffusivity: float
+    ) -> Self:
+        """A rod of a length [m], cross section [m²], K [W/(m K)] and κ [m²/s]."""
+        require_positive(length=length, area=area)
+        return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
+
+    def resistance_after(self, time: Array) -> Array:
+        """Resistance after a time under constant heat [K/W]."""
+        if self.settling_time == 0:
+            return np.full(np.shape(time), self.resistance)
+        return self.resistance * stem_fraction(np.asarray(time) / self.settling_time)
 
 
 def stem_fraction(time: float | Array) -> Array:

@@ -1,0 +1,133 @@
+"""Heat that stays in the bodies, held against sums and balances by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import erf
+
+import tribo
+from tribo.corrections import moment_of
+
+STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+DIFFUSIVITY, CAPACITY = 45.0 / (7800.0 * 470.0), 7800.0 * 470.0
+WIDTH, AROUND = 10e-3, 0.314
+PIN = tribo.Cylinder(25e-3, WIDTH, STEEL)
+TRACK = tribo.Track.under(PIN, STEEL, AROUND)
+ROLLING = tribo.Motion(slide_roll_ratio=0.5)  # surfaces at 1.5 and 2.5 times the sliding velocity
+RISE, SHARE = 1505.0, 0.443  # at friction 1
+
+
+def record(times, loads, velocity, rise=RISE, share=SHARE):
+    """Columns of a point whose temperature is known at its end alone."""
+    times, loads = np.array(times), np.array(loads)
+    late = np.full(len(times), np.nan)
+    late[-1] = 1.0
+    return {
+        "time": times,
+        "normal_load": loads,
+        "sliding_distance": velocity * times,
+        "mean_pressure": np.full(len(times), 1e9),
+        "contact_width": np.full(len(times), 4e-4),
+        "pin_heat_share": share * late,
+        "mean_rise": rise * late,
+    }
+
+
+def added(corrections, columns):
+    """Additional rise at the end [K]."""
+    *before, last = corrections.added_rise(columns)
+    assert all(np.isnan(before))
+    return last
+
+
+def left_by_turns(velocity, speed, share, duration, load):
+    """Warming of a disc's tread at the end of a ramp, a turn at a time [K]."""
+    age = np.arange(1, int(duration * speed / AROUND) + 1) * AROUND / speed
+    heat = share * velocity * load * (1 - age / duration) / speed / WIDTH  # J/m² a turn
+    strip = erf(WIDTH / (4 * np.sqrt(DIFFUSIVITY * age)))
+    return (heat * strip / (CAPACITY * np.sqrt(np.pi * DIFFUSIVITY * age))).sum()
+
+
+@pytest.mark.parametrize("load", [3000.0, 8000.0])
+def test_both_discs_are_warmed_by_their_own_turns(load):
+    velocity, duration = 4.1, load / 500.0
+    columns = record([duration / 2, duration], [load / 2, load], velocity)
+    pin = left_by_turns(velocity, 1.5 * velocity, SHARE, duration, load)
+    disk = left_by_turns(velocity, 2.5 * velocity, 1 - SHARE, duration, load)
+    of_both = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=ROLLING)
+    # A sum with the share of each turn of its own differs by less than 0.1 %.
+    assert added(of_both, columns) == pytest.approx(SHARE * pin + (1 - SHARE) * disk, rel=0.01)
+
+
+def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
+    """A disc a fifth as far around: with the share of each turn of its own 39.9 K, not 50 K."""
+    track = replace(TRACK, length=0.063)
+    columns = record([5.0, 65.0], [2000.0] * 2, 4.1, rise=1000.0, share=0.5)
+    corrections = tribo.Corrections(track=TRACK, pin_track=track, motion=ROLLING)
+    assert 0.06 * added(corrections, columns) == pytest.approx(39.9, rel=0.01)
+
+
+def test_one_turn_leaves_one_strip_on_the_faster_disc_alone():
+    duration = 1.5 * AROUND / 2.5  # at 1 m/s; the pin has made 0.9 turns
+    columns = record([duration], [1000.0], 1.0)
+    both = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=ROLLING)
+    disk = left_by_turns(1.0, 2.5, 1 - SHARE, duration, 1000.0)
+    assert added(both, columns) == pytest.approx((1 - SHARE) * disk, rel=0.01)
+    assert added(both, columns) == added(replace(both, pin_track=None), columns)
+
+
+def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly():
+    """Under a flux that grows as t the surface of a half-space warms by ⅔ 2q√t/(√π e)."""
+    wide = tribo.Track(AROUND, 50.0, 1.0, DIFFUSIVITY, CAPACITY)
+    columns = record([600.0], [1e6], 20.0, rise=1e6)
+    disk = added(tribo.Corrections(track=wide), columns)
+    flux = (1 - SHARE) * 1e6 * 20.0 / (50.0 * AROUND)
+    effusivity = np.sqrt(45.0 * CAPACITY)
+    plane = 2 / 3 * 2 * flux * np.sqrt(600.0 / np.pi) / effusivity
+    assert disk == pytest.approx((1 - SHARE) * plane, rel=0.02)
+
+
+def test_a_body_at_rest_has_no_earlier_turns():
+    still = tribo.Motion(slide_roll_ratio=2.0)
+    columns = record([5.0], [750.0], 1.25)
+    of_both = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=still)
+    alone = tribo.Corrections(track=TRACK)
+    assert added(of_both, columns) == added(alone, columns) > 0
+
+
+def test_a_bulk_warms_by_the_energy_that_it_took():
+    """The disk takes all but a trace of 94 W: 0.36 K in a ramp of 5 s, 9.04 K after 60 s more."""
+    bulk = tribo.Corrections(disk_bulk=tribo.Bulk(650.0))
+    ramp = record([5.0], [750.0], 1.25, share=1e-9)
+    held = record([5.0, 35.0, 65.0], [750.0] * 3, 1.25, share=1e-9)
+    friction = 94.0 / (750.0 * 1.25)
+    assert friction * added(bulk, ramp) == pytest.approx(235.0 / 650.0, rel=1e-6)
+    assert friction * added(bulk, held) == pytest.approx(5875.0 / 650.0, rel=1e-6)
+
+
+def test_loss_without_capacity_is_a_resistance_to_ground():
+    columns = record([5.0], [750.0], 1.25, share=1e-9)
+    cooled = tribo.Corrections(disk_bulk=tribo.Bulk(loss=20.0))
+    assert added(cooled, columns) == pytest.approx(750.0 * 1.25 / 20.0, rel=1e-6)
+
+
+def test_a_steady_state_is_two_chains_of_resistances():
+    late = record([5.0, 1e6], [750.0] * 2, 1.25, rise=900.0, share=0.1)
+    corrections = tribo.Corrections(
+        stem=tribo.Stem(8.0), pin_bulk=tribo.Bulk(30.0, 0.5), disk_bulk=tribo.Bulk(650.0, 3.0)
+    )
+    heat = 750.0 * 1.25
+    pin = 900.0 / (0.1 * heat) + 8.0 + 1 / 0.5
+    disk = 900.0 / (0.9 * heat) + 1 / 3.0
+    assert 900.0 + added(corrections, late) == pytest.approx(heat / (1 / pin + 1 / disk), rel=1e-9)
+
+
+def test_a_moment_knows_the_load_that_its_scene_had_before():
+    """A ramp of 1 s and a hold of 60 s: 0.065 m/s times 605 N s are 39.3 J at friction 1."""
+    scene = tribo.critical_temperature_rig()
+    *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
+    plain, warm = (moment_of(scene, state, parts)["mean_rise"] for parts in (None, bulk))
+    share = 1 - state.heat.pin_heat_share
+    assert warm - plain == pytest.approx(share**2 * 0.065 * 605.0 / 100.0, rel=1e-3)
