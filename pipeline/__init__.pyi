@@ -54,9 +54,9 @@ from .store.progress import summary as summary
 from .store.verify import Damage as Damage
 from .store.verify import Verification as Verification
 from .store.verify import verify_store as verify_store
+from .sweep.about import Measurement as Measurement
 from .sweep.conditions import Conditions as Conditions
 from .sweep.criterion import Verdict as Verdict
-from .sweep.model import Measurement as Measurement
 from .sweep.model import Point as Point
 from .sweep.model import Sweep as Sweep
 from .sweep.plan import PointResult as PointResult

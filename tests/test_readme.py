@@ -2,7 +2,6 @@
 
 import re
 import shlex
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +27,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("readme")
     (folder / "workflows").symlink_to(ROOT / "workflows")
     sweep = pipeline.load_scene(ROOT / "workflows" / "first_try.toml")
-    sweep = replace(sweep, loads=(600.0,), velocities=(1.5,))
+    sweep = sweep.changed(loads=(600.0,), velocities=(1.5,))
     pipeline.run_sweep(sweep, folder / "results" / "irg_transition.zarr", workers=1)
     return folder
 
@@ -71,10 +70,10 @@ def test_the_walk_from_a_scan_to_a_boundary_leads_there(folder, monkeypatch, cap
     rig, radii, measured = re.findall(r"```toml\n(.*?)```", WALK, flags=re.DOTALL)
     (folder / "rig.toml").write_text(rig, encoding="utf-8")
     sweep = pipeline.load_scene("rig.toml")
-    assert isinstance(sweep.pin, tribo.Ball)
+    assert isinstance(sweep.scene.pin, tribo.Ball)
     assert doubts(sweep, facts_of(sweep)) == ()
     (folder / "radii.toml").write_text(radii, encoding="utf-8")
-    assert pipeline.load_scene("radii.toml").axes == {"pin.radius": (0.003, 0.005, 0.008)}
+    assert pipeline.load_scene("radii.toml").variants.axes == {"pin.radius": (0.003, 0.005, 0.008)}
     (folder / "measured.toml").write_text(measured, encoding="utf-8")
     surface = facts_of(pipeline.load_scene("measured.toml")).surface
     assert surface.measured

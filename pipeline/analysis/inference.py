@@ -105,17 +105,17 @@ def critical_temperatures(
 
     Examples
     --------
-    >>> from dataclasses import replace
     >>> import pipeline
     >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> inferred = pipeline.critical_temperatures(replace(scene, measured=scene.measured[:1]))
+    >>> with_one_test = scene.changed(measured=scene.about.measured[:1])
+    >>> inferred = pipeline.critical_temperatures(with_one_test)
     >>> f"{inferred.mean - 273.15:.0f} °C"
     '149 °C'
     """
     sweep = sweep_of(sweep)
-    if not sweep.measured:
+    if not sweep.about.measured:
         raise InputError(
-            f"the scene {sweep.name} has no measured transition; give it a [[measured]] with "
+            f"the scene {sweep.about.name} has no measured transition; give it a [[measured]] with "
             "load and velocity"
         )
     conditions = sweep.conditions
@@ -125,9 +125,9 @@ def critical_temperatures(
             entry.velocity,
             conditions.at_friction(entry.friction).friction_at(entry.velocity),
         )
-        for entry in sweep.measured
+        for entry in sweep.about.measured
     )
-    surfaces = sweep.realizations or (getattr(sweep.roughness, "seed", None),)
+    surfaces = sweep.variants.realizations or (getattr(sweep.scene.roughness, "seed", None),)
     for crossing in transitions:
         require_positive(friction=crossing.friction)
     stages = staged(
@@ -138,9 +138,10 @@ def critical_temperatures(
     )
     temperatures: list[list[float]] = [[] for _ in transitions]
     for seed, number in stages:
-        bulk, hold = sweep.measured[number].bulk_temperature, sweep.measured[number].hold
+        test = sweep.about.measured[number]
+        bulk, on_surface = test.bulk_temperature, sweep.on_surface(seed)
         result = critical_temperature(
-            sweep.on_surface(seed) if hold is None else sweep.on_surface(seed).held(hold),
+            (on_surface if test.hold is None else on_surface.held(test.hold)).scene,
             transitions[number : number + 1],
             conditions.bulk_temperature if bulk is None else bulk,
             conditions.decisive,
@@ -154,8 +155,10 @@ def critical_temperatures(
 
 
 def _worded(sweep: Sweep, transition: Transition, seed: int | None) -> str:
-    surface = f", surface {seed}" if sweep.realizations else ""
-    return f"{sweep.name}, {transition.normal_load:g} N at {transition.velocity:g} m/s{surface}"
+    surface = f", surface {seed}" if sweep.variants.realizations else ""
+    return (
+        f"{sweep.about.name}, {transition.normal_load:g} N at {transition.velocity:g} m/s{surface}"
+    )
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

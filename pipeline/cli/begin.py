@@ -26,7 +26,9 @@ _SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"
 def new(options: argparse.Namespace) -> Result:
     """Write a scene to start from or the schema of scenes, or list those that are shipped."""
     if options.list:
-        titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
+        titles = {
+            name: pipeline.load_scene(path).about.title for name, path in shipped_scenes().items()
+        }
         return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
     if options.schema is not None:
         schema = write_schema(options.schema)

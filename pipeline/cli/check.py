@@ -28,7 +28,7 @@ _LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
 def check(options: argparse.Namespace) -> Result:
     """Print the meaning of a scene, and then the cost of its sweep."""
     sweep = scene_of(options)
-    require_bearable_load(sweep, max(sweep.loads), "sweep.loads")
+    require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
     facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))
     doubted = list(doubts(sweep, facts))
     is_too_large = memory > machine_bytes()
@@ -37,24 +37,24 @@ def check(options: argparse.Namespace) -> Result:
             f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
             "the time is not tried out; give fewer window.pixels, or a coarser fidelity"
         )
-    nx, ny = sweep.grid.shape
+    nx, ny = sweep.scene.grid.shape
     document: dict[str, Any] = {
-        "title": sweep.title,
-        "notes": sweep.notes,
+        "title": sweep.about.title,
+        "notes": sweep.about.notes,
         "meaning": facts.as_dict(),
-        "library": [entry._asdict() for entry in sweep.library],
+        "library": [entry._asdict() for entry in sweep.about.sources],
         "saved": saved,
         "worker_bytes": memory,
         **_unknown(sweep),
         "warnings": doubted,
     }
     text = [
-        sweep.title,
+        sweep.about.title,
         *_meaning(sweep, facts),
         *_library(sweep),
         *(f"  saved    {work}" for work in saved),
         *_on_unknown(sweep),
-        *(f"  note     {note}" for note in sweep.notes),
+        *(f"  note     {note}" for note in sweep.about.notes),
         *(f"  warning  {doubt}" for doubt in doubted),
         f"  grid     {nx} × {ny} elements",
         f"  memory   about {memory / 1e6:.0f} MB a worker",
@@ -81,7 +81,7 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
     )
     yield f"  window   {1e6 * x:.4g} × {1e6 * y:.4g} µm, {_share(facts)}"
     surface = _surface(facts.surface) if facts.surface else "smooth"
-    is_own = "roughness" in own_laws(sweep)
+    is_own = "roughness" in own_laws(sweep.scene)
     yield f"  surface  {surface.replace('measured', 'own law') if is_own else surface}"
     yield (
         f"  motion   {_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
@@ -94,10 +94,10 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
     yield (
         f"  heat     Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of "
         "Hertz"
-        if sweep.friction_heat
+        if sweep.scene.friction_heat
         else "  heat     none, since there is no friction"
     )
-    laws = own_laws(sweep)
+    laws = own_laws(sweep.scene)
     if sweep.conditions.criterion_hash:
         reference = {"law": sweep.conditions.criterion, "parameters": {}}
         laws["criterion"] = reference | {"hash": sweep.conditions.criterion_hash}
@@ -120,17 +120,17 @@ def _both_moving(facts: Facts) -> str:
 
 def _film(sweep: Sweep) -> Iterator[str]:
     """Film that the oil would build, or the entry that is missing to tell; none without an oil."""
-    if sweep.oil is None:
+    if sweep.about.oil is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
-    yield f"  oil      {1e3 * sweep.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
+    yield f"  oil      {1e3 * sweep.about.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
     lubrication = Lubrication.of(sweep)
     if lubrication is None:
-        has_pressure_coefficient = sweep.oil.pressure_coefficients is not None
+        has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
         yield f"  film     not known without {missing}"
         return
-    corners = np.meshgrid(sweep.loads, sweep.velocities)
+    corners = np.meshgrid(sweep.plane.loads, sweep.plane.velocities)
     span = Span.of(lubrication.film_parameter(*corners, bulk))
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     yield f"  film     Λ {_text(span)}: {' to '.join(regimes)}"
@@ -139,7 +139,7 @@ def _film(sweep: Sweep) -> Iterator[str]:
 def _library(sweep: Sweep) -> Iterator[str]:
     """Values from the library, a line for each table and source."""
     taken: dict[tuple[str, str], list[str]] = {}
-    for key, value, source in sweep.library:
+    for key, value, source in sweep.about.sources:
         table, _, name = key.rpartition(".")
         taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
     for (table, source), values in taken.items():
@@ -178,35 +178,37 @@ def _text(span: Span, factor: float = 1.0) -> str:
 
 def _unknown(sweep: Sweep) -> dict[str, Any]:
     """Inputs that are not known exactly, as plain data; nothing where all are."""
-    if sweep.samples is None:
+    if sweep.variants.samples is None:
         return {}
-    simulated = {one.path for one in sweep.samples.design.inputs}
+    simulated = {one.path for one in sweep.variants.samples.design.inputs}
     return {
         "unknown": [
-            one.as_dict() | {"simulated": one.path in simulated} for one in sweep.samples.unknown
+            one.as_dict() | {"simulated": one.path in simulated}
+            for one in sweep.variants.samples.unknown
         ],
-        "fixed": {one.unknown.path: one.value for one in sweep.samples.fixed},
-        "samples": len(sweep.samples),
-        "samples_per_contact": sweep.samples.design.per_contact,
-        "sample_seed": sweep.samples.design.seed,
+        "fixed": {one.unknown.path: one.value for one in sweep.variants.samples.fixed},
+        "samples": len(sweep.variants.samples),
+        "samples_per_contact": sweep.variants.samples.design.per_contact,
+        "sample_seed": sweep.variants.samples.design.seed,
     }
 
 
 def _on_unknown(sweep: Sweep) -> Iterator[str]:
     """Inputs that are not known exactly, and the samples drawn from them."""
-    if sweep.samples is None:
+    if sweep.variants.samples is None:
         return
-    design = sweep.samples.design
+    design = sweep.variants.samples.design
     simulated = {one.path for one in design.inputs}
-    for one in sweep.samples.unknown:
+    for one in sweep.variants.samples.unknown:
         free = "" if one.path in simulated else "; applied afterwards, at no cost"
         yield f"  unknown  {one}{free}"
-    yield from (f"  fixed    {one}" for one in sweep.samples.fixed)
+    yield from (f"  fixed    {one}" for one in sweep.variants.samples.fixed)
     low, high = design.velocities
-    are_all = len(sweep.samples) == design.sufficient
+    are_all = len(sweep.variants.samples) == design.sufficient
     yield (
-        f"  samples  {len(sweep.samples)} of a scrambled Sobol' sequence, seed {design.seed}, from "
-        f"{low:g} to {high:g} m/s; " + ("they suffice" if are_all else "more go on from these")
+        f"  samples  {len(sweep.variants.samples)} of a scrambled Sobol' sequence, seed "
+        f"{design.seed}, from {low:g} to {high:g} m/s; "
+        + ("they suffice" if are_all else "more go on from these")
     )
     if design.per_contact > 1:
         yield f"           {design.per_contact} share each contact, and have heat of their own"
@@ -214,21 +216,21 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
 
 def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     """Cost of a sweep."""
-    loads = counted(len(sweep.loads), "load", "loads")
-    velocities = counted(len(sweep.velocities), "velocity", "velocities")
+    loads = counted(len(sweep.plane.loads), "load", "loads")
+    velocities = counted(len(sweep.plane.velocities), "velocity", "velocities")
     variants = "".join(
         f", {len(values)} {'surfaces' if name == 'realization' else f'values of {name}'}"
-        for name, values in sweep.axes.items()
+        for name, values in sweep.variants.axes.items()
     )
-    if sweep.samples:
-        yield f"  points   {cost.points}: {loads}, {len(sweep.samples)} samples"
+    if sweep.variants.samples:
+        yield f"  points   {cost.points}: {loads}, {len(sweep.variants.samples)} samples"
     elif searched:
-        sought = f"between {sweep.velocities[0]:g} and {sweep.velocities[-1]:g} m/s"
+        sought = f"between {sweep.plane.velocities[0]:g} and {sweep.plane.velocities[-1]:g} m/s"
         yield f"  points   about {cost.points}: the boundary is sought {sought}, {loads}{variants}"
     else:
         yield f"  points   {cost.points}: {loads}, {velocities}{variants}"
     yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
-    if not (sweep.samples or searched):
+    if not (sweep.variants.samples or searched):
         yield f"  chains   {cost.chains}, each computed by one worker: more would be idle"
     workers = counted(cost.workers, "worker", "workers")
     yield f"  time     about {duration(cost.seconds)} on {workers}"

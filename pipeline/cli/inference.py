@@ -35,7 +35,7 @@ def point(options: argparse.Namespace) -> Result:
     sweep = sweep.on_surface(options.realization)
     with working("simulating") as progress:
         result = pipeline.run_point(sweep, options.load, options.velocity, progress=progress)
-    measured, verdict = measures(sweep, result.state), result.verdict(sweep.conditions)
+    measured, verdict = measures(sweep.scene, result.state), result.verdict(sweep.conditions)
     document = measured | {
         "velocity": options.velocity,
         "friction": sweep.conditions.friction,
@@ -71,7 +71,7 @@ def _on_point(
         yield f"  {label:17} {text}"
     if velocity < 0:
         yield "  note: the velocity is negative, so the disk slides towards −x"
-    yield from (f"  note: {note}" for note in sweep.notes)
+    yield from (f"  note: {note}" for note in sweep.about.notes)
     yield from (f"  warning: {text}" for _, text in result.warnings)
 
 
@@ -104,8 +104,8 @@ def _on_contact(
     yield "contact area", f"{100 * measured['contact_fraction']:.2f} % of the window"
     mean, highest = measured["mean_pressure"] / 1e9, measured["max_pressure"] / 1e9
     yield "pressure", f"{mean:.3f} GPa on average, {highest:.3f} GPa at most"
-    block = sweep.pixels.shape[0] // len(result.state.pressure)
-    if block > 1 and sweep.roughness is not None:
+    block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
+    if block > 1 and sweep.scene.roughness is not None:
         yield "", f"area and pressure are those of elements of {block} × {block} pixels"
         if more := _MORE_AREA.get(block):
             yield "", f"(in the paper's system these touch on {more} % more than pixels)"
@@ -124,7 +124,7 @@ def infer(options: argparse.Namespace) -> Result:
     options.scene, options.bulk_temperature = scene, bulks[0]
     # Several bulk temperatures are to choose from: those of a test to plan, of samples.
     sweep = one_scene_of(options) if len(bulks) == 1 else None
-    if sweep is None or (sweep.samples and options.contact_width is None):
+    if sweep is None or (sweep.variants.samples and options.contact_width is None):
         store = Path("results") / f"{scene.stem}.zarr"
         if not store.exists():
             raise InputError(
@@ -212,9 +212,11 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width is that of a test; give its --load and --velocity, too")
     sweep = _slid_for(sweep, options.load, options.duration)
-    *_, end = sweep.loading.stations(options.load, sweep.fidelity.increments)
+    *_, end = sweep.scene.loading.stations(options.load, sweep.scene.fidelity.increments)
     with working("seeking the wear rate, one simulation after the other"):
-        rate = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
+        rate = specific_wear_rate(
+            sweep.scene, options.contact_width, options.load, options.velocity
+        )
     value, lowest, highest = (1e9 * end for end in (rate.value, rate.lowest, rate.highest))
     longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
     basis = (
@@ -238,12 +240,14 @@ def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
     """The sweep with the load held from when it is reached until the end of a test [s]."""
     if duration is None:
         return sweep
-    if not isinstance(sweep.loading, Ramp):
+    if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("--duration holds a ramp; a recorded load ends where the record does")
-    ramp = load / sweep.loading.rate
+    ramp = load / sweep.scene.loading.rate
     if duration < ramp:
         raise InputError(
             f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
             f"{load:g} N"
         )
-    return replace(sweep, loading=replace(sweep.loading, hold=duration - ramp, hold_steps=None))
+    return sweep.changed(
+        loading=replace(sweep.scene.loading, hold=duration - ramp, hold_steps=None)
+    )

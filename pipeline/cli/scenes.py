@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,10 +36,9 @@ def scene_of(
     sweep: Sweep = pipeline.load_scene(options.scene, preset=options.preset, overrides=settings)
     if conditions := conditions_in(options):
         changed = sweep.conditions.changed(**conditions)
-        sweep = replace(
-            sweep,
+        sweep = sweep.changed(
             conditions=changed,
-            friction_heat=sweep.friction_heat or changed.friction > 0,
+            friction_heat=sweep.scene.friction_heat or changed.friction > 0,
             unequal_bulks=changed.disk_temperature is not None,
         )
     if getattr(options, "accuracy", None) is None:
@@ -53,15 +51,15 @@ def scene_of(
     sweep = pipeline.at_accuracy(
         sweep, options.accuracy, points, store, lambda line: tell(f"probing: {line}")
     )
-    tell(str(sweep.selection))
+    tell(str(sweep.about.selection))
     return sweep
 
 
 def one_scene_of(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
     """The scene, for a command that takes one value of each entry; a note says if it has more."""
     sweep = scene_of(options, points)
-    if sweep.over:
-        tell(f"note: {sweep.over.note}")
+    if sweep.variants.over:
+        tell(f"note: {sweep.variants.over.note}")
     return sweep
 
 
@@ -78,7 +76,7 @@ def settings_of(options: argparse.Namespace) -> dict[str, Any]:
 
 def selected(sweep: Sweep) -> dict[str, Any]:
     """Reason for the fidelity that was picked, for a JSON document; nothing if none was."""
-    return {"selection": sweep.selection.as_dict()} if sweep.selection else {}
+    return {"selection": sweep.about.selection.as_dict()} if sweep.about.selection else {}
 
 
 def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:

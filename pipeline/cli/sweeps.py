@@ -25,7 +25,7 @@ def computed(options: argparse.Namespace) -> Result:
 
         script = slurm().script_of(batch, str(out))
         return Result({"script": script, "jobs": batch.jobs}, script.splitlines())
-    for note in sweep.notes:
+    for note in sweep.about.notes:
         tell(f"note: {note}")
     with run_line() as progress:
         settings = {
@@ -57,7 +57,7 @@ def computed(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
-        names = ("risk", "sensitivity") if sweep.samples else ("boundary", "plot")
+        names = ("risk", "sensitivity") if sweep.variants.samples else ("boundary", "plot")
         commands = (shlex.join(["irg", name, str(out)]) for name in names)
         text.append(f"next: {', '.join(commands)}")
     warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING

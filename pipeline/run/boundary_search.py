@@ -77,9 +77,9 @@ class BoundarySearch:
                 "there is no boundary to look for without friction; give friction.coefficient a "
                 "number above 0"
             )
-        moving = [velocity for velocity in sweep.velocities if velocity > 0]
+        moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
         if len(moving) < 2:
-            listed = ", ".join(f"{velocity:g}" for velocity in sweep.velocities)
+            listed = ", ".join(f"{velocity:g}" for velocity in sweep.plane.velocities)
             raise InputError(
                 f"there is no boundary to look for where sweep.velocities are {listed} m/s; give "
                 "two or more above 0"
@@ -88,7 +88,7 @@ class BoundarySearch:
         # not tell.
         if corrections and corrections.friction:
             tolerance /= 10
-        return cls(sweep.loads, moving[0], moving[-1], limit, tolerance, scale)
+        return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale)
 
     def wanted(
         self,

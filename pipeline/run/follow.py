@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -66,19 +65,20 @@ def follow_boundary(
     11
     """
     sweep = sweep_of(sweep)
-    if sweep.wear_rates:
+    if sweep.variants.wear_rates:
         raise InputError(
             "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "
             "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the whole "
             "sweep"
         )
-    if sweep.samples:
+    if sweep.variants.samples:
         raise InputError(
             "the samples of a scene are computed by run_sweep, and the boundary follows from them; "
             "leave out the search (--boundary-only)"
         )
     searches = {
-        variant: BoundarySearch.of(sweep.variant(variant), tolerance) for variant in sweep.variants
+        variant: BoundarySearch.of(sweep.variant(variant), tolerance)
+        for variant in sweep.variants.names
     }
 
     def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
@@ -92,14 +92,14 @@ def follow_boundary(
             hopeless = {Point(*point[:2]) for point in failed if point.variant == variant}
             asked = search.wanted(rises_here, () if retry_failed else hopeless)
             wanted |= {Point(*point[:2], variant) for point in asked}
-        return replace(sweep, chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
+        return sweep.changed(chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)
     root = find_root(place)
     store = Store(place, root) if root else None
     begun = further(store, retry_failed)
     if begun is None and store:
-        begun = replace(sweep, chosen=frozenset(itertools.chain(*_results(store, sweep))))
+        begun = sweep.changed(chosen=frozenset(itertools.chain(*_results(store, sweep))))
     return run_sweep(
         begun or sweep, out, workers, scheduler, progress, retry_failed, further, tell,
         cluster=cluster,
@@ -111,7 +111,7 @@ def _results(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]
     names = [name for name in STEPPED if name in store.arrays]
     columns = {name: store.read(name, ...) for name in names}
     loads = np.array(store.axes["load"])[:, None, None]
-    variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants}
+    variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
     rises = {
         conditions: decisive_rises(columns, loads, conditions)
         for conditions in set(variants.values())
@@ -119,7 +119,7 @@ def _results(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]
 
     def of_sweep(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:
         for point in store.points_at(np.nonzero(store.flags == flag)):
-            if point.load in sweep.loads and point.variant in variants:
+            if point.load in sweep.plane.loads and point.variant in variants:
                 yield point, store.index(point)
 
     done = {point: float(rises[variants[point.variant]][index]) for point, index in of_sweep(DONE)}

@@ -59,14 +59,14 @@ def physics_left_out(sweep: Sweep) -> tuple[LeftOut, ...]:
 
 def _of_corrections(sweep: Sweep) -> Iterator[LeftOut]:
     present = sweep.conditions.corrections or Corrections()
-    pin, disk = sweep.pin, sweep.disk
+    pin, disk = sweep.scene.pin, sweep.scene.disk
     if not present.friction and not sweep.conditions.bulk_difference and sweep.conditions.friction:
         factors, size, certainty = _friction(sweep)
         part = replace(present, friction=factors)
         yield LeftOut(
             "friction by velocity", size, certainty, "friction.by_velocity", _with(sweep, part)
         )
-    if not present.track and not sweep.motion:
+    if not present.track and not sweep.scene.motion:
         track = Track.under(pin, disk, _TRACK)
         yield LeftOut(
             "earlier passes in the track",
@@ -75,7 +75,8 @@ def _of_corrections(sweep: Sweep) -> Iterator[LeftOut]:
             "disk.track_length",
             _with(sweep, replace(present, track=track)),
         )
-    if not present.stem and not any(sweep.velocities_at(v).pin for v in sweep.velocities):
+    turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
+    if not present.stem and not turns:
         length, area = _stem_of(sweep)
         rod = length, area, pin.material.thermal_conductivity, pin.material.thermal_diffusivity
         yield LeftOut(
@@ -100,7 +101,9 @@ def _of_corrections(sweep: Sweep) -> Iterator[LeftOut]:
 def _friction(sweep: Sweep) -> tuple[tuple[tuple[float, float], ...], str, str]:
     """Friction by velocity, as measured or as is usual, in words, and how sure."""
     usual = sweep.conditions.friction
-    by_velocity = {row.velocity: row.friction for row in sweep.measured if row.friction is not None}
+    by_velocity = {
+        row.velocity: row.friction for row in sweep.about.measured if row.friction is not None
+    }
     if len(by_velocity) > 1:
         measured = sorted(by_velocity.items())
         frictions = [friction for _, friction in measured]
@@ -109,7 +112,7 @@ def _friction(sweep: Sweep) -> tuple[tuple[tuple[float, float], ...], str, str]:
             f"{min(frictions):g} to {max(frictions):g}, as measured at the transitions",
             "as the measured friction, of which load and velocity changed together",
         )
-    slow, fast = min(v for v in sweep.velocities if v), max(sweep.velocities)
+    slow, fast = min(v for v in sweep.plane.velocities if v), max(sweep.plane.velocities)
     return (
         ((slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)),
         f"falling by {_FALL:.0%} from {slow:g} to {fast:g} m/s",
@@ -119,7 +122,7 @@ def _friction(sweep: Sweep) -> tuple[tuple[tuple[float, float], ...], str, str]:
 
 def _stem_of(sweep: Sweep) -> tuple[float, float]:
     """Length [m] and cross section [m²] of a pin that is as long as it is wide."""
-    pin = sweep.pin
+    pin = sweep.scene.pin
     across = math.pi * pin.radius**2
     if isinstance(pin, Cylinder):
         across = 2 * pin.radius * pin.length
@@ -127,13 +130,13 @@ def _stem_of(sweep: Sweep) -> tuple[float, float]:
 
 
 def _warm_steel(sweep: Sweep) -> LeftOut:
-    pin = replace(sweep.pin, material=_warm(sweep.pin.material))
+    pin = replace(sweep.scene.pin, material=_warm(sweep.scene.pin.material))
     return LeftOut(
         "conductivity and specific heat when warm",
         f"{_CONDUCTIVITY - 1:+.0%} and {_SPECIFIC_HEAT - 1:+.0%}, a carbon steel at 85 °C",
         "to a few percent: two effects of opposite sign",
         "",
-        replace(sweep, pin=pin, disk=_warm(sweep.disk)),
+        sweep.changed(pin=pin, disk=_warm(sweep.scene.disk)),
     )
 
 

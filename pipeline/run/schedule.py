@@ -127,7 +127,7 @@ class _Run:
         self._connection, self._client = connection, connection.client
         self._writer, self._sweep = writer, sweep
         with_fields = "pressure" in writer.store.arrays
-        self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
+        self._pickled = pickle.dumps((sweep.changed(chosen=None), with_fields))
         self._parcel = share(connection, self._pickled)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
@@ -167,7 +167,7 @@ class _Run:
     def _joined(self, chain: _Chain, threads: int) -> _Chain:
         """A chain with its neighbours of the same surface that wait behind it, if many do."""
         first, place, points = chain, chain.points[0].variant, list(chain.points)
-        while not self._sweep.independent and self._are_many(threads) and self.waiting:
+        while not self._sweep.plane.independent and self._are_many(threads) and self.waiting:
             after = self.waiting[0]
             if after.trunk or after.is_wary or chain.is_wary or after.points[0].variant != place:
                 break
@@ -183,7 +183,7 @@ class _Run:
 
     def _rank(self, chain: _Chain) -> int:
         """Place of a chain's velocity among those of the sweep."""
-        return bisect_left(self._sweep.velocities, chain.points[0].velocity)
+        return bisect_left(self._sweep.plane.velocities, chain.points[0].velocity)
 
     def _put_back(
         self, left: Iterable[Point], trunk: Future | None = None, is_wary: bool = False

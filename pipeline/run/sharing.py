@@ -39,12 +39,12 @@ class SharedContacts:
     def points(self, sweep: Sweep, wanted: Iterable[Point]) -> dict[Point, SharedPoint]:
         """Compute points of a system, on contacts of others where these are the same."""
         results = {}
-        is_shared = inseparable(sweep, sweep.velocities) is None
+        is_shared = inseparable(sweep.scene, sweep.plane.velocities) is None
         for chain in chains(wanted, sweep):
             variant = sweep.variant(chain[0].variant)
-            system, trunk = mechanics(variant), None
+            system, trunk = mechanics(variant.scene), None
             for point in chain:
-                number = float(f"{wear_number(variant, point.velocity):.{_DIGITS}g}")
+                number = float(f"{wear_number(variant.scene, point.velocity):.{_DIGITS}g}")
                 contact = system, number, point.load
                 if contact in self._states:
                     results[point] = _heated(variant, point, self._states[contact])
@@ -60,8 +60,8 @@ class SharedContacts:
 
 def _heated(sweep: Sweep, point: Point, contacts: Iterable[State]) -> SharedPoint:
     """A point on contacts of another one."""
-    states = [heated(sweep, contact, point.velocity) for contact in contacts]
-    return SharedPoint(columns_of(sweep, states), tuple(warnings(sweep, states[-1])))
+    states = [heated(sweep.scene, contact, point.velocity) for contact in contacts]
+    return SharedPoint(columns_of(sweep, states), tuple(warnings(sweep.scene, states[-1])))
 
 
 def _lighter(state: State) -> State:

@@ -188,7 +188,7 @@ def _rounds(
     asked: Sweep | None = sweep
     while asked is not None:
         if waiting := chains(store.pending(), asked):
-            in_order = waiting if further else coarse_first(waiting, asked.velocities)
+            in_order = waiting if further else coarse_first(waiting, asked.plane.velocities)
             yield asked, store, in_order
         asked = further(store) if further else None
         if asked is not None:

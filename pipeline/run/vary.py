@@ -24,17 +24,6 @@ from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import Scene
 from tribo.types import Array
 
-_APART = (  # fields of a sweep that count after the simulation
-    "name",
-    "title",
-    "notes",
-    "conditions",
-    "measured",
-    "friction_band",
-    "preset",
-    "oil",
-)
-
 
 @dataclass(frozen=True, slots=True)
 class Variation:
@@ -190,8 +179,8 @@ def vary(
     """
     overrides = overrides or {}
     sweep = load_scene(scene, preset, overrides)
-    if sweep.over and tell:
-        tell(f"note: {sweep.over.note}")
+    if sweep.variants.over and tell:
+        tell(f"note: {sweep.variants.over.note}")
     others = {
         (key, str(value)): load_scene(scene, preset, {**overrides, key: value})
         for key, values in over.items()
@@ -203,14 +192,15 @@ def vary(
     contacts = SharedContacts()
 
     def scale(variant: Sweep) -> float:
-        if not (sweep.wear and variant.wear and sweep.wears and variant.wears):
+        if not (
+            sweep.scene.wear and variant.scene.wear and sweep.scene.wears and variant.scene.wears
+        ):
             return 1.0
-        return variant.wear.specific_wear_rate / sweep.wear.specific_wear_rate
+        return variant.scene.wear.specific_wear_rate / sweep.scene.wear.specific_wear_rate
 
     def boundary(key: str, value: str, variant: Sweep) -> Variation:
-        plain = replace(variant, samples=None, realizations=())
-        alike = replace(plain, **{name: getattr(sweep, name) for name in _APART})
-        plane = planes.setdefault(alike, _Plane(plain, contacts, scale(variant)))
+        plain = variant.changed(samples=None, realizations=())
+        plane = planes.setdefault(plain.scene, _Plane(plain, contacts, scale(variant)))
         return Variation(key, value, *plane.boundary(sweep, variant.conditions, tolerance))
 
     def named(variant: tuple[str, str, Sweep]) -> str:
@@ -221,7 +211,9 @@ def vary(
     count = sum(len(plane.results) for plane in planes.values())
     warned = _warned(planes.values())
     counts = count, contacts.computed
-    return Variations(sweep.title, sweep.loads, unvaried, tuple(varied), *counts, warned, effects)
+    return Variations(
+        sweep.about.title, sweep.plane.loads, unvaried, tuple(varied), *counts, warned, effects
+    )
 
 
 class _Plane:
@@ -242,7 +234,7 @@ class _Plane:
             self.results |= self._contacts.points(self._sweep, wanted)
         self.beside.update(_beside(rises, limit))
         velocities, outcomes = zip(
-            *(_crossing(rises, load, limit, ends) for load in asked.loads), strict=True
+            *(_crossing(rises, load, limit, ends) for load in asked.plane.loads), strict=True
         )
         return velocities, outcomes
 

@@ -71,15 +71,15 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
 
 
 def _of_bodies(sweep: Sweep) -> Iterator[str]:
-    pin, disk = sweep.pin.material, sweep.disk
+    pin, disk = sweep.scene.pin.material, sweep.scene.disk
     owners = {"the ": pin} if pin == disk else {"the pin's ": pin, "the disk's ": disk}
     for owner, material in owners.items():
         yield from _of_material(owner, material)
-    yield from _RADIUS.doubt("the pin's ", sweep.pin.radius)
-    if isinstance(sweep.pin, Crowned):
-        yield from _CROWN.doubt("the pin's ", sweep.pin.crown_radius)
-    if isinstance(sweep.pin, Cylinder):
-        yield from _LENGTH.doubt("the pin's ", sweep.pin.length)
+    yield from _RADIUS.doubt("the pin's ", sweep.scene.pin.radius)
+    if isinstance(sweep.scene.pin, Crowned):
+        yield from _CROWN.doubt("the pin's ", sweep.scene.pin.crown_radius)
+    if isinstance(sweep.scene.pin, Cylinder):
+        yield from _LENGTH.doubt("the pin's ", sweep.scene.pin.length)
 
 
 def _of_material(owner: str, material: Material) -> Iterator[str]:
@@ -94,30 +94,30 @@ def _of_material(owner: str, material: Material) -> Iterator[str]:
 
 
 def _of_conditions(sweep: Sweep) -> Iterator[str]:
-    friction = max([sweep.conditions.friction, *(sweep.friction_band or [])])
+    friction = max([sweep.conditions.friction, *(sweep.about.friction_band or [])])
     if friction > 1:
         yield f"friction is {friction:g}, where 0 to 1 is usual: check the number"
-    yield from _VELOCITY.doubt("the highest ", max(sweep.velocities))
+    yield from _VELOCITY.doubt("the highest ", max(sweep.plane.velocities))
     yield from _BULK.doubt("the ", sweep.conditions.bulk_temperature)
     for body, track in tracks_of(sweep).items():
         yield from _TRACK.doubt(f"the {body}'s ", track.length)
-    if sweep.wear is None:
+    if sweep.scene.wear is None:
         yield (
             "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "
             "hotter than a worn one"
         )
-    elif sweep.wear.specific_wear_rate > 0:
-        yield from _WEAR_RATE.doubt("the ", sweep.wear.specific_wear_rate)
+    elif sweep.scene.wear.specific_wear_rate > 0:
+        yield from _WEAR_RATE.doubt("the ", sweep.scene.wear.specific_wear_rate)
 
 
 def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
     turns = [
-        facts.duration.low * abs(sweep.velocities_at(velocity).pin) / sweep.track_length
-        for velocity in sweep.velocities
+        facts.duration.low * abs(sweep.scene.velocities_at(velocity).pin) / sweep.scene.track_length
+        for velocity in sweep.plane.velocities
         if velocity
     ]
     few = sum(turn < FEWEST_TURNS for turn in turns)
-    if sweep.wears and few and any(turns):
+    if sweep.scene.wears and few and any(turns):
         yield (
             f"the pin turns only {min(turns):.2g} times until the end at the lowest load, fewer "
             f"than {FEWEST_TURNS} at {few} of {len(turns)} velocities, and its wear is taken to "
@@ -126,15 +126,15 @@ def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
 
 
 def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    share = facts.contact_width.high / 2 / sweep.pin.radius
+    share = facts.contact_width.high / 2 / sweep.scene.pin.radius
     if share > WIDEST:
         yield (
             f"half of the contact's width is expected to reach {share:.2g} of the pin's radius, "
             f"where at most {WIDEST:g} is sound: the bodies are no half-spaces, and a worn pin has "
             "lost its shape"
         )
-    across = facts.contact_width.low / sweep.pixels.spacing[0]
-    fewest = FEWEST_ROWS if isinstance(sweep.pin, Cylinder) else FEWEST_ACROSS
+    across = facts.contact_width.low / sweep.scene.pixels.spacing[0]
+    fewest = FEWEST_ROWS if isinstance(sweep.scene.pin, Cylinder) else FEWEST_ACROSS
     if across < fewest:
         yield (
             f"the contact is expected to be {across:.2g} pixels wide at the lowest load and "
@@ -142,24 +142,25 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
             "smaller window.pixel_size"
         )
     side, window = facts.window[0], "window"
-    if not isinstance(sweep.pin, Cylinder):
-        shape = sweep.pin.radius, None, sweep.pin.crown_radius
+    if not isinstance(sweep.scene.pin, Cylinder):
+        shape = sweep.scene.pin.radius, None, sweep.scene.pin.crown_radius
         across = facts.window[1] / analytic.hertz_contact(1.0, 1e11, *shape).aspect
         if across < side:
             side, window = across, "room for it in the window, by its length along y,"
     hertz = 2 * facts.hertz_half_width.high
     if hertz >= side:
         yield (
-            f"the contact of Hertz is {1e6 * hertz:.3g} µm wide at {max(sweep.loads):g} N, the "
-            f"{window} {1e6 * side:.3g} µm: give more window.pixels"
+            f"the contact of Hertz is {1e6 * hertz:.3g} µm wide at {max(sweep.plane.loads):g} N, "
+            f"the {window} {1e6 * side:.3g} µm: give more window.pixels"
         )
         return
+    points = len(sweep.plane.loads) * len(sweep.plane.velocities)
     wide = [width for row in facts.contact_widths for width in row if width >= side]
     if wide:
         yield (
             f"the contact is expected to grow up to {1e6 * max(wide):.3g} µm wide, the {window} is "
             f"{1e6 * side:.3g} µm: it carries too little load at its edges at about {len(wide)} of "
-            f"{len(sweep.loads) * len(sweep.velocities)} points, those of high load and velocity; "
+            f"{points} points, those of high load and velocity; "
             "give more window.pixels if these matter"
         )
 
@@ -173,11 +174,11 @@ def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
                 f"{axis} over the window, beside an Rq of {1e6 * surface.rq:.3g} µm; take the "
                 "plane off with level = true under [disk.roughness]"
             )
-    if isinstance(sweep.roughness, SelfAffineRoughness):
-        yield from _of_correlation(sweep, sweep.roughness)
+    if isinstance(sweep.scene.roughness, SelfAffineRoughness):
+        yield from _of_correlation(sweep, sweep.scene.roughness)
     if surface.lay is None or surface.lay > _ALONG:
         return
-    if sweep.wear and sweep.wear.pattern == "swept":
+    if sweep.scene.wear and sweep.scene.wear.pattern == "swept":
         yield (
             'the grooves lie along sliding, and pattern = "swept" assumes that ever new ones pass '
             "the pin; where the same ones persist around the whole track (rings turned or ground "
@@ -192,8 +193,8 @@ def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
 
 def _of_correlation(sweep: Sweep, roughness: SelfAffineRoughness) -> Iterator[str]:
     """Correlation lengths that the pixels do not resolve, or the window does not hold."""
-    sides = zip("xy", roughness.correlation_length, sweep.pixels.shape, strict=True)
-    for (axis, length, count), pixel in zip(sides, sweep.pixels.spacing, strict=True):
+    sides = zip("xy", roughness.correlation_length, sweep.scene.pixels.shape, strict=True)
+    for (axis, length, count), pixel in zip(sides, sweep.scene.pixels.spacing, strict=True):
         said = f"the correlation length along {axis}, {1e6 * length:.3g} µm, is"
         if length < FEWEST_PIXELS * pixel * (1 - 1e-9):
             yield (

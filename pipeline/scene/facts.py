@@ -78,7 +78,7 @@ class Facts:
 
 def _rates(sweep: Sweep, slid: Array) -> Array:
     """Mean specific wear rates up to sliding distances [m²/N]."""
-    wear = sweep.wear
+    wear = sweep.scene.wear
     if not isinstance(wear, OwnWear) or wear.law is None:
         return np.full(slid.shape, wear.specific_wear_rate if wear else 0.0)
     rates = [OwnWear.between(wear.law, 0.0, end).specific_wear_rate for end in slid.ravel()]
@@ -87,50 +87,50 @@ def _rates(sweep: Sweep, slid: Array) -> Array:
 
 def facts_of(sweep: Sweep) -> Facts:
     """Find what a scene means, without a simulation."""
-    modulus = contact_modulus(sweep.pin.material, sweep.disk)
-    velocities = np.array(sweep.velocities)
-    pin, disk = np.transpose([sweep.velocities_at(velocity) for velocity in velocities])
-    shape = sweep.pin.radius, sweep.pin.length, sweep.pin.crown_radius
-    hertz = [analytic.hertz_contact(load, modulus, *shape) for load in sweep.loads]
+    modulus = contact_modulus(sweep.scene.pin.material, sweep.scene.disk)
+    velocities = np.array(sweep.plane.velocities)
+    pin, disk = np.transpose([sweep.scene.velocities_at(velocity) for velocity in velocities])
+    shape = sweep.scene.pin.radius, sweep.scene.pin.length, sweep.scene.pin.crown_radius
+    hertz = [analytic.hertz_contact(load, modulus, *shape) for load in sweep.plane.loads]
     half_widths = np.array([contact.half_width for contact in hertz])
-    durations, impulses = np.transpose([_duration(sweep, load) for load in sweep.loads])
+    durations, impulses = np.transpose([_duration(sweep, load) for load in sweep.plane.loads])
     surface = surface_facts(sweep)
     worn = _rates(sweep, np.outer(durations, velocities)) * np.outer(impulses, velocities)
     widths, depths = _worn(sweep, half_widths[:, None], worn)
     if surface:
-        widths = np.sqrt(widths**2 + 8 * sweep.pin.radius * _ROUGH_RISE * surface.rq)
+        widths = np.sqrt(widths**2 + 8 * sweep.scene.pin.radius * _ROUGH_RISE * surface.rq)
     return Facts(
         contact_modulus=modulus,
         hertz_pressure=Span.of(contact.peak_pressure for contact in hertz),
         hertz_half_width=Span.of(half_widths),
         contact_width=Span.of(widths),
         contact_widths=tuple(tuple(row) for row in widths.tolist()),
-        window=sweep.grid.size,
+        window=sweep.scene.grid.size,
         duration=Span.of(durations),
         sliding_distance=Span.of(np.outer(durations, velocities)),
-        wear_depth=Span.of(depths) if sweep.wear else None,
+        wear_depth=Span.of(depths) if sweep.scene.wear else None,
         peclet_number=Span.of(
-            np.outer(half_widths, np.abs(disk)) / (2 * sweep.disk.thermal_diffusivity)
+            np.outer(half_widths, np.abs(disk)) / (2 * sweep.scene.disk.thermal_diffusivity)
         ),
-        greatest_load=sweep.greatest_load,
+        greatest_load=sweep.scene.greatest_load,
         surface=surface,
-        pin_velocity=Span.of(pin) if sweep.motion else None,
-        disk_velocity=Span.of(disk) if sweep.motion else None,
-        pin_turns=Span.of(np.outer(durations, np.abs(pin)) / sweep.track_length)
-        if sweep.motion
+        pin_velocity=Span.of(pin) if sweep.scene.motion else None,
+        disk_velocity=Span.of(disk) if sweep.scene.motion else None,
+        pin_turns=Span.of(np.outer(durations, np.abs(pin)) / sweep.scene.track_length)
+        if sweep.scene.motion
         else None,
     )
 
 
 def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
     """Raise `InputError`, which names the key, if the window cannot carry a load."""
-    greatest = sweep.greatest_load
+    greatest = sweep.scene.greatest_load
     if load > greatest:
-        nx, ny = (1e6 * side for side in sweep.grid.size)
+        nx, ny = (1e6 * side for side in sweep.scene.grid.size)
         raise InputError(
             f"{key}: {load:g} N is more than the window carries: its {nx:.4g} × {ny:.4g} µm, "
-            f"all at the hardness of the softer body, {1e-9 * sweep.hardness:g} GPa, stand for "
-            f"{greatest:.4g} N on the pin; stay below that, or give more window.pixels"
+            f"all at the hardness of the softer body, {1e-9 * sweep.scene.hardness:g} GPa, stand "
+            f"for {greatest:.4g} N on the pin; stay below that, or give more window.pixels"
         )
 
 
@@ -161,7 +161,7 @@ def track_faults(sweep: Sweep) -> Iterator[tuple[str, str]]:
 
 def _duration(sweep: Sweep, load: float) -> tuple[float, float]:
     """Time until a point's end [s], and the load integrated over it [N s]."""
-    stations = list(sweep.loading.stations(load, sweep.fidelity.increments))
+    stations = list(sweep.scene.loading.stations(load, sweep.scene.fidelity.increments))
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
     return float(times[-1]), float(np.trapezoid(loads, times))
@@ -169,17 +169,19 @@ def _duration(sweep: Sweep, load: float) -> tuple[float, float]:
 
 def _worn(sweep: Sweep, half_widths: Array, worn_volumes: Array) -> tuple[Array, Array]:
     """Width of the smooth, worn contact and depth of the wear [m]."""
-    radius, hertz = sweep.pin.radius, 2 * half_widths
-    if sweep.velocities_at(max(sweep.velocities)).pin:  # wears all around, and stays round
-        along_y = sweep.pin.length if isinstance(sweep.pin, Cylinder) else hertz / 1.5
-        return hertz + 0 * worn_volumes, worn_volumes / (sweep.track_length * along_y)
-    if not isinstance(sweep.pin, Cylinder):
+    radius, hertz = sweep.scene.pin.radius, 2 * half_widths
+    if sweep.scene.velocities_at(
+        max(sweep.plane.velocities)
+    ).pin:  # wears all around, and stays round
+        along_y = sweep.scene.pin.length if isinstance(sweep.scene.pin, Cylinder) else hertz / 1.5
+        return hertz + 0 * worn_volumes, worn_volumes / (sweep.scene.track_length * along_y)
+    if not isinstance(sweep.scene.pin, Cylinder):
         # The flat of a paraboloid of both radii is an ellipse as much longer as their root.
-        longer = math.sqrt((sweep.pin.crown_radius or radius) / radius)
+        longer = math.sqrt((sweep.scene.pin.crown_radius or radius) / radius)
         flat = np.vectorize(analytic.worn_point_width)(worn_volumes / longer, radius)
         width = (hertz**4 + flat**4) ** 0.25
         return width, 8 * worn_volumes / (math.pi * width**2 * longer)
-    area = worn_volumes / sweep.pin.length
+    area = worn_volumes / sweep.scene.pin.length
     flat = np.vectorize(analytic.worn_line_width)(area, radius)
     width = np.cbrt(hertz**3 + flat**3)
     return width, 1.5 * area / width

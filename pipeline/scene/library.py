@@ -15,7 +15,7 @@ from importlib import resources
 from typing import Any
 
 from pipeline.scene.faults import Fault, Faults, joined, quoted
-from pipeline.sweep.model import FromLibrary
+from pipeline.sweep.about import FromLibrary
 
 _WHOLE = {
     "elastic_modulus", "poisson_ratio", "thermal_conductivity", "density", "specific_heat",

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 from pipeline.scene.document import Document, Layer
@@ -21,7 +20,7 @@ from tribo import InputError, Scene, inseparable, mechanics, wear_number
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = (
-    "loads", "velocities", "realizations", "rates", "unequal_bulks", "independent",
+    "loads", "velocities", "realizations", "wear_rates", "unequal_bulks", "independent",
 )  # fmt: skip
 _MOST = 10_000  # combinations, each of which is read as a scene
 
@@ -101,14 +100,14 @@ def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
         problem = problem if key == next(iter(values)) else f"{key}: {problem}"
         raise InputError(f"sweep.over: {place}: {problem}")
     settings = (f"--set={path}={value}" for path, value in values.items())
-    scene = replace(scene, arguments=(*sweep.arguments, *settings))
+    scene = scene.changed(arguments=(*sweep.about.arguments, *settings))
     for name in _SAME:
-        if getattr(scene, name) != getattr(sweep, name):
+        if scene.get(name) != sweep.get(name):
             raise InputError(
                 f"sweep.over: {place} changes the {name.replace('_', ' ')}, which every value has "
                 "in common; sweep it in stores of its own"
             )
-    if sweep.store_fields and scene.grid != sweep.grid:
+    if sweep.record.fields and scene.scene.grid != sweep.scene.grid:
         raise InputError(
             f"sweep.over: {place} changes the grid of the stored fields, which every value has in "
             "common; leave out sweep.fields, or give an entry that keeps the grid"
@@ -121,7 +120,7 @@ def _leads(scenes: Mapping[Variant, Sweep]) -> dict[Variant, Variant]:
     first: dict[tuple[Scene, float], Variant] = {}
     leads = {}
     for variant, scene in scenes.items():
-        is_shared = inseparable(scene, scene.velocities) is None
-        contact = mechanics(scene), wear_number(scene, 1.0)
+        is_shared = inseparable(scene.scene, scene.plane.velocities) is None
+        contact = mechanics(scene.scene), wear_number(scene.scene, 1.0)
         leads[variant] = first.setdefault(contact, variant) if is_shared else variant
     return leads

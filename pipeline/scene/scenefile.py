@@ -26,8 +26,9 @@ from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.unknown import fixed_paths, samples_of
 from pipeline.scene.wear_rates import with_velocities_for_rates
+from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Plane, Record, Sweep, Variants
 
 
 def load_scene(
@@ -59,7 +60,7 @@ def load_scene(
     --------
     >>> import pipeline
     >>> scene = pipeline.load_scene("workflows/first_try.toml", preset="standard")
-    >>> scene.preset, scene.loads
+    >>> scene.about.preset, scene.plane.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path, arguments = scene_path(path), _arguments(path, preset, overrides or {})
@@ -84,7 +85,7 @@ def load_scene(
         if sweep is not None:
             samples = samples_of(tables, sweep, variant, faults, fixed_paths(document))
             over = over_of(tables["sweep"]["over"], sweep, variant)
-            sweep = replace(sweep, samples=samples, over=over, notes=tuple(faults.notes))
+            sweep = sweep.changed(samples=samples, over=over, notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
@@ -119,17 +120,30 @@ class _Reader:
         oil, wear = oil_of(tables["oil"], faults), wear_of(tables["wear"], faults)
         if faults or loading is None:
             return None, tables
+        made = _scene_of(tables, loading=loading, roughness=roughness, wear=wear, fidelity=fidelity)
+        asked, name = tables["sweep"], self.document.file.stem
+        rates = asked["wear_rates"]
         sweep = Sweep(
-            **_sound_entries(self.document.file.stem, tables),
-            loading=loading,
-            roughness=roughness,
-            oil=oil,
-            wear=wear,
-            realizations=realizations,
-            fidelity=fidelity,
-            preset=preset,
-            library=taken,
-            arguments=self.arguments,
+            scene=made,
+            plane=Plane(
+                tuple(sorted(set(asked["loads"]))),
+                tuple(sorted(set(asked["velocities"]))),
+                asked["independent"],
+            ),
+            conditions=_conditions_of(tables, made),
+            variants=Variants(realizations, wear_rates=tuple(rates.values()) if rates else None),
+            record=Record(fields=asked["fields"]),
+            about=About(
+                name=name,
+                title=tables["title"] or name,
+                measured=tuple(map(Measurement.of, tables["measured"])),
+                tested=tuple(map(Measurement.of, tables["tested"])),
+                friction_band=tables["friction"]["band"],
+                oil=oil,
+                preset=preset,
+                sources=taken,
+                arguments=self.arguments,
+            ),
         )
         for body, fault in track_faults(sweep):
             given = "diameter" if entry_at(tables, f"{body}.diameter") else "track_length"
@@ -232,44 +246,37 @@ def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity,
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
-def _sound_entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:
-    """Fields of the sweep that follow from sound entries alone."""
+def _scene_of(tables: dict[str, Any], **parts: Any) -> tribo.Scene:
+    """The scene of sound tables, with parts that were made of them."""
     materials = {
         name: tribo.Material(**{key: value for key, value in table.items() if key != "like"})
         for name, table in tables["materials"].items()
     }
-    pin, window, sweep = tables["pin"], tables["window"], tables["sweep"]
-    friction, temperature = tables["friction"], tables["temperature"]
+    pin, window, friction = tables["pin"], tables["window"], tables["friction"]
     cylinder, periodic_y = pin["shape"] == "cylinder", window["periodic_y"]
-    body, disk = pin_of(pin, materials[pin["material"]]), materials[tables["disk"]["material"]]
-    bulks = of_bulks(temperature["bulk"])
-    return {
-        "pin": body,
-        "disk": disk,
-        "pixels": tribo.Grid(
+    return tribo.Scene(
+        pin=pin_of(pin, materials[pin["material"]]),
+        disk=materials[tables["disk"]["material"]],
+        pixels=tribo.Grid(
             window["pixels"],
             window["pixel_size"],
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
-        "motion": motion_of(tables),
-        "friction_heat": max([friction["coefficient"], *(friction["band"] or [])]) > 0,
-        "name": name,
-        "title": tables["title"] or name,
-        "loads": tuple(sorted(set(sweep["loads"]))),
-        "velocities": tuple(sorted(set(sweep["velocities"]))),
-        "unequal_bulks": bulks["disk_temperature"] is not None,
-        "conditions": Conditions(
-            friction=friction["coefficient"],
-            critical_temperature=temperature["critical"],
-            failing_share=temperature["failing_share"],
-            criterion=temperature["criterion"],
-            corrections=corrections_of(tables, body, disk),
-            **bulks,
-        ),
-        "friction_band": friction["band"],
-        "measured": tuple(Measurement.of(entry) for entry in tables["measured"]),
-        "tested": tuple(Measurement.of(entry) for entry in tables["tested"]),
-        "wear_rates": tuple(sweep["wear_rates"].values()) if sweep["wear_rates"] else None,
-        "store_fields": sweep["fields"],
-        "independent": sweep["independent"],
-    }
+        motion=motion_of(tables),
+        friction_heat=max([friction["coefficient"], *(friction["band"] or [])]) > 0,
+        unequal_bulks=of_bulks(tables["temperature"]["bulk"])["disk_temperature"] is not None,
+        **parts,
+    )
+
+
+def _conditions_of(tables: dict[str, Any], scene: tribo.Scene) -> Conditions:
+    """The conditions of sound tables and their scene."""
+    temperature = tables["temperature"]
+    return Conditions(
+        friction=tables["friction"]["coefficient"],
+        critical_temperature=temperature["critical"],
+        failing_share=temperature["failing_share"],
+        criterion=temperature["criterion"],
+        corrections=corrections_of(tables, scene.pin, scene.disk),
+        **of_bulks(temperature["bulk"]),
+    )

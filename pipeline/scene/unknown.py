@@ -21,7 +21,7 @@ from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import (
     REACH,
@@ -110,7 +110,7 @@ def samples_of(
     if not table:
         return None
     before, notes = len(faults), faults.notes
-    if sweep.unequal_bulks:
+    if sweep.scene.unequal_bulks:
         faults.note(
             "temperature.bulk",
             "two temperatures do not go with [unknown], whose probabilities take friction to scale "
@@ -163,19 +163,19 @@ def _design(
     inputs: list[_Input], layers: list[Layer], seed: int, sweep: Sweep, faults: Faults
 ) -> Design | None:
     """Rule by which samples are drawn; None where the sweep has no range of velocities."""
-    moving = [velocity for velocity in sweep.velocities if velocity > 0]
-    if len(moving) < 2 or not sweep.friction_heat:
+    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
+    if len(moving) < 2 or not sweep.scene.friction_heat:
         problem = "samples need friction, and two velocities above 0, between which each has one"
         faults.note("sweep.velocities", f"{problem}; give them")
         return None
     ends = moving[0], moving[-1]
-    separable = inseparable(sweep, ends) is None
+    separable = inseparable(sweep.scene, ends) is None
     drawn = [
         (one.unknown, layer)
         for one, layer in zip(inputs, layers, strict=True)
         if layer != "conditions"
     ]
-    rate = sweep.wear.specific_wear_rate if isinstance(sweep.wear, Wear) else 0.0
+    rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
     if separable and rate and "wear rate" not in layers:
         spread = Unknown(WEAR_RATE, "log-normal", (rate, _FACTOR), _OF_RATE)
         drawn.append((spread, "wear rate"))
@@ -211,10 +211,10 @@ def _drawn(
 
 def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
     """Fields, and their values, in which another sweep differs from one."""
-    for field in fields(Sweep):
-        old, new = getattr(sweep, field.name), getattr(other, field.name)
-        if field.name not in _EVERYWHERE and old is not new and old != new:
-            yield field.name, new
+    for name in PART_OF:
+        old, new = sweep.get(name), other.get(name)
+        if name not in _EVERYWHERE and old is not new and old != new:
+            yield name, new
 
 
 def _input(path: str, kind: Kind, parameters: tuple[Any, ...]) -> _Input:
@@ -263,7 +263,7 @@ def _spread(text: str, like: str) -> float:
 
 def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
-    unknown, highest = one.unknown, max(sweep.loads)
+    unknown, highest = one.unknown, max(sweep.plane.loads)
     changed: set[str] = set()
     is_heat_alone = True
     for value, where, instead in _tried(one):
@@ -273,10 +273,10 @@ def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
             faults.note(one.key, f"{where}{why}{instead}")
             return "conditions"
-        changed |= {name for name, _ in differing(sweep, other)} - {"library"}
+        changed |= {name for name, _ in differing(sweep, other)} - {"sources"}
         alike = {name for name, _ in differing(sweep, _with_heat_of(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
-        if step_count(other, highest) != step_count(sweep, highest):
+        if step_count(other.scene, highest) != step_count(sweep.scene, highest):
             faults.note(one.key, "it changes the number of steps, which must stay; give it")
     if unknown.path == _SHARE and sweep.conditions.criterion != "share":
         changed.clear()  # which no other criterion looks at
@@ -302,9 +302,9 @@ def _with_heat_of(other: Sweep, sweep: Sweep) -> Sweep:
     def thermal(material: Material) -> dict[str, float]:
         return {name: getattr(material, name) for name in _THERMAL}
 
-    pin = replace(other.pin.material, **thermal(sweep.pin.material))
-    disk = replace(other.disk, **thermal(sweep.disk))
-    return replace(other, pin=replace(other.pin, material=pin), disk=disk)
+    pin = replace(other.scene.pin.material, **thermal(sweep.scene.pin.material))
+    disk = replace(other.scene.disk, **thermal(sweep.scene.disk))
+    return other.changed(pin=replace(other.scene.pin, material=pin), disk=disk)
 
 
 def _tried(one: _Input) -> Iterator[tuple[float, str, str]]:

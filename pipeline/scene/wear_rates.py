@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from pipeline.scene.quantities import display
 from pipeline.sweep.model import Sweep
@@ -18,10 +17,10 @@ def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
     kV = k'V'. So the scene's velocities are covered at every rate where they are from k₁/k times
     the lowest to k₂/k times the highest; a note names the velocities that are added.
     """
-    moving = [velocity for velocity in sweep.velocities if velocity > 0]
-    if sweep.wear is None or sweep.wear_rates is None or not moving:
+    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
+    if sweep.scene.wear is None or sweep.variants.wear_rates is None or not moving:
         return sweep
-    rate, (low, high) = sweep.wear.specific_wear_rate, sweep.wear_rates
+    rate, (low, high) = sweep.scene.wear.specific_wear_rate, sweep.variants.wear_rates
     further = [*_beyond(moving[0], low / rate), *_beyond(moving[-1], high / rate)]
     if further:
         ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))
@@ -29,7 +28,7 @@ def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
             f"sweep.wear_rates: {len(further)} velocities down and up to {ends} are added, so that "
             "every wear rate has the scene's velocities"
         )
-    return replace(sweep, velocities=tuple(sorted({*sweep.velocities, *further})))
+    return sweep.changed(velocities=tuple(sorted({*sweep.plane.velocities, *further})))
 
 
 def _beyond(velocity: float, factor: float) -> list[float]:

@@ -70,23 +70,23 @@ def _present(sweep: Sweep) -> dict[str, Any]:
 
     The reasons for the fidelity are kept from an earlier run, if this one did not pick it.
     """
-    picked = {"selection": sweep.selection.as_dict()} if sweep.selection else {}
+    picked = {"selection": sweep.about.selection.as_dict()} if sweep.about.selection else {}
     lubrication = Lubrication.of(sweep)
     oiled = {"lubrication": lubrication.as_dict()} if lubrication else {}
     of_scene = {
-        "name": sweep.name,
-        "title": sweep.title,
-        "arguments": list(sweep.arguments),
-        "preset": sweep.preset,
+        "name": sweep.about.name,
+        "title": sweep.about.title,
+        "arguments": list(sweep.about.arguments),
+        "preset": sweep.about.preset,
         "conditions": sweep.conditions.as_dict(),
-        "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
-        "measured": [measurement.as_dict() for measurement in sweep.measured],
-        "tested": [measurement.as_dict() for measurement in sweep.tested],
-        "library": [entry._asdict() for entry in sweep.library],
-        "loads": list(sweep.loads),
-        "velocities": list(sweep.velocities),
-        "realizations": list(sweep.realizations),
-        "boundary_only": sweep.chosen is not None,
+        "friction_band": list(sweep.about.friction_band) if sweep.about.friction_band else None,
+        "measured": [measurement.as_dict() for measurement in sweep.about.measured],
+        "tested": [measurement.as_dict() for measurement in sweep.about.tested],
+        "library": [entry._asdict() for entry in sweep.about.sources],
+        "loads": list(sweep.plane.loads),
+        "velocities": list(sweep.plane.velocities),
+        "realizations": list(sweep.variants.realizations),
+        "boundary_only": sweep.plane.chosen is not None,
     }
     return picked | oiled | _samples_of(sweep) | of_scene
 
@@ -96,9 +96,9 @@ def _samples_of(sweep: Sweep) -> dict[str, Any]:
 
     ``coordinates`` is where readers of CF look for coordinates that are not dimensions.
     """
-    if not sweep.samples:
+    if not sweep.variants.samples:
         return {}
-    samples = sweep.samples
+    samples = sweep.variants.samples
     paths = (*(quantity.path for quantity in samples.design.inputs), "velocity")
     return {
         "coordinates": " ".join(paths),
@@ -115,20 +115,23 @@ def _entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
     For each combination of values: what is not as in the attributes ``scene`` and the others. Those
     of a store stay, besides what a sweep says of them.
     """
-    if not sweep.over:
+    if not sweep.variants.over:
         return {}
     present = _present(sweep)
     combinations = {tuple(entry["values"]): entry for entry in stored.get("scenes", [])}
-    for variant in sweep.entries:
+    for variant in sweep.variants.entries:
         scene = sweep.variant(variant)
         values = tuple(value for _, value in variant)
         combinations[values] = {
             "values": list(values),
-            "written": sweep.over.written(variant),
+            "written": sweep.variants.over.written(variant),
             "scene": _differing(describe(scene), stored["scene"]),
             "attributes": _differing(_present(scene), present),
         }
-    return {"over": [axis.path for axis in sweep.over.axes], "scenes": [*combinations.values()]}
+    return {
+        "over": [axis.path for axis in sweep.variants.over.axes],
+        "scenes": [*combinations.values()],
+    }
 
 
 def _differing(values: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
@@ -142,27 +145,33 @@ def _differing(values: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str,
 
 def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[Any]]:
     """Values along each dimension: those of a store, in their order, then what a sweep adds."""
-    chosen = sweep.chosen or ()
-    scenes = [sweep.variant(variant) for variant in sweep.entries]
-    steps = max(step_count(scene, load) for scene in scenes for load in sweep.loads)
+    chosen = sweep.plane.chosen or ()
+    scenes = [sweep.variant(variant) for variant in sweep.variants.entries]
+    steps = max(step_count(scene.scene, load) for scene in scenes for load in sweep.plane.loads)
 
     def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
         present = axes.get(name, [])
         return list(dict.fromkeys([*present, *wanted]))
 
-    leading = {name: widened(name, values) for name, values in sweep.axes.items()}
-    velocities = sweep.velocities if sweep.chosen is None else sorted({p.velocity for p in chosen})
-    of_samples = sweep.samples.columns(len(leading["sample"])) if sweep.samples else None
+    leading = {name: widened(name, values) for name, values in sweep.variants.axes.items()}
+    velocities = (
+        sweep.plane.velocities
+        if sweep.plane.chosen is None
+        else sorted({p.velocity for p in chosen})
+    )
+    of_samples = (
+        sweep.variants.samples.columns(len(leading["sample"])) if sweep.variants.samples else None
+    )
     return (
         leading
         | (of_samples or {"velocity": widened("velocity", velocities)})
         | {
-            "load": widened("load", sweep.loads),
+            "load": widened("load", sweep.plane.loads),
             "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
             "quantile": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
             "wear_rate": list(sweep.rates),
-            "x": scenes[0].grid.coordinates(0).tolist(),
-            "y": scenes[0].grid.coordinates(1).tolist(),
+            "x": scenes[0].scene.grid.coordinates(0).tolist(),
+            "y": scenes[0].scene.grid.coordinates(1).tolist(),
         }
     )

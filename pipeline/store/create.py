@@ -73,7 +73,7 @@ def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
 
 def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
-    with_fields = "pressure" in before.arrays if before else sweep.store_fields
+    with_fields = "pressure" in before.arrays if before else sweep.record.fields
     wanted = variables_of(sweep, with_fields)
     axes = grown_axes(before.axes if before else {}, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
@@ -107,7 +107,7 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
 def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     """Reasons why a store is not that of a sweep."""
     dims = root.arrays["status"]["dimension_names"]
-    stored, wanted = dims[: dims.index("load")], [*sweep.axes]
+    stored, wanted = dims[: dims.index("load")], [*sweep.variants.axes]
     if stored != wanted:
         have, gives = (", ".join(names) or "none" for names in (stored, wanted))
         yield (
@@ -124,7 +124,7 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     ]
     if different:
         yield "\n  ".join(["belongs to another scene; write to another store", *different])
-    if sweep.store_fields and "pressure" not in root.arrays:
+    if sweep.record.fields and "pressure" not in root.arrays:
         yield (
             "has no fields, since its scene did not ask for them when it was created; leave out "
             "sweep.store_fields, or write to another store"
@@ -137,10 +137,10 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
 def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
     """Entries in which the scene of a store differs from a sweep, for the same values of `over`."""
     scene = root.attributes["scene"]
-    if not sweep.over:
+    if not sweep.variants.over:
         yield from differences(scene, describe(sweep))
     stored = {tuple(entry["values"]): entry for entry in root.attributes.get("scenes", [])}
-    for variant in sweep.entries:
+    for variant in sweep.variants.entries:
         if entry := stored.get(tuple(value for _, value in variant)):
             key = f"scene with {', '.join(named(variant))}: scene"
             yield from differences(scene | entry["scene"], describe(sweep.variant(variant)), key)

@@ -26,17 +26,17 @@ def describe(sweep: Sweep) -> dict[str, Any]:
     The seed is left out where there are realizations, each with its own. Of samples the rule by
     which they follow is part of it. Of entries with several values the first ones count.
     """
-    if sweep.over:
-        sweep = sweep.variant(sweep.entries[0])
-    laws = own_laws(sweep)
+    if sweep.variants.over:
+        sweep = sweep.variant(sweep.variants.entries[0])
+    laws = own_laws(sweep.scene)
     parts = {
-        entry.name: laws.get(entry.name) or _plain(getattr(sweep, entry.name))
+        entry.name: laws.get(entry.name) or _plain(getattr(sweep.scene, entry.name))
         for entry in fields(Scene)
     }
-    if sweep.realizations:
+    if sweep.variants.realizations:
         parts["roughness"]["seed"] = None
-    if sweep.samples:
-        parts["samples"] = sweep.samples.design.as_dict()
+    if sweep.variants.samples:
+        parts["samples"] = sweep.variants.samples.design.as_dict()
     return parts
 
 

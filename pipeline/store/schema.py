@@ -184,30 +184,30 @@ def is_of_points(dim: str) -> bool:
 
 def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     """Variables of the store of a sweep, with fields at the end of each point or without."""
-    absent = {name for name in LEADING if name not in sweep.axes}
+    absent = {name for name in LEADING if name not in sweep.variants.axes}
     if not with_fields:
         absent |= {"x", "y", *AT_END}
-    if not sweep.unequal_bulks:
+    if not sweep.scene.unequal_bulks:
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
     if not sweep.rates:
         absent |= {"wear_rate", *RATE_COLUMNS}
     table: dict[str, Variable] = {}
-    for axis in sweep.over.axes if sweep.over else ():
+    for axis in sweep.variants.over.axes if sweep.variants.over else ():
         dtype = "str" if axis.unit is None else "float64"
         table[axis.path] = Variable((axis.path,), axis.unit, f"{axis.path} of the scene", dtype)
-    for unknown in sweep.samples.design.inputs if sweep.samples else ():
+    for unknown in sweep.variants.samples.design.inputs if sweep.variants.samples else ():
         table[unknown.path] = _INPUT._replace(units=unknown.unit)
     for name, variable in VARIABLES.items():
         if name in COORDINATES and name not in absent:
             table[name] = variable
         elif name not in absent:
             table[name] = variable._replace(dims=_dims(sweep, variable))
-    if sweep.samples:
+    if sweep.variants.samples:
         table["velocity"] = _VELOCITY
     return table
 
 
 def _dims(sweep: Sweep, variable: Variable) -> tuple[str, ...]:
     """Dimensions of a variable of points, with those in front; each sample has one velocity."""
-    without = {"velocity"} if sweep.samples else set[str]()
-    return (*sweep.axes, *(dim for dim in variable.dims if dim not in without))
+    without = {"velocity"} if sweep.variants.samples else set[str]()
+    return (*sweep.variants.axes, *(dim for dim in variable.dims if dim not in without))

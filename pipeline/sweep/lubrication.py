@@ -36,19 +36,19 @@ class Lubrication:
     @classmethod
     def of(cls, sweep: Sweep) -> Self | None:
         """Take what a scene says; None if it gives no oil, or not enough of it, or no roughness."""
-        if sweep.oil is None or sweep.oil.pressure_coefficients is None:
+        if sweep.about.oil is None or sweep.about.oil.pressure_coefficients is None:
             return None
         surface = surface_facts(sweep)
         if surface is None or surface.rq == 0:
             return None
-        pin = sweep.pin
+        pin = sweep.scene.pin
         return cls(
-            sweep.oil,
+            sweep.about.oil,
             pin.radius,
             pin.length,
-            contact_modulus(pin.material, sweep.disk),
+            contact_modulus(pin.material, sweep.scene.disk),
             surface.rq,
-            sweep.motion,
+            sweep.scene.motion,
             pin.crown_radius,
         )
 

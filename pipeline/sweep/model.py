@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Collection
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from pipeline.sweep.about import About
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.over import Label, Over, Variant, combinations
 from pipeline.sweep.samples import Samples
-from pipeline.sweep.selection import Selection
-from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness, inseparable
+from tribo import InputError, Ramp, Scene, SelfAffineRoughness, inseparable
 
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
 # them were off by up to 0.1 to 0.3 %, as with more of them: by the elements on which a quantile is.
@@ -64,76 +64,33 @@ def named(variant: Variant) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Measurement:
-    """A test on a rig: a transition from mild to severe wear, or a point that was one of them.
+class Plane:
+    """Loads and velocities at which to simulate a scene.
 
     Attributes
     ----------
-    normal_load : float
-        Normal load on the whole pin [N].
-    velocity : float
-        Sliding velocity [m/s].
-    friction : float or None
-        Friction coefficient, if it was measured.
-    load_scatter, velocity_scatter, friction_scatter : float or None
-        Standard deviations of the three, if they are known [N, m/s, 1].
-    bulk_temperature : float or None
-        Bulk temperature of both bodies [K], where it was not the scene's.
-    hold : float or None
-        Duration at the full load [s], where it was not the scene's.
-    outcome : {"mild", "severe"} or None
-        Wear of the test; None at a transition.
-
-    Examples
-    --------
-    >>> Measurement(normal_load=600.0, velocity=1.5, friction=0.1).as_dict()
-    {'normal_load': 600.0, 'velocity': 1.5, 'friction': 0.1}
-    """
-
-    normal_load: float
-    velocity: float
-    friction: float | None = None
-    load_scatter: float | None = None
-    velocity_scatter: float | None = None
-    friction_scatter: float | None = None
-    bulk_temperature: float | None = None
-    hold: float | None = None
-    outcome: str | None = None
-
-    @classmethod
-    def of(cls, entry: Mapping[str, Any]) -> Measurement:
-        """The test of an entry of a scene."""
-        return cls(normal_load=entry["load"], **{k: v for k, v in entry.items() if k != "load"})
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data, of those after the friction only what is known."""
-        data = asdict(self)
-        always = ("normal_load", "velocity", "friction")
-        return {k: v for k, v in data.items() if v is not None or k in always}
-
-
-class FromLibrary(NamedTuple):
-    """A number that a scene takes from the library: key path, value with unit, and its source."""
-
-    key: str
-    value: str
-    source: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sweep(Scene):
-    """A scene, the loads and velocities at which to simulate it, and on which surfaces.
-
-    Attributes
-    ----------
-    name, title : str
-        The file's name without ending; a line for people.
     loads : tuple of float
         Normal loads on the whole pin, ascending, each once [N].
     velocities : tuple of float
         Sliding velocities, ascending, each once [m/s].
-    conditions : Conditions
-        Friction, temperatures and failing share of the scene.
+    independent : bool
+        True if each point is simulated from the start, not on from the next lower load.
+    chosen : collection of Point or None
+        The points to simulate, if not all of them.
+    """
+
+    loads: tuple[float, ...]
+    velocities: tuple[float, ...]
+    independent: bool = False
+    chosen: Collection[Point] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Variants:
+    """Variants of the scene to simulate in its place.
+
+    Attributes
+    ----------
     realizations : tuple of int
         Seeds of the random surfaces on which to simulate every load and velocity, one after the
         other in place of the scene's own; none if the scene's own surface is all there is.
@@ -143,149 +100,15 @@ class Sweep(Scene):
     over : Over or None
         Entries with several values, all combinations of which to simulate in place of the scene
         itself; None if there are none.
-    friction_band : tuple of float or None
-        Lowest and highest friction coefficient measured.
-    measured : tuple of Measurement
-        Measured transitions, for comparison.
-    tested : tuple of Measurement
-        Tests that stayed mild or turned severe.
-    oil : Oil or None
-        Lubricant, to tell the regime of lubrication; no number of the simulation depends on it.
     wear_rates : tuple of float or None
         Lowest and highest specific wear rate for which the points are to answer, beside the
         scene's own [m²/N]; None for that alone.
-    store_fields : bool
-        True if the fields at the end of each point are kept.
-    independent : bool
-        True if each point is simulated from the start, not on from the next lower load.
-    preset : str or None
-        Name of the preset that the fidelity equals; None if it equals none.
-    selection : Selection or None
-        Why the fidelity is what it is, if it was picked for its accuracy.
-    notes : tuple of str
-        Assumptions made on reading the scene.
-    library : tuple of FromLibrary
-        Numbers that the scene takes from the library.
-    chosen : collection of Point or None
-        The points to simulate, if not all of them.
-    arguments : tuple of str
-        Arguments by which the command reads the scene: its file, preset and settings; none if it
-        was not read from a file.
-
-    Raises
-    ------
-    InputError
-        If there are realizations, but the roughness is not a random one, or samples as well.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> scene.loads, len(scene.velocities)
-    ((200.0, 400.0, 600.0, 750.0), 6)
-    >>> replace(scene, loads=(600.0,)).loads
-    (600.0,)
     """
 
-    name: str
-    title: str
-    loads: tuple[float, ...]
-    velocities: tuple[float, ...]
-    conditions: Conditions
     realizations: tuple[int, ...] = ()
     samples: Samples | None = None
     over: Over | None = None
-    friction_band: tuple[float, float] | None = None
-    measured: tuple[Measurement, ...] = ()
-    tested: tuple[Measurement, ...] = ()
-    oil: Oil | None = None
     wear_rates: tuple[float, float] | None = None
-    store_fields: bool = False
-    independent: bool = False
-    preset: str | None = None
-    selection: Selection | None = None
-    notes: tuple[str, ...] = ()
-    library: tuple[FromLibrary, ...] = ()
-    chosen: Collection[Point] | None = None
-    arguments: tuple[str, ...] = field(default=(), compare=False)
-
-    def __post_init__(self) -> None:
-        Scene.__post_init__(self)  # a slotted dataclass has no super()
-        if self.realizations and not isinstance(self.roughness, SelfAffineRoughness):
-            raise InputError(
-                "realizations are seeds of a random roughness, and that of the scene is not "
-                "random; leave out sweep.realizations"
-            )
-        if self.realizations and self.samples:
-            raise InputError(
-                "sweep.realizations and sweep.samples exclude each other; make the surface an "
-                'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
-            )
-        if self.over and self.samples:
-            raise InputError(
-                "sweep.over and sweep.samples exclude each other; leave out one, or make the entry "
-                'an unknown input: "pin.radius" = ["1 mm", "2 mm"] in [unknown]'
-            )
-        if fault := self._fault_of_wear_rates():
-            raise InputError(f"sweep.wear_rates: {fault}")
-
-    def _fault_of_wear_rates(self) -> str | None:
-        """Reason why the points cannot answer for other wear rates, and what to do."""
-        if self.wear_rates is None:
-            return None
-        low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.wear_rates)
-        if self.wear is None or not self.wears:
-            return "nothing wears; give [wear], or leave them out"
-        usual = self.wear.specific_wear_rate
-        if not self.wear_rates[0] <= usual <= self.wear_rates[1] or low == high:
-            return (
-                f"from {low} to {high} does not enclose the scene's own, {1e9 * usual:g} "
-                "mm³/(N m); give a lower and a higher one"
-            )
-        if self.samples:
-            return "samples draw what is not known themselves; leave out one or the other"
-        if self.unequal_bulks:
-            return "the bulk temperatures are unequal; give one, or leave them out"
-        if not self.friction_heat:
-            return "there is no friction, and so no heat; give friction.coefficient above 0"
-        rates = (usual, *self.wear_rates)
-        velocities = [speed * usual / rate for speed in self.velocities for rate in rates]
-        if reason := inseparable(self, velocities):
-            return f"{reason}; change that, or leave them out"
-        return None
-
-    def __repr__(self) -> str:
-        return as_lines(f"{self.name}: {self.title}", self._rows())
-
-    def _repr_html_(self) -> str:
-        """Show the scene as a table in a notebook."""
-        return as_html(f"{self.name}: {self.title}", self._rows())
-
-    def _rows(self) -> list[tuple[str, str]]:
-        """Description of the scene, a row for each subject."""
-        several = [(f"{name}s", str(len(values))) for name, values in self.axes.items()]
-        return [
-            *on_scene(self),
-            on_plane(self.loads, self.velocities),
-            *several,
-            ("fidelity", self.preset or "of its own"),
-            *on_conditions(self.conditions),
-        ]
-
-    @property
-    def rates(self) -> tuple[float, ...]:
-        """Other wear rates than the scene's own, for which heat is taken on contacts [m²/N].
-
-        They are ascending, and even in the logarithm; none if the own is all there is.
-        """
-        if self.wear is None or self.wear_rates is None:
-            return ()
-        low, high = self.wear_rates
-        count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
-        rates = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
-        usual = self.wear.specific_wear_rate
-        return tuple(rate for rate in rates if not math.isclose(rate, usual, rel_tol=1e-6))
 
     @property
     def axes(self) -> dict[str, tuple[Label, ...]]:
@@ -303,63 +126,225 @@ class Sweep(Scene):
         return tuple(self.over.parts) if self.over else ((),)
 
     @property
-    def variants(self) -> tuple[Variant, ...]:
+    def names(self) -> tuple[Variant, ...]:
         """Variants of the scene that the sweep simulates: one, ``()``, if it has no axes."""
         return combinations(self.axes)
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What is kept of each point.
+
+    Attributes
+    ----------
+    fields : bool
+        True if the fields at the end of each point are kept.
+    """
+
+    fields: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """A scene, where to simulate it and in which variants, and how to judge the results.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is simulated, with its numerical choices.
+    plane : Plane
+        Loads and velocities at which.
+    conditions : Conditions
+        Friction, temperatures and criterion, which act after the simulation.
+    variants : Variants
+        Variants of the scene to simulate in its place.
+    record : Record
+        What is kept of each point.
+    about : About
+        Names, tests, oil and sources.
+
+    Raises
+    ------
+    InputError
+        If there are realizations, but the roughness is not a random one, or samples as well.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> sweep = pipeline.load_scene("workflows/first_try.toml")
+    >>> sweep.plane.loads, sweep.scene.pin.radius
+    ((200.0, 400.0, 600.0, 750.0), 0.002)
+    >>> sweep.changed(loads=(600.0,)).plane.loads
+    (600.0,)
+    """
+
+    scene: Scene
+    plane: Plane
+    conditions: Conditions
+    variants: Variants = field(default_factory=Variants)
+    record: Record = field(default_factory=Record)
+    about: About = field(default_factory=lambda: About(name="scene", title="A scene"))
+
+    def __post_init__(self) -> None:
+        if self.variants.realizations and not isinstance(self.scene.roughness, SelfAffineRoughness):
+            raise InputError(
+                "realizations are seeds of a random roughness, and that of the scene is not "
+                "random; leave out sweep.realizations"
+            )
+        if self.variants.realizations and self.variants.samples:
+            raise InputError(
+                "sweep.realizations and sweep.samples exclude each other; make the surface an "
+                'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
+            )
+        if self.variants.over and self.variants.samples:
+            raise InputError(
+                "sweep.over and sweep.samples exclude each other; leave out one, or make the entry "
+                'an unknown input: "pin.radius" = ["1 mm", "2 mm"] in [unknown]'
+            )
+        if fault := self._fault_of_wear_rates():
+            raise InputError(f"sweep.wear_rates: {fault}")
+
+    def _fault_of_wear_rates(self) -> str | None:
+        """Reason why the points cannot answer for other wear rates, and what to do."""
+        if self.variants.wear_rates is None:
+            return None
+        low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.variants.wear_rates)
+        if self.scene.wear is None or not self.scene.wears:
+            return "nothing wears; give [wear], or leave them out"
+        usual = self.scene.wear.specific_wear_rate
+        if not self.variants.wear_rates[0] <= usual <= self.variants.wear_rates[1] or low == high:
+            return (
+                f"from {low} to {high} does not enclose the scene's own, {1e9 * usual:g} "
+                "mm³/(N m); give a lower and a higher one"
+            )
+        if self.variants.samples:
+            return "samples draw what is not known themselves; leave out one or the other"
+        if self.scene.unequal_bulks:
+            return "the bulk temperatures are unequal; give one, or leave them out"
+        if not self.scene.friction_heat:
+            return "there is no friction, and so no heat; give friction.coefficient above 0"
+        rates = (usual, *self.variants.wear_rates)
+        velocities = [speed * usual / rate for speed in self.plane.velocities for rate in rates]
+        if reason := inseparable(self.scene, velocities):
+            return f"{reason}; change that, or leave them out"
+        return None
+
+    def __repr__(self) -> str:
+        return as_lines(f"{self.about.name}: {self.about.title}", self._rows())
+
+    def _repr_html_(self) -> str:
+        """Show the scene as a table in a notebook."""
+        return as_html(f"{self.about.name}: {self.about.title}", self._rows())
+
+    def _rows(self) -> list[tuple[str, str]]:
+        """Description of the scene, a row for each subject."""
+        several = [(f"{name}s", str(len(values))) for name, values in self.variants.axes.items()]
+        return [
+            *on_scene(self.scene),
+            on_plane(self.plane.loads, self.plane.velocities),
+            *several,
+            ("fidelity", self.about.preset or "of its own"),
+            *on_conditions(self.conditions),
+        ]
+
+    @property
+    def rates(self) -> tuple[float, ...]:
+        """Other wear rates than the scene's own, for which heat is taken on contacts [m²/N].
+
+        They are ascending, and even in the logarithm; none if the own is all there is.
+        """
+        if self.scene.wear is None or self.variants.wear_rates is None:
+            return ()
+        low, high = self.variants.wear_rates
+        count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
+        rates = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
+        usual = self.scene.wear.specific_wear_rate
+        return tuple(rate for rate in rates if not math.isclose(rate, usual, rel_tol=1e-6))
 
     @property
     def ramps(self) -> int:
         """Number of ramps that are simulated, each at one velocity through all loads."""
-        return len(self.variants) * (1 if self.samples else len(self.velocities))
+        return len(self.variants.names) * (
+            1 if self.variants.samples else len(self.plane.velocities)
+        )
 
     def variant(self, variant: Variant = ()) -> Self:
         """The sweep in one of its variants alone; without samples or `over` if none is given."""
         parts: dict[str, Any] = {}
-        if self.over and (entries := variant[: len(self.over.axes)]):
-            parts |= self.over.parts[entries]
+        if self.variants.over and (entries := variant[: len(self.variants.over.axes)]):
+            parts |= self.variants.over.parts[entries]
         names = dict(variant)
         if "sample" in names:
             parts |= self._parts_of_sample(int(names["sample"]))
-        is_one = self.samples is None and self.over is None
-        sweep = self if is_one else replace(self, samples=None, over=None, **parts)
+        is_one = self.variants.samples is None and self.variants.over is None
+        sweep = self if is_one else self.changed(samples=None, over=None, **parts)
         return sweep.on_surface(int(names["realization"])) if "realization" in names else sweep
 
     def _parts_of_sample(self, sample: int) -> dict[str, Any]:
         """Fields in which a sample differs from the sweep."""
-        if self.samples is None or not sample < len(self.samples):
-            held = f"it has 0 to {len(self.samples) - 1}" if self.samples else "it has no samples"
+        if self.variants.samples is None or not sample < len(self.variants.samples):
+            held = (
+                f"it has 0 to {len(self.variants.samples) - 1}"
+                if self.variants.samples
+                else "it has no samples"
+            )
             raise InputError(f"sample is {sample}, which the sweep does not have; {held}")
-        return dict(self.samples.parts[sample])
+        return dict(self.variants.samples.parts[sample])
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""
-        if self.over and point.variant:
-            entries = point.variant[: len(self.over.axes)]
-            return point.velocity, self.over.leads[entries] + point.variant[len(entries) :]
-        if self.samples is None or not point.variant:
+        if self.variants.over and point.variant:
+            entries = point.variant[: len(self.variants.over.axes)]
+            return point.velocity, self.variants.over.leads[entries] + point.variant[len(entries) :]
+        if self.variants.samples is None or not point.variant:
             return point[1:]
         ((name, sample),) = point.variant
-        if point.velocity != self.samples.velocities[int(sample)]:
+        if point.velocity != self.variants.samples.velocities[int(sample)]:
             return point[1:]  # the scene with the inputs of a sample, at another velocity
-        number = self.samples.lead(int(sample))
-        return self.samples.velocities[number], ((name, number),)
+        number = self.variants.samples.lead(int(sample))
+        return self.variants.samples.velocities[number], ((name, number),)
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s]; not if the load is a record."""
-        if not isinstance(self.loading, Ramp):
+        if not isinstance(self.scene.loading, Ramp):
             raise InputError(
                 f"hold is {duration:g} s, but the load follows a record, which ends when it ends; "
                 "leave out the hold, or give a loading with rate and reference_load"
             )
-        return replace(self, loading=replace(self.loading, hold=duration, hold_steps=None))
+        return self.changed(loading=replace(self.scene.loading, hold=duration, hold_steps=None))
 
     def on_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed alone; itself if None."""
         if seed is None:
             return self
-        if not isinstance(self.roughness, SelfAffineRoughness):
+        if not isinstance(self.scene.roughness, SelfAffineRoughness):
             raise InputError(
                 f"realization is {seed}, the seed of a random roughness, and that of the scene is "
                 "not random; leave it out"
             )
-        return replace(self, roughness=replace(self.roughness, seed=seed), realizations=())
+        return self.changed(roughness=replace(self.scene.roughness, seed=seed), realizations=())
+
+    def changed(self, **values: Any) -> Self:
+        """The sweep with other values of some fields of its parts, by the names of the fields."""
+        if unknown := values.keys() - PART_OF.keys():
+            raise TypeError(f"a sweep has no {', '.join(sorted(unknown))}")
+        parts: dict[str, dict[str, Any]] = {}
+        for name, value in values.items():
+            parts.setdefault(PART_OF[name], {})[name] = value
+        whole = parts.pop("", {})
+        return replace(
+            self, **{k: replace(getattr(self, k), **new) for k, new in parts.items()}, **whole
+        )
+
+    def get(self, name: str) -> Any:
+        """Value of a field of one of the parts."""
+        part = PART_OF[name]
+        return getattr(getattr(self, part) if part else self, name)
+
+
+_PARTS = {"scene": Scene, "plane": Plane, "variants": Variants, "record": Record, "about": About}
+PART_OF = {
+    "conditions": "",
+    **{entry.name: part for part, kind in _PARTS.items() for entry in fields(kind)},
+}
+"""Part of a sweep that has a field; empty for the sweep itself."""

@@ -186,17 +186,17 @@ class PointRecord:
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
     """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
-    if sweep.chosen is not None:
-        return tuple(sorted(sweep.chosen, key=lambda point: (point.variant, *point[1::-1])))
-    if sweep.samples:
-        numbered = list(zip(sweep.variants, sweep.samples.velocities, strict=True))
-        size = sweep.samples.design.per_contact
+    if sweep.plane.chosen is not None:
+        return tuple(sorted(sweep.plane.chosen, key=lambda point: (point.variant, *point[1::-1])))
+    if sweep.variants.samples:
+        numbered = list(zip(sweep.variants.names, sweep.variants.samples.velocities, strict=True))
+        size = sweep.variants.samples.design.per_contact
         return tuple(
             Point(load, velocity, variant)
-            for begin, load in itertools.product(range(0, len(numbered), size), sweep.loads)
+            for begin, load in itertools.product(range(0, len(numbered), size), sweep.plane.loads)
             for variant, velocity in numbered[begin : begin + size]
         )
-    places = itertools.product(sweep.variants, sweep.velocities, sweep.loads)
+    places = itertools.product(sweep.variants.names, sweep.plane.velocities, sweep.plane.loads)
     return tuple(Point(load, velocity, variant) for variant, velocity, load in places)
 
 
@@ -208,7 +208,7 @@ def chains(todo: Iterable[Point], sweep: Sweep) -> tuple[tuple[Point, ...], ...]
 
     def ramp(point: Point) -> tuple[Any, ...]:
         velocity, variant = sweep.contact_of(point)
-        return variant, velocity, point.load if sweep.independent else 0.0
+        return variant, velocity, point.load if sweep.plane.independent else 0.0
 
     ordered = sorted(todo, key=lambda point: (ramp(point), point.load, point.variant))
     return tuple(tuple(chain) for _, chain in itertools.groupby(ordered, key=ramp))
@@ -249,12 +249,12 @@ def run_points(
     lead = variants[0] if name_of_lead == names[0] else sweep.variant(name_of_lead)
     trunk = _leading_to(lead, load, trunk, names)
     records = {name: list(trunk.records.get(name, ())) for name in names}
-    steps = step_count(lead, load) if progress else 0
+    steps = step_count(lead.scene, load) if progress else 0
     states: list[State] = []
     at_load = [dict[int, State]() for _ in points]
-    for number_of_step, contact in enumerate(contacts(lead, load, first, trunk.state), 1):
+    for number_of_step, contact in enumerate(contacts(lead.scene, load, first, trunk.state), 1):
         states = [
-            _with_heat(variant, contact, point.velocity, first)
+            _with_heat(variant.scene, contact, point.velocity, first)
             for variant, point in zip(variants, points, strict=True)
         ]
         rows = list(zip(variants, states, strict=True))
@@ -272,8 +272,8 @@ def run_points(
             columns=_stacked(records[point.variant])
             | _at_wear_rates(variant, point.velocity, hot, len(records[point.variant])),
             state=state,
-            shape=variant.grid.shape,
-            warnings=tuple(warnings(variant, state)),
+            shape=variant.scene.grid.shape,
+            warnings=tuple(warnings(variant.scene, state)),
             trunk=trunk,
             at_load=tuple(hot.values()),
             wall_time=duration,
@@ -298,14 +298,14 @@ def _at_wear_rates(
 
     The states, by their places among the steps, are those from when the load is reached on.
     """
-    if sweep.wear is None or not sweep.rates:
+    if sweep.scene.wear is None or not sweep.rates:
         return {}
-    usual, rates = sweep.wear.specific_wear_rate, sweep.rates
+    usual, rates = sweep.scene.wear.specific_wear_rate, sweep.rates
     shapes = {"rise_quantile": (len(QUANTILES),), "mean_rise": (), "pin_heat_share": ()}
     columns = {name: np.full((steps, len(rates), *shape), np.nan) for name, shape in shapes.items()}
     for step, state in at_load.items():
         for place, rate in enumerate(rates):
-            temperature = heat(sweep, state, velocity * usual / rate)
+            temperature = heat(sweep.scene, state, velocity * usual / rate)
             for name, values in columns.items():
                 values[step, place] = getattr(temperature, name)
     return {f"{name}_at_wear_rate": values for name, values in columns.items()}
@@ -324,9 +324,9 @@ def _leading_to(
     sweep: Sweep, load: float, trunk: Trunk | None, variants: Sequence[Variant]
 ) -> Trunk:
     """The trunk if the ramp of these variants to a load goes on from it, else the start."""
-    if trunk and leads_to(sweep, trunk.state, load) and set(variants) <= set(trunk.records):
+    if trunk and leads_to(sweep.scene, trunk.state, load) and set(variants) <= set(trunk.records):
         return trunk
-    return Trunk(start(sweep))
+    return Trunk(start(sweep.scene))
 
 
 def _extended(
@@ -345,7 +345,7 @@ def _extended(
         record = rows_of_it[-1]
         if not _is_same_for_higher_loads(sweep, state, load):
             passed = replace(state.history or state, sliding_distance=state.sliding_distance)
-            at_every_step = sweep.remembers_heat and not sweep.fidelity.fewest_elements
+            at_every_step = sweep.scene.remembers_heat and not sweep.scene.fidelity.fewest_elements
             record = _record(sweep, passed if at_every_step else replace(passed, heat=None))
         longer[name] = (*trunk.records.get(name, ()), record)
     return Trunk(onwards, longer)
@@ -355,16 +355,16 @@ def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
     """True if a ramp to a higher load reports the same temperature at this state."""
     if state.normal_load < load:
         return True
-    stations = [one for one in sweep.stations(load) if one.on_trunk]
+    stations = [one for one in sweep.scene.stations(load) if one.on_trunk]
     (station,) = (one for one in stations if one.normal_load == load)
-    interval = sweep.fidelity.temperature_interval
+    interval = sweep.scene.fidelity.temperature_interval
     return interval > 0 and station.index % interval == 0
 
 
 def _record(sweep: Sweep, state: State) -> Record:
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
-    record: dict[str, float | Array] = {**measures(sweep, state), "rise_quantile": quantiles}
-    if sweep.unequal_bulks:
+    record: dict[str, float | Array] = {**measures(sweep.scene, state), "rise_quantile": quantiles}
+    if sweep.scene.unequal_bulks:
         of_bulk = state.heat.bulk_rise_quantile if state.heat else None
         record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if of_bulk is None else of_bulk
     return record

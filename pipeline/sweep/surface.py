@@ -51,7 +51,7 @@ def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
 
     A random surface of more than a million pixels is described as it is asked for, not made.
     """
-    return _facts(sweep.roughness, sweep.pixels)
+    return _facts(sweep.scene.roughness, sweep.scene.pixels)
 
 
 @functools.lru_cache(maxsize=1)  # asked for again whenever a store grows

@@ -108,11 +108,10 @@ def at_accuracy(
             f"{store} was computed with {selection.name}, whose boundary errs by "
             f"{100 * selection.error:.2g} %; write to another store for {100 * accuracy:g} %"
         )
-    interval = sweep.fidelity.temperature_interval
+    interval = sweep.scene.fidelity.temperature_interval
     fidelity = replace(selection.fidelity, temperature_interval=interval)
     named = fidelity == PRESETS.get(selection.name)
-    return replace(
-        sweep,
+    return sweep.changed(
         fidelity=fidelity,
         preset=selection.name if named else None,
         selection=selection,
@@ -183,7 +182,7 @@ def choose_fidelity(
         raise InputError("velocity is 0, so there is no heat; an accuracy needs one above 0")
     began = time.perf_counter()
     tell = progress or (lambda name: None)
-    places = some_places(sweep, _PLACES if len(sweep.variants) > 1 else _LOADS)
+    places = some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
     thorough = not points and _steps_to_probe(sweep, places) <= _WORTH * _steps_of_sweep(sweep)
     if points:
         places = tuple(dict.fromkeys(Place(place.load, place.variant) for place in points))
@@ -201,7 +200,7 @@ def choose_fidelity(
         sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every]
     )
     everywhere = bool(points) or (
-        thorough and len(places) == len(sweep.loads) * len(sweep.variants)
+        thorough and len(places) == len(sweep.plane.loads) * len(sweep.variants.names)
     )
     selection = _first_within(sweep, accuracy, exact, yardstick_error, everywhere, tell)
     return replace(selection, seconds=time.perf_counter() - began)
@@ -216,7 +215,7 @@ def _first_within(
     tell: Callable[[str], None],
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy."""
-    past = yardstick_error.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
+    past = yardstick_error.heat_model > _OF_HEAT * accuracy or sweep.scene.remembers_heat
     rungs = _ladder(sweep, exact.fewest_nodes, past)
     trials, spent = [], exact.work + yardstick_error.work
     for number, (name, fidelity) in enumerate(rungs, 1):
@@ -268,15 +267,15 @@ def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
 
 def _steps_to_probe(sweep: Sweep, places: Sequence[Place]) -> float:
     """Approximate number of steps that a probe takes on the scene's finest grid."""
-    scene = replace(sweep, fidelity=fitted(sweep, YARDSTICK))
+    scene = sweep.changed(fidelity=fitted(sweep, YARDSTICK)).scene
     return _PASSES * sum(step_count(scene, place.load) for place in places)
 
 
 def _steps_of_sweep(sweep: Sweep) -> int:
     """Steps of a whole sweep at the reference."""
-    scene = replace(sweep, fidelity=fitted(sweep, PRESETS["reference"]))
-    ends = [step_count(scene, load) for load in sweep.loads]
-    steps = sum(ends) if sweep.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
+    scene = sweep.changed(fidelity=fitted(sweep, PRESETS["reference"])).scene
+    ends = [step_count(scene, load) for load in sweep.plane.loads]
+    steps = sum(ends) if sweep.plane.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
     return steps * sweep.ramps
 
 
@@ -322,7 +321,7 @@ def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
 
 def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
     """A fidelity with what the scene asks to see and its own heat, or with that of all the past."""
-    kept = replace(fidelity, temperature_interval=sweep.fidelity.temperature_interval)
+    kept = replace(fidelity, temperature_interval=sweep.scene.fidelity.temperature_interval)
     if past:  # which needs every step on one grid
         steps = max(kept.increments, _FEWEST_STEPS)
         kept = replace(kept, history_coarsening=1, heat_model="history", increments=steps)

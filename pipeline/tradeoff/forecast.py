@@ -102,29 +102,39 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     if workers is not None:
         require_count("workers", workers)
     sweep, cores = sweep_of(sweep), os.cpu_count() or 1
-    workers, variants = workers or cores, 1 if sweep.samples else len(sweep.variants)
-    searched = boundary_only and not sweep.samples
+    workers, variants = workers or cores, 1 if sweep.variants.samples else len(sweep.variants.names)
+    searched = boundary_only and not sweep.variants.samples
     velocities = _searched(sweep) if searched else sweep.ramps // variants
     ramps = velocities * variants
-    points = (min(2, velocities) if searched else velocities) * len(sweep.loads) * variants
-    moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
+    points = (min(2, velocities) if searched else velocities) * len(sweep.plane.loads) * variants
+    moving = (
+        sum(velocity != 0 for velocity in sweep.plane.velocities)
+        if sweep.scene.friction_heat
+        else 0
+    )
     scene, shared = sweep, Fraction(1)  # variants that share a contact
-    if sweep.samples:
-        moving, shared = ramps, Fraction(sweep.samples.design.per_contact)
-    if sweep.over:
-        scene = sweep.variant(sweep.entries[len(sweep.entries) // 2])
-        shared = Fraction(len(sweep.entries), len(set(sweep.over.leads.values())))
+    if sweep.variants.samples:
+        moving, shared = ramps, Fraction(sweep.variants.samples.design.per_contact)
+    if sweep.variants.over:
+        scene = sweep.variant(sweep.variants.entries[len(sweep.variants.entries) // 2])
+        shared = Fraction(len(sweep.variants.entries), len(set(sweep.variants.over.leads.values())))
     timed, steps = _timed(scene), list(_steps_of_ramp(scene))
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
-        steps = [step for step in steps if step[0] <= np.median(sweep.loads)]
+        steps = [step for step in steps if step[0] <= np.median(sweep.plane.loads)]
     heated = sum(is_heated for _, is_heated in steps)
-    heated += sum(is_heated and load in sweep.loads for load, is_heated in steps) * len(sweep.rates)
-    chains = math.ceil((points if sweep.independent else ramps) / shared)
+    heated += sum(is_heated and load in sweep.plane.loads for load, is_heated in steps) * len(
+        sweep.rates
+    )
+    chains = math.ceil((points if sweep.plane.independent else ramps) / shared)
     parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
-    turns = of_contacts / parallel if sweep.independent else math.ceil(of_contacts / parallel)
-    alone = turns * float(shared) * (heated * timed.heat + len(sweep.loads) * _SECONDS_TO_COMMIT)
-    if not (sweep.remembers_steps or sweep.samples):  # workers keep those of the first velocity
+    turns = of_contacts / parallel if sweep.plane.independent else math.ceil(of_contacts / parallel)
+    alone = (
+        turns * float(shared) * (heated * timed.heat + len(sweep.plane.loads) * _SECONDS_TO_COMMIT)
+    )
+    if not (
+        sweep.scene.remembers_steps or sweep.variants.samples
+    ):  # workers keep those of the first velocity
         of_contacts = min(of_contacts, parallel * variants)
         turns = min(turns, variants)
     alone += timed.begin * variants + turns * len(steps) * timed.contact
@@ -147,14 +157,14 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         workers=workers,
         seconds=seconds,
         basis=basis,
-        worker_bytes=max(worker_bytes(sweep.variant(entry)) for entry in sweep.entries),
+        worker_bytes=max(worker_bytes(sweep.variant(entry)) for entry in sweep.variants.entries),
         disk_bytes=points * _point_bytes(scene, timed.state),
     )
 
 
 def worker_bytes(sweep: Sweep) -> float:
     """Memory of a worker [B]."""
-    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.grid.shape)
+    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.scene.grid.shape)
 
 
 def machine_bytes() -> float:
@@ -176,7 +186,7 @@ class _Timed(NamedTuple):
 
 def _timed(sweep: Sweep) -> _Timed:
     """Compute a ramp here and now: its first point, and more if it is fast."""
-    moving = [velocity for velocity in sweep.velocities if velocity] or [0.0]
+    moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity, firsts = moving[len(moving) // 2], []
     for _ in ("cold", "warm"):
         state, taken = next(_clocked(sweep, velocity * 1.01))
@@ -196,10 +206,10 @@ def _timed(sweep: Sweep) -> _Timed:
 def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
     """Contacts of a ramp through all loads, each with the processor time that it took [s]."""
     trunk, began = None, time.process_time()
-    for load in sweep.loads:
-        if trunk and (sweep.independent or not leads_to(sweep, trunk, load)):
+    for load in sweep.plane.loads:
+        if trunk and (sweep.plane.independent or not leads_to(sweep.scene, trunk, load)):
             trunk = None
-        for state in contacts(sweep, load, velocity, trunk):
+        for state in contacts(sweep.scene, load, velocity, trunk):
             if state.pressure.any():
                 yield state, time.process_time() - began
                 began = time.process_time()
@@ -210,30 +220,30 @@ def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
 def _heat_seconds(sweep: Sweep, state: State, velocity: float) -> float:
     """Processor time of the temperature of a contact [s]."""
     began = time.process_time()
-    heat(sweep, state, velocity)
+    heat(sweep.scene, state, velocity)
     return time.process_time() - began
 
 
 def _searched(sweep: Sweep) -> int:
     """Number of velocities that the search for a boundary takes at all loads together, about."""
-    moving = [velocity for velocity in sweep.velocities if velocity > 0]
+    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     spans = math.log(moving[-1] / moving[0]) / _SPAN if moving else 0.0
-    return min(2 * len(sweep.loads), math.ceil(spans) + 1)
+    return min(2 * len(sweep.plane.loads), math.ceil(spans) + 1)
 
 
 def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
     """Load of each step at one velocity, and whether it is given its temperature."""
-    interval, shared, trunk = sweep.fidelity.temperature_interval, 0.0, 0.0
-    for load in sweep.loads:
-        if sweep.trunk(load) != shared:
-            shared, trunk = sweep.trunk(load), 0.0
-        stations = list(sweep.stations(load, after=trunk))
+    interval, shared, trunk = sweep.scene.fidelity.temperature_interval, 0.0, 0.0
+    for load in sweep.plane.loads:
+        if sweep.scene.trunk(load) != shared:
+            shared, trunk = sweep.scene.trunk(load), 0.0
+        stations = list(sweep.scene.stations(load, after=trunk))
         for station in stations:
             reached = station.normal_load == load and not station.holding
             asked = reached or station is stations[-1]
             on_way = interval > 0 and station.index % interval == 0
-            yield station.normal_load, asked or on_way or sweep.remembers_heat
-            if station.on_trunk and not sweep.independent:
+            yield station.normal_load, asked or on_way or sweep.scene.remembers_heat
+            if station.on_trunk and not sweep.plane.independent:
                 trunk = station.normal_load
 
 
@@ -241,5 +251,9 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
     numbers: int = sum(column[0].size for column in columns_of(sweep, [state]).values())
     numbers += len(sweep.rates) * (len(QUANTILES) + 2)
-    fields = (3 + sweep.unequal_bulks) * math.prod(sweep.grid.shape) * sweep.store_fields
-    return 8.0 * (numbers * max(step_count(sweep, load) for load in sweep.loads) + fields)
+    fields = (
+        (3 + sweep.scene.unequal_bulks) * math.prod(sweep.scene.grid.shape) * sweep.record.fields
+    )
+    return 8.0 * (
+        numbers * max(step_count(sweep.scene, load) for load in sweep.plane.loads) + fields
+    )

@@ -15,7 +15,7 @@ from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit,
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import chains
-from tribo import PRESETS, Fidelity, InputError, State, forget_kernels, measures, simulate
+from tribo import PRESETS, Fidelity, InputError, Scene, State, forget_kernels, measures, simulate
 from tribo.simulation import forget_contacts, leads_to
 
 
@@ -78,7 +78,7 @@ def probe(
 
     The memory is measured at one more, cheaper point.
     """
-    scene = replace(sweep, fidelity=replace(fidelity, temperature_interval=0))
+    scene = sweep.changed(fidelity=replace(fidelity, temperature_interval=0))
     peak = _peak_bytes(scene, points) if with_memory else None
     if with_memory:  # and the time, without surface and kernels that a whole sweep makes once
         load, velocity = min((point.load, point.velocity) for point in points)
@@ -95,7 +95,7 @@ def probe(
     seconds = time.process_time() - began
     return Probe(
         fidelity,
-        tuple(_reading(sweep, scene, runs[point].state) for point in points),
+        tuple(_reading(sweep, scene.scene, runs[point].state) for point in points),
         seconds,
         sum(run.convolutions for run in runs.values()),
         float(sum(run.work for run in runs.values())),
@@ -103,16 +103,16 @@ def probe(
     )
 
 
-def _peak_bytes(scene: Sweep, points: Sequence[Point]) -> int:
+def _peak_bytes(sweep: Sweep, points: Sequence[Point]) -> int:
     """Most memory for arrays of the heaviest point, for which a few of its steps suffice."""
-    fidelity = scene.fidelity
+    fidelity = sweep.scene.fidelity
     if fidelity.heat_model == "elapsed" and fidelity.wear_scheme != "explicit":
         fidelity = replace(fidelity, increments=min(fidelity.increments, _STEPS_FOR_MEMORY))
     forget_kernels()
     tracemalloc.start()
     try:
         load, velocity = max((point.load, point.velocity) for point in points)
-        _run(replace(scene, fidelity=fidelity), load, velocity)
+        _run(sweep.changed(fidelity=fidelity), load, velocity)
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -126,25 +126,25 @@ class _Run:
     work: int
 
 
-def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None) -> _Run:
+def _run(sweep: Sweep, load: float, velocity: float, trunk: State | None = None) -> _Run:
     """Simulate a point: its hottest state under full load, its cost, and the trunk it leaves."""
     convolutions = work = 0
     hot: list[tuple[float, State]] = []
-    if trunk and not leads_to(scene, trunk, load):
+    if trunk and not leads_to(sweep.scene, trunk, load):
         trunk = None
-    for state in simulate(scene, load, velocity, trunk):
+    for state in simulate(sweep.scene, load, velocity, trunk):
         on_way = state.heat.iterations if state.heat else 0
         convolutions += state.iterations + on_way
         work += state.work + on_way * state.pressure.size
         if state.on_trunk:
             trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
-            hot.append((decisive_rise(scene, state, scene.conditions), state))
+            hot.append((decisive_rise(sweep.scene, state, sweep.conditions), state))
     hottest = max(hot, key=lambda reading: reading[0])[1] if hot else state
     return _Run(hottest, trunk, convolutions, work)
 
 
-def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
+def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
     columns = rises_of(scene, state, sweep.conditions)
@@ -165,19 +165,20 @@ def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
 
     The kernel of the heat is the scene's own.
     """
-    nx, ny = sweep.pixels.shape
+    nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
-    kernel = sweep.fidelity.heat_kernel
+    kernel = sweep.scene.fidelity.heat_kernel
     return replace(fidelity, pixels_per_element=next(fits), heat_kernel=kernel)
 
 
 def some_places(sweep: Sweep, number: int) -> tuple[Place, ...]:
     """Some of a sweep's loads, both ends among them, and its variants in turn."""
-    last, variants = len(sweep.loads) - 1, sweep.variants
+    last, variants = len(sweep.plane.loads) - 1, sweep.variants.names
     chosen = sorted({round(last * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
     places = (
-        Place(sweep.loads[chosen[k]], variants[(k + turn) % len(variants)]) for turn, k in turns
+        Place(sweep.plane.loads[chosen[k]], variants[(k + turn) % len(variants)])
+        for turn, k in turns
     )
     return tuple(dict.fromkeys(places))
 
@@ -191,9 +192,9 @@ def near_the_boundary(
     is the end that comes nearest. An error of the rise divided by the exponent is that of the
     boundary velocity.
     """
-    scene = replace(sweep, fidelity=fitted(sweep, PRESETS["standard"]))
+    scene = sweep.changed(fidelity=fitted(sweep, PRESETS["standard"]))
     points, exponents = [], []
-    moving = [abs(velocity) for velocity in sweep.velocities if velocity]
+    moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:
         raise InputError(
             "the sweep has no velocity but 0, and so no heat to be wrong about; "
@@ -205,7 +206,7 @@ def near_the_boundary(
 
         def rise(velocity: float, place: Place = place) -> float:
             variant = scene.variant(place.variant)
-            return _reading(sweep, scene, _run(variant, place.load, velocity).state).rise
+            return _reading(sweep, scene.scene, _run(variant, place.load, velocity).state).rise
 
         velocity = critical_velocity(rise, limit, min(moving) / 2, max(moving) * 2)
         points.append(place.point(velocity))

@@ -81,7 +81,7 @@ def trade(
     limit = rise_limit(sweep.conditions)
     if not math.isfinite(limit):
         raise InputError("friction is 0, so there is no boundary; give one above 0")
-    without_surfaces = replace(sweep, realizations=())
+    without_surfaces = sweep.changed(realizations=())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
     asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
     near, exponents = near_the_boundary(sweep, [Place(load) for load in asked])
@@ -114,7 +114,7 @@ def trade(
             choices.append(choice(name, varied, tried))
     choices.append(choice("reference", None, reference))
     return Trade(
-        title=sweep.title,
+        title=sweep.about.title,
         points=tuple(places),
         base=base or "",
         choices=tuple(choices),
@@ -145,12 +145,12 @@ def _candidates(
     ]
     if base and base not in presets:
         candidates.append((base, None, fitted(sweep, PRESETS[base])))
-    fidelity = replace(sweep.fidelity, temperature_interval=0)
-    if sweep.preset is None:
+    fidelity = replace(sweep.scene.fidelity, temperature_interval=0)
+    if sweep.about.preset is None:
         candidates.append(("as in the scene", None, fidelity))
     if base:
         start = fitted(sweep, PRESETS[base])
-        for field, values in _variations(start, sweep.unequal_bulks).items():
+        for field, values in _variations(start, sweep.scene.unequal_bulks).items():
             for value in values:
                 changed = fitted(sweep, replace(start, **{field: value}))
                 candidates.append((f"{base}, {field} = {shown(value)}", field, changed))

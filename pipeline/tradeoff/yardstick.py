@@ -108,13 +108,13 @@ def own_error(
     """
     steps = heat_model = work = 0.0
     exact = fitted(sweep, YARDSTICK)
-    if sweep.wear is not None:
+    if sweep.scene.wear is not None:
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
         steps = max(map(abs, velocity_errors(readings, halved.readings, exponents)))
-        steps *= 1.0 if sweep.sweeps_over else _LEFT
+        steps *= 1.0 if sweep.scene.sweeps_over else _LEFT
         work += halved.work
-    if sweep.fidelity.heat_model == "elapsed":
-        size = 1 if math.prod(sweep.pixels.shape) <= _SMALL else 2
+    if sweep.scene.fidelity.heat_model == "elapsed":
+        size = 1 if math.prod(sweep.scene.pixels.shape) <= _SMALL else 2
         by_load = sorted(zip(points, exponents, strict=True), key=lambda pair: pair[0].load)
         ends, of_ends = zip(*dict.fromkeys((by_load[0], by_load[-1])), strict=True)
         present = replace(
@@ -131,7 +131,7 @@ def own_error(
         )
         heat_model = max(map(abs, velocity_errors(one.readings, other.readings, of_ends)))
         work += one.work + other.work
-    return OwnError(_MARGIN * steps, _MARGIN * heat_model, work, sweep.sweeps_over)
+    return OwnError(_MARGIN * steps, _MARGIN * heat_model, work, sweep.scene.sweeps_over)
 
 
 def velocity_errors(

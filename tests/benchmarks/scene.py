@@ -1,6 +1,5 @@
 """The scene that most benchmarks run, and the grid and increments that the paper solves it with."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pipeline
@@ -12,4 +11,4 @@ PAPER = tribo.Fidelity(pixels_per_element=2, increments=100)
 
 def paper_scene():
     """The shipped scene on 240 × 240 elements, in 100 increments of first order."""
-    return replace(pipeline.load_scene(SCENE), fidelity=PAPER)
+    return pipeline.load_scene(SCENE).changed(fidelity=PAPER)

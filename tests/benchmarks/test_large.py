@@ -43,7 +43,7 @@ class Clock:
 
 def costs(number, path):
     sweep = sweep_of(number)
-    result = run_point(sweep, sweep.loads[-1], 1.0)
+    result = run_point(sweep, sweep.plane.loads[-1], 1.0)
     clock = Clock(number)
     chains(points(sweep), sweep)
     clock("plan")

@@ -17,22 +17,22 @@ LOAD, VELOCITY = 750.0, 1.25
 def sweep():
     """The paper's system on one surface that all of the grids resolve, each as far as it can."""
     sweep = paper_scene()
-    (nx, ny), (dx, dy) = sweep.pixels.shape, sweep.pixels.spacing
+    (nx, ny), (dx, dy) = sweep.scene.pixels.shape, sweep.scene.pixels.spacing
     spacing = dx * nx / FINEST, dy * ny / FINEST
-    return replace(sweep, pixels=Grid((FINEST, FINEST), spacing, sweep.pixels.periodic))
+    return sweep.changed(pixels=Grid((FINEST, FINEST), spacing, sweep.scene.pixels.periodic))
 
 
 def measured(benchmark, sweep, **fidelity):
-    sweep = replace(sweep, fidelity=replace(sweep.fidelity, **fidelity))
+    sweep = sweep.changed(fidelity=replace(sweep.scene.fidelity, **fidelity))
 
     def point():
-        return list(simulate(sweep, LOAD, VELOCITY))
+        return list(simulate(sweep.scene, LOAD, VELOCITY))
 
     with counted_transforms() as transforms:
         states = point()
     benchmark.pedantic(point, rounds=2)
     seconds = benchmark.stats["min"]
-    n, steps = sweep.grid.shape[0], len(states)
+    n, steps = sweep.scene.grid.shape[0], len(states)
     print(
         f"\n{n} × {n}, {steps} increments: {seconds:.2f} s a point, "
         f"{sum(state.iterations for state in states) / steps:.1f} convolutions of the contact and "

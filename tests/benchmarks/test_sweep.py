@@ -10,7 +10,6 @@ import multiprocessing
 import os
 import time
 from contextlib import contextmanager
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -86,7 +85,7 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
 
     monkeypatch.setattr(execute, "connected", counted)
     fidelity = tribo.PRESETS.get(preset, scene.fidelity)
-    sweep = replace(scene, fidelity=fidelity, velocities=scene.velocities[2:14:2])
+    sweep = scene.changed(fidelity=fidelity, velocities=scene.velocities[2:14:2])
     out = tmp_path / "out.zarr"
     outcome = benchmark.pedantic(pipeline.run_sweep, (sweep, out), rounds=1)
     share = 1 - sum(points) / sum(seconds)
@@ -105,7 +104,7 @@ def simulate(sweep, velocities, core):
     began = time.perf_counter()
     for velocity in velocities:
         trunk = None
-        for load in sweep.loads:
+        for load in sweep.plane.loads:
             trunk = run_point(sweep, load, velocity, trunk=trunk).trunk
     return time.perf_counter() - began
 
@@ -115,12 +114,12 @@ def time_of_bare(processes, sweep):
     forkserver.start()
     cores = sorted(os.sched_getaffinity(0))[:processes]
     with multiprocessing.get_context("forkserver").Pool(processes) as pool:
-        work = [(sweep, sweep.velocities[i::processes], core) for i, core in enumerate(cores)]
+        work = [(sweep, sweep.plane.velocities[i::processes], core) for i, core in enumerate(cores)]
         return max(pool.starmap(simulate, work, chunksize=1))
 
 
 def test_two_workers_against_one(benchmark, scene, tmp_path):
-    sweep = replace(scene, velocities=scene.velocities[2:14:2])
+    sweep = scene.changed(velocities=scene.velocities[2:14:2])
 
     def run():
         for workers in (1, 2):

@@ -14,7 +14,7 @@ def sweep():
 
 
 def test_presets_against_the_reference(benchmark, sweep):
-    options = {"base": None, "loads": sweep.loads}
+    options = {"base": None, "loads": sweep.plane.loads}
     table = benchmark.pedantic(trade, (sweep,), options, rounds=1)
     print(f"\n{table}")
     draft, standard, fine = table.choices[:3]

@@ -7,7 +7,6 @@ import os
 import subprocess
 import sys
 from contextlib import ExitStack
-from dataclasses import replace
 
 import numpy as np
 
@@ -43,7 +42,7 @@ def campaign(run):
             stack.callback(busy.kill)
         for number, trial in enumerate(run.trials()):
             sweep = sweep_of(run.chance.randint(3, 5))
-            expected = Expected(replace(sweep, loading=tiny.SlowRamp(150.0, 750.0)))
+            expected = Expected(sweep.changed(loading=tiny.SlowRamp(150.0, 750.0)))
             workers = 2 - number % 2
             arguments = (sweep, trial.path, trial.log, None, run.mistake, 0.0, workers)
             driver = started(trial.log, *job(trial.place, *arguments))
@@ -57,7 +56,7 @@ def campaign(run):
                     trial.fault(fault)
                 failed = int((ds["status"] == 2).sum())
                 pending = int((ds["status"] == 0).sum())
-            if failed != len(sweep.velocities) or pending:
+            if failed != len(sweep.plane.velocities) or pending:
                 trial.fault(f"{failed} points failed, {pending} are pending")
             run.report.counts["trials"] += 1
             run.report.counts["points that kill"] += failed

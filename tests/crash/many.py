@@ -162,10 +162,14 @@ def timed(function, *arguments):
 def filled(path, points):
     """Write the sweep with the data of few points at all of them, in place of computing it."""
     sweep = sweep_of(points)
-    records = {load: run_point(sweep, load, 1.0).record(with_fields=False) for load in sweep.loads}
+    records = {
+        load: run_point(sweep, load, 1.0).record(with_fields=False) for load in sweep.plane.loads
+    }
     with writing(path, sweep) as store:
-        for begin in range(0, len(sweep.velocities), _AT_ONCE):
-            some = itertools.product(sweep.velocities[begin : begin + _AT_ONCE], sweep.loads)
+        for begin in range(0, len(sweep.plane.velocities), _AT_ONCE):
+            some = itertools.product(
+                sweep.plane.velocities[begin : begin + _AT_ONCE], sweep.plane.loads
+            )
             store.commit(replace(records[load], point=Point(load, v)) for v, load in some)
 
 

@@ -1,7 +1,6 @@
 """Sweeps of milliseconds a point that grow from stage to stage, and what is computed of them."""
 
 import os
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,8 +13,8 @@ _FIRST = tiny.full(
     loads=(150.0, 600.0),
     velocities=tuple(np.linspace(0.5, 1.5, 12).tolist()),
 )
-_LONGER = replace(_FIRST, loads=(150.0, 600.0, 900.0))  # by some steps
-_WIDER = replace(_LONGER, velocities=tuple(np.linspace(0.5, 1.5, 23).tolist()))
+_LONGER = _FIRST.changed(loads=(150.0, 600.0, 900.0))  # by some steps
+_WIDER = _LONGER.changed(velocities=tuple(np.linspace(0.5, 1.5, 23).tolist()))
 STAGES = (_FIRST, _LONGER, _WIDER)
 """The same sweep, asked for more and more."""
 FAILING = Point(600.0, 1.5)
@@ -32,7 +31,7 @@ class Expected:
     """
 
     def __init__(self, sweep):
-        self._sweep = replace(sweep, chosen=None)
+        self._sweep = sweep.changed(chosen=None)
         self._results = {}
 
     def __call__(self, point):
@@ -43,12 +42,12 @@ class Expected:
 
     def records(self, sweep):
         """Records of all points of a sweep, as its workers return them."""
-        return {point: self(point).record(sweep.store_fields) for point in points(sweep)}
+        return {point: self(point).record(sweep.record.fields) for point in points(sweep)}
 
 
 def record_of(records, sweep, point):
     """Record of a point, which fails in the first stage if it is that one."""
-    if point == FAILING and sweep.loads == STAGES[0].loads:
+    if point == FAILING and sweep.plane.loads == STAGES[0].loads:
         return PointRecord(point, None, REASON)
     return records[point]
 

@@ -1,11 +1,9 @@
 """Small scenes on which accuracy is promised, each unlike the shipped one in another way."""
 
-from dataclasses import replace
-
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Sweep
 from tests.helpers.scenes import STEEL
+from tests.helpers.sweeps import sweep_of_fields
 
 ALUMINA = tribo.Material(
     elastic_modulus=310e9,
@@ -16,7 +14,7 @@ ALUMINA = tribo.Material(
     specific_heat=780.0,
 )
 
-PAPER = Sweep(
+PAPER = sweep_of_fields(
     pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
     disk=STEEL,
     pixels=tribo.Grid((120, 60), (3.2e-6, 3.2e-6)),
@@ -31,28 +29,25 @@ PAPER = Sweep(
 )
 
 SCENES = {
-    "finer pixels": replace(
-        PAPER,
+    "finer pixels": PAPER.changed(
         pixels=tribo.Grid((192, 96), (2.04e-6, 2.04e-6)),
         loads=(200.0, 250.0, 300.0, 350.0, 400.0, 500.0, 600.0, 750.0),
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
     ),
-    "another radius": replace(
-        PAPER,
+    "another radius": PAPER.changed(
         pin=tribo.Cylinder(5e-3, 3.4e-3, STEEL),
         pixels=tribo.Grid((128, 60), (4.5e-6, 3.2e-6)),
     ),
-    "low loads": replace(
-        PAPER,
+    "low loads": PAPER.changed(
         loads=(60.0, 80.0, 100.0, 130.0, 180.0),
         loading=tribo.Ramp(60.0, 180.0),
         conditions=Conditions(0.1, 298.15, 378.15),
     ),
-    "other materials": replace(PAPER, pin=tribo.Cylinder(2e-3, 3.4e-3, ALUMINA)),
-    "rougher, with a lay": replace(
-        PAPER, roughness=tribo.SelfAffineRoughness(0.5e-6, 0.7, (8e-6, 25e-6), seed=3)
+    "other materials": PAPER.changed(pin=tribo.Cylinder(2e-3, 3.4e-3, ALUMINA)),
+    "rougher, with a lay": PAPER.changed(
+        roughness=tribo.SelfAffineRoughness(0.5e-6, 0.7, (8e-6, 25e-6), seed=3)
     ),
-    "local wear": replace(PAPER, wear=tribo.Wear(1.2e-15, "local")),
-    "no wear": replace(PAPER, wear=None),
-    "smooth": replace(PAPER, roughness=None),
+    "local wear": PAPER.changed(wear=tribo.Wear(1.2e-15, "local")),
+    "no wear": PAPER.changed(wear=None),
+    "smooth": PAPER.changed(roughness=None),
 }

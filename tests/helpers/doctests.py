@@ -54,5 +54,5 @@ def _compute(scene, path):
     sweep = pipeline.load_scene(scene)
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
         for chain in chains(points(sweep), sweep):
-            parcel = pickle.dumps((sweep, sweep.store_fields))
+            parcel = pickle.dumps((sweep, sweep.record.fields))
             store.commit(compute_points(parcel, chain, None, 1e9).records)

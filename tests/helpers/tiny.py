@@ -9,16 +9,17 @@ import time
 from dataclasses import dataclass
 
 import tribo
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Measurement, Sweep
 from tests.helpers.scenes import STEEL
+from tests.helpers.sweeps import sweep_of_fields
 
 LOADS, VELOCITIES = (150.0, 250.0, 600.0), (0.5, 1.0, 1.5)
 
 
 def sweep(increments=6, temperature_interval=0, fidelity=None, **changes):
     """Stations every 125 N; 250 N is one of them."""
-    return Sweep(
+    return sweep_of_fields(
         **{
             "pin": tribo.Cylinder(radius=8e-3, length=3.375e-3, material=STEEL),
             "disk": STEEL,
@@ -48,7 +49,7 @@ def sweep(increments=6, temperature_interval=0, fidelity=None, **changes):
 
 def full(**changes):
     """With all that a store may hold."""
-    return sweep(temperature_interval=2, store_fields=True, **changes)
+    return sweep(temperature_interval=2, fields=True, **changes)
 
 
 def _on_a_worker():

@@ -14,10 +14,10 @@ from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
-STEEL = tiny.sweep().disk
+STEEL = tiny.sweep().scene.disk
 ALL = tribo.Corrections(
     friction=((0.5, 1.1), (1.5, 0.9)),
-    track=tribo.Track.under(tiny.sweep().pin, STEEL, 0.34),
+    track=tribo.Track.under(tiny.sweep().scene.pin, STEEL, 0.34),
     stem=tribo.Stem.rod(4e-3, 13.6e-6, 45.0, STEEL.thermal_diffusivity),
     film_resistance=1e-8,
     pin_bulk=tribo.Bulk(loss=0.5),
@@ -159,9 +159,9 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     entries |= {"disk.track_length": "40 cm"}
     scene = pipeline.load_scene(tmp_path / "plain.toml", overrides=entries)
     corrections = scene.conditions.corrections
-    assert corrections.pin_track.length == pytest.approx(np.pi * 0.1) == scene.track_length
+    assert corrections.pin_track.length == pytest.approx(np.pi * 0.1) == scene.scene.track_length
     assert corrections.track.length == 0.4
-    assert corrections.motion == scene.motion
+    assert corrections.motion == scene.scene.motion
     assert tribo.Corrections.of_plain(json.loads(json.dumps(corrections.as_dict()))) == corrections
     for wrong, problem in (
         ({"pin.track_length": "314 mm"}, "pin.diameter: 100 mm stands beside a track_length"),

@@ -84,7 +84,7 @@ TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless
 @pytest.mark.parametrize("title", TITLES.values(), ids=TITLES.keys())
 def test_any_title_is_shown_and_drawn(tmp_path, capsys, title):
     path = tmp_path / "a.zarr"
-    commit(path, tiny.sweep(title=title, store_fields=False), ())
+    commit(path, tiny.sweep(title=title, fields=False), ())
     assert main(["status", str(path)]) == 0
     output = capsys.readouterr().out
     assert output.replace("\n", "").isprintable()
@@ -146,7 +146,7 @@ def test_text_and_numbers_with_many_points_are_no_key(tmp_path):
         f'extends = "{ROOT}/workflows/first_try.toml"\ntitle = "{title}"\n'
         f"[sweep]\nloads = {loads}\n"
     )
-    assert len(load_scene(scene).loads) == 30
+    assert len(load_scene(scene).plane.loads) == 30
 
 
 def test_the_root_of_all_files_is_no_store(capsys):

@@ -44,9 +44,11 @@ def same(one, other):
 
 def test_a_forecast_counts_the_points_of_every_scene(tmp_path):
     sweep = load(tmp_path)
-    cost, one = (pipeline.estimate(case, 1) for case in (sweep, sweep.variant(sweep.entries[0])))
+    cost, one = (
+        pipeline.estimate(case, 1) for case in (sweep, sweep.variant(sweep.variants.entries[0]))
+    )
     for name in ("points", "chains", "steps", "temperatures", "disk_bytes"):
-        assert getattr(cost, name) == len(sweep.entries) * getattr(one, name)
+        assert getattr(cost, name) == len(sweep.variants.entries) * getattr(one, name)
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +114,11 @@ def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
     ("over", "overrides", "fault"),
     [
         (OVER, {"pin.length": "3 mm"}, "pin.radius 0.002: scene.pin.length"),
-        ('{ "pin.length" = ["3 mm"] }', {}, "other axes, by sweep.over, .*: pin.radius in"),
+        (
+            '{ "pin.length" = ["3 mm"] }',
+            {},
+            "other axes, by sweep.over, .*: pin.radius in",
+        ),
         ("{}", {}, "pin.radius in the store, none in the scene"),
     ],
 )
@@ -128,7 +134,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
         tmp_path, over, materials,
         **{"sweep.velocities": ["2 m/s"], "sweep.loads": ["600 N"], "sweep.realizations": [3, 4]},
     )  # fmt: skip
-    assert list(sweep.axes) == ["friction.coefficient", "pin.material", "realization"]
+    assert list(sweep.variants.axes) == ["friction.coefficient", "pin.material", "realization"]
     assert (len(points(sweep)), len(chains(points(sweep), sweep))) == (8, 4)
     pipeline.run_sweep(sweep, tmp_path / "out.zarr", workers=1)
     ds = pipeline.open_sweep(tmp_path / "out.zarr")
@@ -136,7 +142,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     one = pipeline.at_entries(ds, {"friction.coefficient": 0.12, "pin.material": "hard"})
     assert json.loads(one.attrs["conditions"])["friction"] == 0.12
     hottest = pipeline.decisive_temperature(ds)
-    assert hottest.dims == (*sweep.axes, "load", "velocity")
+    assert hottest.dims == (*sweep.variants.axes, "load", "velocity")
     rises = hottest - 298.15
     ratio = rises.sel({"friction.coefficient": 0.12}) / rises.sel({"friction.coefficient": 0.08})
     np.testing.assert_allclose(ratio.values, 1.5, rtol=1e-12)

@@ -62,8 +62,8 @@ def test_a_named_law_runs_on_workers_that_have_no_file(folder, irg):
     assert stored["parameters"] == RATES
     scene = pipeline.load_scene("own.toml")
     end = pipeline.end_of_point(ds).sel(load=400, velocity=2)
-    *_, state = tribo.simulate(scene, 400.0, 2.0)
-    assert end["wear_volume"].item() == tribo.measures(scene, state)["wear_volume"]
+    *_, state = tribo.simulate(scene.scene, 400.0, 2.0)
+    assert end["wear_volume"].item() == tribo.measures(scene.scene, state)["wear_volume"]
     (folder / "laws.py").write_text(LAWS + "# changed\n")
     assert "scene.wear.hash" in irg("run", "own.toml", "-q", "-o", "own.zarr", code=3)
 
@@ -105,7 +105,7 @@ def test_a_surface_of_one_s_own_is_part_of_the_scene(folder):
     heights = scene.heights()
     assert heights.max() == pytest.approx(2e-7)
     copy = pickle.loads(pickle.dumps(scene))
-    assert copy.roughness == scene.roughness
+    assert copy.scene.roughness == scene.scene.roughness
     np.testing.assert_array_equal(copy.heights(), heights)
 
 

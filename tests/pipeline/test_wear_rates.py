@@ -1,7 +1,5 @@
 """A sweep that answers for several wear rates: heat of each on the contacts of one."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -17,8 +15,7 @@ from tests.helpers.scenes import SCENE
 from tribo import Fidelity, InputError, Motion, Ramp, Wear
 
 RATES = (0.6e-15, 2.4e-15)
-SWEEP = replace(
-    tiny.sweep(wear_rates=RATES, fidelity={"contact_tolerance": 1e-6}),
+SWEEP = tiny.sweep(wear_rates=RATES, fidelity={"contact_tolerance": 1e-6}).changed(
     loads=(300.0, 600.0),
     velocities=(1.0, 1.25, 1.6, 2.0),
 )
@@ -34,7 +31,7 @@ def store(tmp_path_factory):
 
 def direct(rate, load, velocity):
     """Deciding rise of a point that is simulated with a wear rate of its own."""
-    scene = replace(SWEEP, wear=Wear(rate), wear_rates=None)
+    scene = SWEEP.changed(wear=Wear(rate), wear_rates=None)
     columns = pipeline.run_point(scene, load, velocity).columns
     return float(decisive_rises(columns, load, scene.conditions))
 
@@ -42,10 +39,10 @@ def direct(rate, load, velocity):
 @pytest.mark.parametrize("rate", [RATES[0], 1.5e-15, RATES[1]])
 def test_a_rise_at_another_rate_is_that_of_a_simulation_with_it(store, rate):
     ds = pipeline.at_wear_rate(store, rate)
-    ratio = rate / SWEEP.wear.specific_wear_rate
-    assert ds["velocity"].values * ratio == pytest.approx(SWEEP.velocities)
+    ratio = rate / SWEEP.scene.wear.specific_wear_rate
+    assert ds["velocity"].values * ratio == pytest.approx(SWEEP.plane.velocities)
     tolerance = 1e-9 if rate in RATES else 1e-2  # interpolated, of few elements
-    for load in SWEEP.loads:
+    for load in SWEEP.plane.loads:
         for velocity in ds["velocity"].values[[0, -1]]:
             rises = ds.sel(load=load, velocity=velocity)
             columns = {name: rises[name].values for name in ("normal_load", "rise_quantile")}
@@ -55,9 +52,9 @@ def test_a_rise_at_another_rate_is_that_of_a_simulation_with_it(store, rate):
 
 def test_heat_is_taken_at_rates_no_more_than_twice_as_high_as_the_next():
     assert SWEEP.rates == RATES  # and the scene's own between them
-    wide = replace(SWEEP, wear_rates=(0.3e-15, 4.8e-15))
+    wide = SWEEP.changed(wear_rates=(0.3e-15, 4.8e-15))
     assert wide.rates == pytest.approx((0.3e-15, 0.6e-15, 2.4e-15, 4.8e-15))
-    beside = replace(SWEEP, wear_rates=(1.2e-15, 3e-15)).rates
+    beside = SWEEP.changed(wear_rates=(1.2e-15, 3e-15)).rates
     assert beside[-1] == 3e-15
     assert len(beside) == 2
 
@@ -70,7 +67,7 @@ def test_the_rate_of_the_scene_is_one_of_them(store):
 
 
 def test_rises_are_known_from_when_the_load_is_reached_on():
-    held = replace(SWEEP, loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=2))
+    held = SWEEP.changed(loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=2))
     columns = run_point(held, 600.0, 1.25).columns
     finite = np.isfinite(columns["mean_rise_at_wear_rate"])
     assert finite.all(axis=1).tolist() == finite.any(axis=1).tolist()
@@ -85,8 +82,8 @@ def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
 
 
 def test_a_store_keeps_the_wear_rates_of_its_creation(store):
-    other = replace(SWEEP, wear_rates=(1e-15, 2e-15))
-    for sweep in (other, replace(SWEEP, wear_rates=None)):
+    other = SWEEP.changed(wear_rates=(1e-15, 2e-15))
+    for sweep in (other, SWEEP.changed(wear_rates=None)):
         with pytest.raises(StoreMismatchError, match="wear_rates"), writing(store, sweep):
             pass
 
@@ -94,10 +91,10 @@ def test_a_store_keeps_the_wear_rates_of_its_creation(store):
 def test_velocities_are_added_so_that_each_rate_has_those_of_the_scene():
     notes = []
     wider = with_velocities_for_rates(SWEEP, notes)
-    ends = wider.velocities[0], wider.velocities[-1]
+    ends = wider.plane.velocities[0], wider.plane.velocities[-1]
     assert ends == (0.5, 4.0)
-    assert set(SWEEP.velocities) < set(wider.velocities)
-    assert max(np.diff(np.log(wider.velocities))) <= np.log(1.3)
+    assert set(SWEEP.plane.velocities) < set(wider.plane.velocities)
+    assert max(np.diff(np.log(wider.plane.velocities))) <= np.log(1.3)
     assert "0.5 m/s and 4 m/s" in notes[0]
 
 
@@ -114,7 +111,7 @@ def test_velocities_are_added_so_that_each_rate_has_those_of_the_scene():
 )
 def test_it_is_refused_where_contacts_are_not_shared(changes, reason):
     with pytest.raises(InputError, match=reason):
-        replace(SWEEP, **changes)
+        SWEEP.changed(**changes)
 
 
 def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
@@ -122,9 +119,9 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
     rates = 'wear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
     scene.write_text(SCENE.replace("[sweep]", f"[sweep]\n{rates}"))
     sweep = pipeline.load_scene(scene)
-    assert sweep.wear_rates == pytest.approx((1e-15, 2e-15))
+    assert sweep.variants.wear_rates == pytest.approx((1e-15, 2e-15))
     cost = pipeline.estimate(sweep, workers=1)
-    assert cost.temperatures == 3 * len(sweep.loads) * len(sweep.velocities)
+    assert cost.temperatures == 3 * len(sweep.plane.loads) * len(sweep.plane.velocities)
     assert "own wear rate alone" in irg(
         "run", scene, "-o", tmp_path / "a.zarr", "--boundary-only", code=2
     )
@@ -138,7 +135,7 @@ def test_the_page_has_the_boundary_at_each_wear_rate(store):
     return argument.map((given) => {
       chosen.conditions = { ...content.conditions, ...given };
       sweep.takeWearRate(given.wear_rate);
-      return [sweep.velocities, summary().velocity.map(({ middle }) => middle)];
+      return [sweep.plane.velocities, summary().velocity.map(({ middle }) => middle)];
     });
     """
     for rate, (velocities, critical) in zip(rates, run(ds, script, conditions), strict=True):

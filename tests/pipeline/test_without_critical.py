@@ -13,14 +13,14 @@ from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
 mpl.use("agg")
-KNOWN = tiny.sweep(store_fields=True).conditions
+KNOWN = tiny.sweep(fields=True).conditions
 UNKNOWN = replace(KNOWN, critical_temperature=None)
 
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory):
     path = tmp_path_factory.mktemp("unknown") / "out.zarr"
-    commit_all(path, tiny.sweep(store_fields=True, conditions=UNKNOWN))
+    commit_all(path, tiny.sweep(fields=True, conditions=UNKNOWN))
     return path
 
 

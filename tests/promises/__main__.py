@@ -41,19 +41,23 @@ def truth(sweep, parts):
 
 def described(sweep):
     """Kind of scene, in a line."""
-    loading = getattr(sweep.loading, "hold", None)
-    motion = sweep.motion and [v for v in dataclasses.astuple(sweep.motion) if v is not None]
+    loading = getattr(sweep.scene.loading, "hold", None)
+    motion = sweep.scene.motion and [
+        v for v in dataclasses.astuple(sweep.scene.motion) if v is not None
+    ]
     return ", ".join(
         [
-            type(sweep.pin).__name__.lower(),
-            f"wear {sweep.wear.pattern} {sweep.wear.specific_wear_rate:.1g}"
-            if sweep.wear
+            type(sweep.scene.pin).__name__.lower(),
+            f"wear {sweep.scene.wear.pattern} {sweep.scene.wear.specific_wear_rate:.1g}"
+            if sweep.scene.wear
             else "no wear",
             "record" if loading is None else f"hold {loading:.2g} s",
             f"rolls {motion}" if motion else "at rest",
             f"bulks {sweep.conditions.bulk_difference:.3g} K apart",
-            "smooth" if sweep.roughness is None else f"{len(sweep.realizations) or 1} surfaces",
-            f"{len(sweep.velocities)} velocities",
+            "smooth"
+            if sweep.scene.roughness is None
+            else f"{len(sweep.variants.realizations) or 1} surfaces",
+            f"{len(sweep.plane.velocities)} velocities",
         ]
     )
 

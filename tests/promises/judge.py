@@ -23,12 +23,12 @@ _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponen
 
 def places(sweep):
     """Places of a sweep at which its boundary is judged."""
-    return [Place(load, variant) for variant in sweep.variants for load in sweep.loads]
+    return [Place(load, variant) for variant in sweep.variants.names for load in sweep.plane.loads]
 
 
 def _rise(sweep, fidelity, place, velocity):
     """Decisive rise at a place, with its warnings."""
-    scene = replace(sweep.variant(place.variant), fidelity=fidelity)
+    scene = sweep.variant(place.variant).changed(fidelity=fidelity)
     state = state_at(scene, place.load, velocity)
     return decisive_rise(scene, state, sweep.conditions), warnings(scene, state)
 
@@ -70,7 +70,7 @@ def heat_of_the_past(sweep, place, velocity):
     for model in ("history", "elapsed"):
         fidelity = replace(
             TRUTH,
-            increments=_PAST_STEPS * (2 if isinstance(sweep.loading, MeasuredLoad) else 1),
+            increments=_PAST_STEPS * (2 if isinstance(sweep.scene.loading, MeasuredLoad) else 1),
             wear_scheme="implicit",
             contact_tolerance=1e-4,
             heat_model=model,
@@ -84,7 +84,7 @@ def true_boundary(sweep):
 
     It is sought with an eighth of the steps, so that few of the whole are left to be done.
     """
-    middle = math.sqrt(sweep.velocities[0] * sweep.velocities[-1])
+    middle = math.sqrt(sweep.plane.velocities[0] * sweep.plane.velocities[-1])
     by_present, by_all = {}, {}
     for place in places(sweep):
         start, _ = boundary_velocity(sweep, PRESETS["standard"], place, middle)

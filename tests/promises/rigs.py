@@ -50,7 +50,7 @@ def ensemble_of(scene, overrides, store=None):
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
         return replace(ensemble, tests=())
     sweep = pipeline.load_scene(scene, overrides=overrides)
-    sweep = replace(sweep, store_fields=False, measured=(), tested=())
+    sweep = sweep.changed(fields=False, measured=(), tested=())
     with tempfile.TemporaryDirectory() as folder:
         store = Path(folder) / "samples.zarr"
         pipeline.run_sweep(sweep, store, workers=os.cpu_count())
@@ -102,7 +102,7 @@ class Rig:
         self.truth = at_scores(ensemble.unknown, scores)[0]
         entries = entries_of(ensemble.unknown, self.truth)
         alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
-        self._scene = replace(pipeline.load_scene(scene, overrides=alone), samples=None)
+        self._scene = pipeline.load_scene(scene, overrides=alone).changed(samples=None)
         self._friction, self._chance = entries[FRICTION], chance
         self.simulated = functools.cache(self._simulated)
 

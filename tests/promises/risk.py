@@ -13,7 +13,6 @@ import multiprocessing
 import os
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +36,7 @@ def _of_chunk(task):
 def excess(scene, overrides, inputs, load, velocity):
     """Logarithm of the rise over its limit at a point, with inputs as the scene would give them."""
     alone = pipeline.load_scene(scene, overrides=overrides | inputs)
-    alone = replace(alone, samples=None)
+    alone = alone.changed(samples=None)
     rise = decisive_rises(run_point(alone, load, velocity).columns, load, alone.conditions)
     return math.log(float(rise) / rise_limit(alone.conditions))
 
@@ -112,7 +111,7 @@ def main():
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     options = parser.parse_args()
     overrides = {"fidelity.preset": options.preset}
-    sweep = replace(pipeline.load_scene(options.scene, overrides=overrides), store_fields=False)
+    sweep = pipeline.load_scene(options.scene, overrides=overrides).changed(fields=False)
     with tempfile.TemporaryDirectory() as folder:
         store = options.store or Path(folder) / "samples.zarr"
         if options.store is None:

@@ -8,9 +8,9 @@ import numpy as np
 import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rise
-from pipeline.sweep.model import Sweep
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL
+from tests.helpers.sweeps import sweep_of_fields
 
 BRONZE = tribo.Material(110e9, 0.34, 60.0, 8800.0, 380.0, 1.5e9)
 SOFT_STEEL = tribo.Material(210e9, 0.3, 50.0, 7850.0, 460.0, 1.8e9)
@@ -50,7 +50,7 @@ def random_sweep(seed):
     velocity, duration = log(0.1, 8.0), rng.uniform(2.0, 8.0)
     wear = tribo.Wear(log(1e-18, 1e-13), pattern) if pattern else None
     spread = np.geomspace(1 / 4, 6, int(rng.choice([6, 24])))
-    sweep = Sweep(
+    sweep = sweep_of_fields(
         pin=tribo.Cylinder(radius, length, pin),
         disk=disk,
         pixels=tribo.Grid(shape, (pixel, pixel)),
@@ -76,34 +76,38 @@ def in_window(sweep, lengths, velocity):
     The lengths are those of correlation, in pixels.
     """
     for _ in range(12):
-        sizes = sweep.pixels.spacing
-        if sweep.roughness is not None:
+        sizes = sweep.scene.pixels.spacing
+        if sweep.scene.roughness is not None:
             along = tuple(n * size for n, size in zip(lengths, sizes, strict=True))
-            sweep = replace(sweep, roughness=replace(sweep.roughness, correlation_length=along))
-        ends = (sweep.loads[-1], velocity), (sweep.loads[0], 4 * velocity)
+            sweep = sweep.changed(
+                roughness=replace(sweep.scene.roughness, correlation_length=along)
+            )
+        ends = (sweep.plane.loads[-1], velocity), (sweep.plane.loads[0], 4 * velocity)
         warnings = [
-            warning for end in ends for warning in tribo.warnings(sweep, state_at(sweep, *end))
+            warning
+            for end in ends
+            for warning in tribo.warnings(sweep.scene, state_at(sweep, *end))
         ]
         if tribo.WarningKind.CONTACT_AT_EDGE not in (warning.kind for warning in warnings):
             break
         wider = tuple(1.4 * size for size in sizes)
-        sweep = replace(sweep, pixels=replace(sweep.pixels, spacing=wider))
+        sweep = sweep.changed(pixels=replace(sweep.scene.pixels, spacing=wider))
     return sweep
 
 
 def _with_boundary(sweep, velocity):
     """Set the critical temperature to what a rough look gives in the middle of the diagram."""
-    state = state_at(sweep, sweep.loads[2], velocity)
+    state = state_at(sweep, sweep.plane.loads[2], velocity)
     rise = decisive_rise(sweep, state, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
-    return replace(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
+    return sweep.changed(conditions=replace(sweep.conditions, critical_temperature=critical))
 
 
 def state_at(scene, load, velocity):
     """State of a point that decides: the hottest under its full load."""
     hot = [
         state
-        for state in tribo.simulate(scene, load, velocity)
+        for state in tribo.simulate(scene.scene, load, velocity)
         if state.heat is not None and state.normal_load >= load
     ]
     return max(hot, key=lambda state: state.heat.max_rise) if len(hot) > 1 else hot[0]

@@ -8,8 +8,8 @@ import numpy as np
 import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature
-from pipeline.sweep.model import Sweep
 from pipeline.sweep.rises import at_bulks
+from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, in_window, state_at
 from tribo.criterion import columns_of
 
@@ -32,7 +32,7 @@ def random_wide_sweep(seed):
     load, half_widths = hertz(pin, disk, pressure)
     pixels = draw.pixels(pin, half_widths)
     velocity = draw.log_between(0.1, 8.0)
-    sweep = Sweep(
+    sweep = sweep_of_fields(
         pin=pin,
         disk=disk,
         pixels=pixels,
@@ -48,8 +48,8 @@ def random_wide_sweep(seed):
         fidelity=ROUGHLY,
     )
     sweep = in_window(sweep, draw.lengths(), velocity)
-    if sweep.roughness is not None and draw.chance(1 / 5):
-        sweep = replace(sweep, realizations=(seed, seed + 1000))
+    if sweep.scene.roughness is not None and draw.chance(1 / 5):
+        sweep = sweep.changed(realizations=(seed, seed + 1000))
     bulks = draw.between(-0.5, 0.5) if draw.chance(1 / 4) else 0.0
     return _with_boundary(sweep, velocity, bulks)
 
@@ -148,9 +148,9 @@ def hertz(pin, disk, pressure):
 
 def _with_boundary(sweep, velocity, bulks):
     """Set bulk temperatures, apart by a share of the warming, and the critical one amid all."""
-    scene = sweep.variant(sweep.variants[0])
-    warm = replace(scene, unequal_bulks=bulks != 0)
-    state = state_at(warm, sweep.loads[_MIDDLE], velocity)
+    scene = sweep.variant(sweep.variants.names[0])
+    warm = scene.changed(unequal_bulks=bulks != 0)
+    state = state_at(warm, sweep.plane.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
     if bulks:
         rise = float(conditions.decisive.rise(columns_of(state.heat)))
@@ -160,8 +160,7 @@ def _with_boundary(sweep, velocity, bulks):
         conditions = replace(conditions, critical_temperature=warmest + 1000.0)
     rise = float(conditions.decisive.rise(at_bulks(columns_of(state.heat), conditions)))
     critical = contact_temperature(rise, conditions)
-    return replace(
-        sweep,
+    return sweep.changed(
         unequal_bulks=bulks != 0,
         conditions=replace(conditions, critical_temperature=critical),
     )

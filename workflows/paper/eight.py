@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 
 from pipeline.figures.style import celsius
 from pipeline.sweep.model import Sweep
-from tribo import Corrections, Cylinder, State, Stem, Track, contacts, heated
+from tribo import Corrections, Cylinder, Scene, State, Stem, Track, contacts, heated
 from tribo.corrections import moment_of
 from tribo.criterion import Criterion
 from tribo.types import Array
@@ -47,7 +47,7 @@ class Transitions:
     friction: Array
     bulk_celsius: Array
     film_parameter: Array
-    ends: dict[tuple[WearPattern, float], list[list[tuple[Sweep, State]]]]
+    ends: dict[tuple[WearPattern, float], list[list[tuple[Scene, State]]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class Physics:
         ]
         return mean(np.log(transitions.friction[:, None] * np.array(rises)))
 
-    def _corrections(self, scene: Sweep) -> Corrections:
+    def _corrections(self, scene: Scene) -> Corrections:
         if not self.holds_heat:
             return Corrections()
         pin, disk = scene.pin, scene.disk
@@ -106,11 +106,11 @@ def transitions_of(
         for pattern in patterns:
             for seed in study.seeds(SURFACES):
                 surface = worn(scene.on_surface(seed), pattern)
-                *_, contact = contacts(surface, row.normal_load, row.velocity)
+                *_, contact = contacts(surface.scene, row.normal_load, row.velocity)
                 for K in conductivities:
                     other = _conducting(surface, K)
-                    state = heated(other, contact, row.velocity)
-                    ends[pattern, K][number].append((other, state))
+                    state = heated(other.scene, contact, row.velocity)
+                    ends[pattern, K][number].append((other.scene, state))
         study.tell(f"{oil}, {row.normal_load:g} N at {row.velocity:g} m/s")
     return Transitions(
         oil=np.array([oil for oil, *_ in tests]),
@@ -122,10 +122,10 @@ def transitions_of(
     )
 
 
-def _conducting(scene: Sweep, conductivity: float) -> Sweep:
-    pin = replace(scene.pin.material, thermal_conductivity=conductivity)
-    disk = replace(scene.disk, thermal_conductivity=conductivity)
-    return replace(scene, pin=replace(scene.pin, material=pin), disk=disk)
+def _conducting(sweep: Sweep, conductivity: float) -> Sweep:
+    pin = replace(sweep.scene.pin.material, thermal_conductivity=conductivity)
+    disk = replace(sweep.scene.disk, thermal_conductivity=conductivity)
+    return sweep.changed(pin=replace(sweep.scene.pin, material=pin), disk=disk)
 
 
 def log_evidence(

@@ -26,14 +26,14 @@ _Curves = Mapping[str, tuple[Array, Array]]
 def fig5(study: Study) -> Report:
     """Highest temperature against time at 600 N and 1.25 m/s."""
     sweep = study.scene_with_history("fig5")
-    if not isinstance(sweep.loading, Ramp):
-        raise InputError(f"the scene {sweep.name} must have a ramp, `rate` under [loading]")
-    load, velocity = sweep.loads[-1], sweep.velocities[-1]
+    if not isinstance(sweep.scene.loading, Ramp):
+        raise InputError(f"the scene {sweep.about.name} must have a ramp, `rate` under [loading]")
+    load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]
     curves = {
         name: history(worn(sweep, _LOOKS[name][0]), load, velocity, HIGHEST)[:2]
         for name in study.stages(_LOOKS)
     }
-    full = load / sweep.loading.rate
+    full = load / sweep.scene.loading.rate
     times = (full / 2, full, float(curves["no wear"][0][-1]))
     marks = {
         name: [float(np.interp(time, *curve)) for time in times] for name, curve in curves.items()

@@ -115,25 +115,25 @@ def _critical(study: Study, transitions: Sequence[Transition]) -> Array:
 
 def _held(sweep: Sweep, row: Any, duration: float, steps: int) -> Sweep:
     """The scene with its load held to the end of a test of some duration [s]."""
-    if not isinstance(sweep.loading, Ramp):
+    if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("the wear rate of a width needs a scene with a ramp")
-    hold = duration - row.normal_load / sweep.loading.rate
-    return replace(sweep, loading=replace(sweep.loading, hold=hold, hold_steps=steps))
+    hold = duration - row.normal_load / sweep.scene.loading.rate
+    return sweep.changed(loading=replace(sweep.scene.loading, hold=hold, hold_steps=steps))
 
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
     """Specific wear rate that gives a measured width by the end of a test [m²/N]."""
-    fidelity = replace(sweep.fidelity, averaging="mean", temperature_interval=0)
-    smooth = replace(sweep, roughness=None, fidelity=fidelity)
+    fidelity = replace(sweep.scene.fidelity, averaging="mean", temperature_interval=0)
+    smooth = sweep.changed(roughness=None, fidelity=fidelity)
     scene = _held(smooth, row, duration, steps=50)
-    return specific_wear_rate(scene, row.measured_width, row.normal_load, row.velocity).value
+    return specific_wear_rate(scene.scene, row.measured_width, row.normal_load, row.velocity).value
 
 
 def _widening(sweep: Sweep) -> float:
     """Widening of the contact by the roughness after a test, relative."""
     row = TABLE_4[0]
     held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2], steps=20)
-    rough, smooth = (end_of(scene, row) for scene in (held, replace(held, roughness=None)))
+    rough, smooth = (end_of(scene, row) for scene in (held, held.changed(roughness=None)))
     return float(rough["contact_width"] / smooth["contact_width"] - 1)
 
 
@@ -164,7 +164,7 @@ def _of_oil_a(rates: Sequence[float], transitions: Sequence[Transition]) -> dict
     """Specific wear rates of oil A from contact widths and in its scenes [1e-6 mm³/(N m)]."""
     cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
-    wears = [scene.wear for scene, _ in transitions[::2]]
+    wears = [scene.scene.wear for scene, _ in transitions[::2]]
     in_scenes = np.array([_UNIT * wear.specific_wear_rate for wear in wears if wear])
     return {
         "printed_rate": _UNIT * SPECIFIC_WEAR_RATE,

@@ -29,11 +29,11 @@ _LOOKS = {
 def fig4(study: Study) -> Report:
     """Pressure of a cylinder on a patch with free ends, with its nearest images, with all."""
     sweep = study.scene("fig4")
-    pin = sweep.pin
+    pin = sweep.scene.pin
     if not isinstance(pin, Cylinder):
-        raise InputError(f'the scene {sweep.name} must have a pin of shape "cylinder"')
-    load_per_length = sweep.loads[-1] / pin.length
-    hertz = load_per_length, pin.radius, contact_modulus(pin.material, sweep.disk)
+        raise InputError(f'the scene {sweep.about.name} must have a pin of shape "cylinder"')
+    load_per_length = sweep.plane.loads[-1] / pin.length
+    hertz = load_per_length, pin.radius, contact_modulus(pin.material, sweep.scene.disk)
     peak, half_width = hertz_line_peak_pressure(*hertz), hertz_line_half_width(*hertz)
     fields = {
         "free": _pressure(sweep, False, "periodic"),
@@ -45,7 +45,7 @@ def fig4(study: Study) -> Report:
     over = {name: highest[name] / peak - 1 for name in ("nearest_image", "periodic")}
     end = float(fields["free"][:, 0].max())
     values = {
-        "load": sweep.loads[-1],
+        "load": sweep.plane.loads[-1],
         "length": 1e3 * pin.length,
         "printed_peak": CYLINDER_PEAK_PRESSURE / 1e9,
         "printed_half_width": CYLINDER_HALF_WIDTH * 1e3,
@@ -93,12 +93,12 @@ def fig4(study: Study) -> Report:
 def _pressure(sweep: Sweep, periodic: bool, kernel: Literal["periodic", "nearest-image"]) -> Array:
     """Pressure by element along x and y [Pa]; along y also where one row stands for all."""
     scene = replace(
-        sweep,
-        pixels=replace(sweep.pixels, periodic=(False, periodic)),
-        fidelity=replace(sweep.fidelity, kernel=kernel),
+        sweep.scene,
+        pixels=replace(sweep.scene.pixels, periodic=(False, periodic)),
+        fidelity=replace(sweep.scene.fidelity, kernel=kernel),
     )
-    *_, state = simulate(scene, scene.loads[-1], scene.velocities[-1])
-    rows = sweep.pixels.shape[1] // sweep.fidelity.pixels_per_element
+    *_, state = simulate(scene, sweep.plane.loads[-1], sweep.plane.velocities[-1])
+    rows = sweep.scene.pixels.shape[1] // sweep.scene.fidelity.pixels_per_element
     return np.broadcast_to(state.pressure, (len(state.pressure), rows))
 
 
@@ -113,8 +113,8 @@ def _draw(sweep: Sweep, fields: Mapping[str, Array], peak: float, half_width: fl
     figure = Figure(figsize=(8.4, 6.6))
     upper, (across, along) = figure.subplots(2, 2, height_ratios=(1.15, 1))
     nx, ny = fields["free"].shape
-    x = sweep.grid.coordinates(0)
-    y = Grid((nx, ny), (1.0, sweep.pixels.size[1] / ny)).coordinates(1)
+    x = sweep.scene.grid.coordinates(0)
+    y = Grid((nx, ny), (1.0, sweep.scene.pixels.size[1] / ny)).coordinates(1)
     colours = colormaps["viridis_r"].resampled(32)
     titles = {"free": "a  free ends", "nearest_image": "b  compensated by the nearest images"}
     for axes, (name, title) in zip(upper, titles.items(), strict=True):

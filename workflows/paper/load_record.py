@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -27,10 +26,10 @@ _Curves = Mapping[str, tuple[Array, Array]]
 def fig8(study: Study) -> Report:
     """The same point through a recorded load, its linear fit, and the stated rate."""
     sweep = study.scene_with_history("fig8")
-    record = sweep.loading
+    record = sweep.scene.loading
     if not isinstance(record, MeasuredLoad):
-        raise InputError(f"the scene {sweep.name} must have a record, `file` under [loading]")
-    load, velocity = sweep.loads[-1], sweep.velocities[-1]
+        raise InputError(f"the scene {sweep.about.name} must have a record, `file` under [loading]")
+    load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]
     rate, onset = record.linear_fit()
     loadings: dict[str, Ramp | MeasuredLoad] = {
         _RECORD: record,
@@ -39,7 +38,7 @@ def fig8(study: Study) -> Report:
     }
     curves, runs = {}, {}
     for name in study.stages(loadings):
-        scene = replace(sweep, loading=loadings[name])
+        scene = sweep.changed(loading=loadings[name])
         *curve, end = history(scene, load, velocity, scene.conditions.decisive)
         curves[name] = (curve[0], curve[1])
         runs[name] = {
@@ -92,7 +91,7 @@ def _share(sweep: Sweep) -> str:
 def _draw(sweep: Sweep, record: MeasuredLoad, curves: _Curves) -> Figure:
     figure = Figure(figsize=(7.4, 6.0))
     upper, lower = figure.subplots(2, 1, sharex=True)
-    (rate, onset), load, last = record.linear_fit(), sweep.loads[-1], float(record.times[-1])
+    (rate, onset), load, last = record.linear_fit(), sweep.plane.loads[-1], float(record.times[-1])
     upper.plot(record.times, record.loads, color=BLACK, lw=1.2, label="record (synthetic)")
     upper.plot(
         [onset, onset + load / rate, last], [0, load, load], color=VERMILION, ls="--",

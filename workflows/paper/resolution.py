@@ -42,10 +42,12 @@ def fig6(study: Study) -> Report:
     """Highest temperature at 750 N and 1.25 m/s on other grids and with other steps."""
     sweep = study.scene("irg_transition")
     if study.preset is None:
-        sweep = replace(sweep, fidelity=_PAPER)
+        sweep = sweep.changed(fidelity=_PAPER)
     seeds, decisive = study.seeds(1), sweep.conditions.decisive
-    blocks = [n for n in _BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
-    sides = {sweep.pixels.shape[0] // block: block for block in blocks}
+    blocks = [
+        n for n in _BLOCKS if study.preset is None or n >= sweep.scene.fidelity.pixels_per_element
+    ]
+    sides = {sweep.scene.pixels.shape[0] // block: block for block in blocks}
     by_elements: dict[str, _Row] = {"maximum": {}, "10 %": {}, "one step": {}}
     for side in study.stages(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
         elements = {"pixels_per_element": sides[side], "history_coarsening": 1}
@@ -106,7 +108,7 @@ def _with_steps(
         for surface in surfaces:
             scene = _with(surface, increments=count, history_coarsening=1)
             try:
-                *_, state = simulate(scene, _POINT.normal_load, _POINT.velocity)
+                *_, state = simulate(scene.scene, _POINT.normal_load, _POINT.velocity)
             except ConvergenceError as error:
                 unstable[count] = str(error)
                 continue
@@ -114,14 +116,14 @@ def _with_steps(
             highest.setdefault(count, []).append(float(celsius_of(end, HIGHEST)))
             if surface is surfaces[0]:
                 pressures[count] = state.pressure
-            for warning in map(str, warnings(scene, state)):
+            for warning in map(str, warnings(scene.scene, state)):
                 if "explicit" in warning:
                     unstable[count] = warning
     return highest, unstable, pressures
 
 
-def _with(scene: Sweep, **changes: Any) -> Sweep:
-    return replace(scene, fidelity=replace(scene.fidelity, **changes))
+def _with(sweep: Sweep, **changes: Any) -> Sweep:
+    return sweep.changed(fidelity=replace(sweep.scene.fidelity, **changes))
 
 
 def _neighbours(pressure: Array) -> float:
@@ -254,7 +256,9 @@ def _patches(figure: SubFigure, sweep: Sweep, fields: Mapping[str, Array], incre
     """Draw the middle of the contact after explicit and implicit steps, on one scale."""
     fields = dict(sorted(fields.items()))  # explicit first
     row = np.atleast_1d(figure.subplots(1, len(fields), sharey=True))
-    dx, dy = (1e6 * side * sweep.fidelity.pixels_per_element for side in sweep.pixels.spacing)
+    dx, dy = (
+        1e6 * side * sweep.scene.fidelity.pixels_per_element for side in sweep.scene.pixels.spacing
+    )
     parts = []
     for pressure in fields.values():
         (nx, ny), gigapascal = pressure.shape, pressure / 1e9

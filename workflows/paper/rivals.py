@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, cast
 
@@ -73,7 +73,7 @@ def rivals(study: Study) -> Report:
     conditions = sweep.conditions
     loads, velocities = TABLE_4.normal_load, TABLE_4.velocity
     seeds = study.stages(study.seeds(_SURFACES), "surface {}".format)
-    smaller = replace(sweep, store_fields=False)
+    smaller = sweep.changed(store_fields=False)
     ends = on_surfaces(
         [(smaller, row) for row in TABLE_4], seeds, partial(beside_boundary, step=_STEP)
     )
@@ -125,8 +125,8 @@ def rivals(study: Study) -> Report:
 
 def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criterion]:
     """The criterion of the model, and those that need no simulation; worn ones as measured."""
-    conditions, pin = sweep.conditions, cast(Cylinder, sweep.pin)
-    contact = SmoothContact(pin, sweep.disk)
+    conditions, pin = sweep.conditions, cast(Cylinder, sweep.scene.pin)
+    contact = SmoothContact(pin, sweep.scene.disk)
     bulk = float(celsius(conditions.bulk_temperature))
     F, V, mu = TABLE_4.normal_load, TABLE_4.velocity, TABLE_4.friction
 

@@ -40,9 +40,9 @@ _Outcomes = Mapping[str, Mapping[str, _Outcome]]
 def sensitivity(study: Study) -> Report:
     """Temperatures at Table 4's transitions, and critical velocities, for other surfaces."""
     sweep = study.scene("irg_transition")
-    rough = sweep.roughness
+    rough = sweep.scene.roughness
     if not isinstance(rough, SelfAffineRoughness):
-        raise InputError(f"the scene {sweep.name} must have a random surface, as in Table 4")
+        raise InputError(f"the scene {sweep.about.name} must have a random surface, as in Table 4")
     kinds = _kinds(rough)
     names = {
         surface: f"{kind} {name}"
@@ -50,7 +50,7 @@ def sensitivity(study: Study) -> Report:
         for name, surface in variants.items()
     }
     by_surface = {
-        surface: _outcome(study, replace(sweep, roughness=surface))
+        surface: _outcome(study, sweep.changed(roughness=surface))
         for surface in study.stages(names, names.__getitem__)
     }
     outcomes = {
@@ -58,7 +58,7 @@ def sensitivity(study: Study) -> Report:
         for kind, variants in kinds.items()
     }
     widths = {
-        name: _unworn_widths(study, replace(sweep, roughness=surface))
+        name: _unworn_widths(study, sweep.changed(roughness=surface))
         for name, surface in study.stages(kinds["Ra"].items(), lambda item: f"unworn, Ra {item[0]}")
     }
     values = {

@@ -59,8 +59,8 @@ class Study:
         sweep = self.scene(name)
         if self.preset is None:
             return sweep
-        interval = max(1, sweep.fidelity.increments // 10)
-        return replace(sweep, fidelity=replace(sweep.fidelity, temperature_interval=interval))
+        interval = max(1, sweep.scene.fidelity.increments // 10)
+        return sweep.changed(fidelity=replace(sweep.scene.fidelity, temperature_interval=interval))
 
     def stages(
         self,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from pipeline.analysis.boundary import boundary
 from pipeline.figures.diagram import diagram
 from tribo import InputError
@@ -20,17 +18,15 @@ _SMALL = 0.05  # relative: a spread that the choice of a surface may have
 def band(study: Study) -> Report:
     """The transition on each of several surfaces, and at the ends of the friction band."""
     scene = study.scene("irg_transition")
-    if scene.friction_band is None:
-        raise InputError(f"the scene {scene.name} must have a friction band")
-    least, most = scene.friction_band
+    if scene.about.friction_band is None:
+        raise InputError(f"the scene {scene.about.name} must have a friction band")
+    least, most = scene.about.friction_band
     seeds = tuple(study.seeds(_SURFACES))
-    sweep = replace(
-        scene, loads=_LOADS, velocities=_VELOCITIES, realizations=seeds, store_fields=False
-    )
-    _, ds = study.sweep(sweep, f"{sweep.name}_surfaces_{sweep.preset}")
+    sweep = scene.changed(loads=_LOADS, velocities=_VELOCITIES, realizations=seeds, fields=False)
+    _, ds = study.sweep(sweep, f"{sweep.about.name}_surfaces_{sweep.about.preset}")
     ds = ds.sel(realization=list(seeds))
 
-    measured = sorted(sweep.measured, key=lambda entry: -entry.normal_load)
+    measured = sorted(sweep.about.measured, key=lambda entry: -entry.normal_load)
     loads = [entry.normal_load for entry in measured]
     at_load = boundary(ds).sel(load=loads).transpose("load", ...)
     velocities = at_load["critical_velocity"].values

@@ -60,8 +60,8 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
     conditions = sweep.conditions
     ends = ensemble(study, ("unworn", "swept", "local"), [(sweep, row) for row in TABLE_4])
     swept, unworn = ends["swept"], ends["unworn"]
-    nx, ny = sweep.pixels.shape
-    longer = replace(sweep, pixels=replace(sweep.pixels, shape=(nx, _LONGER * ny)))
+    nx, ny = sweep.scene.pixels.shape
+    longer = sweep.changed(pixels=replace(sweep.scene.pixels, shape=(nx, _LONGER * ny)))
     few = study.stages(study.seeds(_FEW)[:_FEW], "swept, longer patch, surface {}".format)
     on_longer = on_surfaces([(longer, TABLE_4[-1])], few)
     critical = conditions.known_critical_temperature()

@@ -13,14 +13,14 @@ _GOOD = 0.15  # relative: what this project holds itself to
 def fig10(study: Study) -> Report:
     """The diagram of the paper's system, from its store or computed into it."""
     sweep = study.scene("irg_transition")
-    name = sweep.name if study.preset is None else f"{sweep.name}_{study.preset}"
+    name = sweep.about.name if study.preset is None else f"{sweep.about.name}_{study.preset}"
     outcome, ds = study.sweep(sweep, name)
 
     def critical(load: float, friction: float | None = None) -> float:
         return float(boundary(ds, friction=friction)["critical_velocity"].sel(load=load))
 
     rows, transitions, off = [], [], []
-    for entry in sweep.measured:
+    for entry in sweep.about.measured:
         load, measured = entry.normal_load, entry.velocity
         pair = critical(load), critical(load, entry.friction)
         errors = [velocity / measured - 1 for velocity in pair]
@@ -46,8 +46,8 @@ def fig10(study: Study) -> Report:
         "off": off,
         "low": sum(value < 0 for value in off),
         "number": len(off),
-        "loads": len(sweep.loads),
-        "velocities": len(sweep.velocities),
+        "loads": len(sweep.plane.loads),
+        "velocities": len(sweep.plane.velocities),
         "failed": f"{failed} points failed and are left out." if failed else "",
     }
     columns = ("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off")

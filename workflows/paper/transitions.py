@@ -56,31 +56,31 @@ def oil_a(study: Study) -> list[Transition]:
     return [(cold if row.bulk_celsius == ROOM_CELSIUS else hot, row) for row in TABLE_6]
 
 
-def end_at(scene: Sweep, state: State, friction: float | None = None) -> Ends:
+def end_at(sweep: Sweep, state: State, friction: float | None = None) -> Ends:
     """Quantities at the last state of a test, at the scene's friction or a measured one.
 
     ``bulk`` is the bulk temperature [K], ``bearing_width`` the width of the rows of elements across
     the sliding direction that carry at least 5 % of what the most loaded one carries [m]; besides,
     the rises at friction 1 and `tribo.measures`.
     """
-    conditions, carried = scene.conditions.at_friction(friction), state.pressure.mean(axis=1)
-    bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * scene.grid.spacing[0]
+    conditions, carried = sweep.conditions.at_friction(friction), state.pressure.mean(axis=1)
+    bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * sweep.scene.grid.spacing[0]
     return {
-        **measures(scene, state),
-        **moment_of(scene, state, None),
+        **measures(sweep.scene, state),
+        **moment_of(sweep.scene, state, None),
         "bulk": conditions.bulk_temperature,
         "friction": conditions.friction,
         "bearing_width": bearing,
     }
 
 
-def end_of(scene: Sweep, test: Any, factor: float = 1.0) -> Ends:
+def end_of(sweep: Sweep, test: Any, factor: float = 1.0) -> Ends:
     """Simulate a test of a printed table, at its velocity times a factor."""
-    *_, state = simulate(scene, test.normal_load, test.velocity * factor)
-    return end_at(scene, state, test.friction)
+    *_, state = simulate(sweep.scene, test.normal_load, test.velocity * factor)
+    return end_at(sweep, state, test.friction)
 
 
-def beside_boundary(scene: Sweep, test: Any, step: float | None = None) -> Ends:
+def beside_boundary(sweep: Sweep, test: Any, step: float | None = None) -> Ends:
     """Simulate a test, and find the boundary from another velocity.
 
     Beside the quantities of `end_of`: ``rise``, the deciding one at friction 1 [K], its
@@ -88,11 +88,11 @@ def beside_boundary(scene: Sweep, test: Any, step: float | None = None) -> Ends:
     velocity at the scene's friction. The step, of the velocity's logarithm, is to about the
     boundary if not given.
     """
-    decisive, limit = scene.conditions.decisive, rise_limit(scene.conditions)
-    end = end_of(scene, test)
+    decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
+    end = end_of(sweep, test)
     rise = float(decisive.rise(end))
     step = step or math.log(limit / rise) / _EXPONENT or 0.01
-    exponent = math.log(float(decisive.rise(end_of(scene, test, math.exp(step)))) / rise) / step
+    exponent = math.log(float(decisive.rise(end_of(sweep, test, math.exp(step)))) / rise) / step
     off = boundary_velocity_error(rise, limit, exponent)
     return {**end, "rise": rise, "exponent": exponent, "velocity_off": off}
 
@@ -138,31 +138,31 @@ def failed_percent(ends: Ends, critical: float, friction: float | None = None) -
 
 
 def history(
-    scene: Sweep, load: float, velocity: float, criterion: Criterion
+    sweep: Sweep, load: float, velocity: float, criterion: Criterion
 ) -> tuple[Array, Array, State]:
     """Simulate a point: times [s] with the temperatures that decide [°C], and its last state."""
-    times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, scene.conditions)))]
-    for state in simulate(scene, load, velocity):
+    times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, sweep.conditions)))]
+    for state in simulate(sweep.scene, load, velocity):
         if state.heat is not None:
             times.append(state.time)
-            temperatures.append(float(celsius_of(end_at(scene, state), criterion)))
+            temperatures.append(float(celsius_of(end_at(sweep, state), criterion)))
     return np.array(times), np.array(temperatures), state
 
 
 def worn(sweep: Sweep, wear: Wear) -> Sweep:
     """The scene unworn, or with its wear in a pattern."""
     if wear == "unworn":
-        return replace(sweep, wear=None)
-    if sweep.wear is None:
-        raise InputError(f"the scene {sweep.name} must have a [wear]")
-    return replace(sweep, wear=replace(sweep.wear, pattern=wear))
+        return sweep.changed(wear=None)
+    if sweep.scene.wear is None:
+        raise InputError(f"the scene {sweep.about.name} must have a [wear]")
+    return sweep.changed(wear=replace(sweep.scene.wear, pattern=wear))
 
 
-def film_parameter(scene: Sweep, test: Any) -> float:
+def film_parameter(sweep: Sweep, test: Any) -> float:
     """Minimum film over the roughness at a test, Λ."""
-    lubrication, bulk = Lubrication.of(scene), scene.conditions.bulk_temperature
+    lubrication, bulk = Lubrication.of(sweep), sweep.conditions.bulk_temperature
     if lubrication is None:
-        raise InputError(f"the scene {scene.name} must have an [oil]")
+        raise InputError(f"the scene {sweep.about.name} must have an [oil]")
     return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))
 
 

@@ -58,7 +58,7 @@ def test_axes_ascend_in_whatever_order_they_were_added(tmp_path):
 def test_steps_beyond_a_loads_own_are_nan(ds, load):
     rows = ds.sel(load=load)
     simulated = np.isfinite(rows["time"].values)
-    assert (simulated.sum(axis=-1) == step_count(tiny.full(), load)).all()
+    assert (simulated.sum(axis=-1) == step_count(tiny.full().scene, load)).all()
     assert (np.isfinite(rows["contact_fraction"].values) == simulated).all()
     assert (rows["normal_load"].max("step") == load).all()
 

@@ -1,14 +1,12 @@
 """A lubricant's limit from measured transitions (pipeline/analysis/inference.py)."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.analysis.inference import critical_temperatures
-from pipeline.sweep.model import Measurement
+from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -22,17 +20,17 @@ def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_
     commit_all(tmp_path / "a.zarr", sweep)
     critical = boundary(open_sweep(tmp_path / "a.zarr"))["critical_velocity"]
     assert critical.notnull().all()
-    for seed in sweep.realizations:
+    for seed in sweep.variants.realizations:
         measured = tuple(
             Measurement(load, critical.sel(realization=seed, load=load).item())
-            for load in sweep.loads
+            for load in sweep.plane.loads
         )
-        result = critical_temperatures(replace(sweep.on_surface(seed), measured=measured))
+        result = critical_temperatures(sweep.on_surface(seed).changed(measured=measured))
         assert result.surfaces == (seed,)
         # Velocities every 0.5 m/s place the boundary to about 1 %, and so half as much of 120 K.
         assert result.means == pytest.approx([418.15] * 2, abs=1.0)
         assert result.spread < 1.0
-    both = critical_temperatures(replace(sweep, measured=measured))
+    both = critical_temperatures(sweep.changed(measured=measured))
     assert np.shape(both.temperatures) == (2, 2)
     assert [row[1] for row in both.temperatures] == list(result.means)
     assert both.mean == pytest.approx(np.mean(both.temperatures))

@@ -39,7 +39,7 @@ def test_the_settings_of_a_scene_can_be_typed_again():
         "increments": 40,
     }
     sweep = load_scene("first_try", overrides=settings)
-    assert dict(parse(["run", *sweep.arguments]).set) == settings
+    assert dict(parse(["run", *sweep.about.arguments]).set) == settings
 
 
 @pytest.mark.parametrize(("velocity", "count"), [(1.2, 1), (0.9, 0)])

@@ -83,8 +83,8 @@ def test_the_examples_are_of_the_scenes_that_new_writes(tmp_path):
     options = {
         command.name: parse([command.name, *shlex.split(command.example)]) for command in COMMANDS
     }
-    assert options["plot"].load in scene.loads
-    assert pytest.approx(options["plot"].velocity) in scene.velocities
+    assert options["plot"].load in scene.plane.loads
+    assert pytest.approx(options["plot"].velocity) in scene.plane.velocities
     for name, of in (("margin", scene), ("point", scene), ("risk", samples)):
         assert of.loads[0] <= options[name].load <= of.loads[-1]
         assert of.velocities[0] <= options[name].velocity <= of.velocities[-1]

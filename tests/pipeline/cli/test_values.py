@@ -94,7 +94,7 @@ def test_a_key_is_set_once(command, again, irg):
 
 def test_a_value_that_is_varied_goes_before_one_that_is_set():
     overrides = {"increments": 5, "fidelity.increments": 6}
-    assert pipeline.load_scene("first_try", overrides=overrides).fidelity.increments == 6
+    assert pipeline.load_scene("first_try", overrides=overrides).scene.fidelity.increments == 6
 
 
 def test_a_store_may_have_any_other_name(tmp_path):

@@ -20,8 +20,7 @@ from tribo import Fidelity, Grid, InputError
 
 TOLERANCE = 0.01
 # Smooth, so that the rise is, and so that a point takes milliseconds.
-SWEEP = replace(
-    PAPER,
+SWEEP = PAPER.changed(
     roughness=None,
     pixels=Grid((96, 48), (4e-6, 4e-6)),
     fidelity=Fidelity(pixels_per_element=1, increments=30),
@@ -34,7 +33,7 @@ SWEEP = replace(
 def steps(points):
     """Steps of the ramps to some points: a trunk for each velocity, and a step off it for each."""
     return sum(
-        max(step_count(SWEEP, point.load) for point in chain) - 1 + len(chain)
+        max(step_count(SWEEP.scene, point.load) for point in chain) - 1 + len(chain)
         for chain in chains(points, SWEEP)
     )
 
@@ -49,14 +48,14 @@ def grid():
             result = run_point(SWEEP, *point, trunk=trunk)
             trunk = result.trunk
             rises[point] = decisive_rise(SWEEP, result.state, SWEEP.conditions)
-    velocities = np.array(SWEEP.velocities)
+    velocities = np.array(SWEEP.plane.velocities)
     return [
         crossing(
             velocities,
-            np.array([rises[Point(load, velocity)] for velocity in SWEEP.velocities]),
+            np.array([rises[Point(load, velocity)] for velocity in SWEEP.plane.velocities]),
             rise_limit(SWEEP.conditions),
         )
-        for load in SWEEP.loads
+        for load in SWEEP.plane.loads
     ]
 
 
@@ -89,7 +88,7 @@ def test_the_store_is_one_like_any_other(followed):
     assert result.attrs["missing_points"] == 0
     # It answers for other conditions too, where these leave the boundary between its points.
     warmer = pipeline.boundary(ds, friction=0.102)["critical_velocity"]
-    assert np.isfinite(warmer).sum() > len(SWEEP.loads) / 2
+    assert np.isfinite(warmer).sum() > len(SWEEP.plane.loads) / 2
     assert ds["velocity"].min() >= 0.5
     assert ds["velocity"].max() <= 5.0
 
@@ -130,9 +129,11 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_store(followed, tmp_path)
 
 def test_a_grid_that_is_there_is_used(tmp_path):
     out = tmp_path / "grown.zarr"
-    few = replace(SWEEP, loads=SWEEP.loads[:1], velocities=(4.0, 4.5, 5.0))
+    few = SWEEP.changed(loads=SWEEP.plane.loads[:1], velocities=(4.0, 4.5, 5.0))
     pipeline.run_sweep(few, out, workers=1)
-    outcome = follow_boundary(replace(few, velocities=SWEEP.velocities), out, TOLERANCE, workers=1)
+    outcome = follow_boundary(
+        few.changed(velocities=SWEEP.plane.velocities), out, TOLERANCE, workers=1
+    )
     assert outcome.computed == 0
     assert outcome.done == 3
     # And a search can be completed to the whole sweep later.
@@ -141,8 +142,8 @@ def test_a_grid_that_is_there_is_used(tmp_path):
 
 
 def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):
-    without = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
-    one, rest = (replace(SWEEP, velocities=velocities) for velocities in ((1.5,), (0.0, 1.5)))
+    without = SWEEP.changed(conditions=replace(SWEEP.conditions, friction=0.0))
+    one, rest = (SWEEP.changed(velocities=velocities) for velocities in ((1.5,), (0.0, 1.5)))
     for sweep, reason in (
         (without, "without friction; give friction.coefficient a number above 0"),
         (one, "sweep.velocities are 1.5 m/s; give two or more above 0"),

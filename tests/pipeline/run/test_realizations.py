@@ -28,7 +28,7 @@ def several(seeds=SEEDS, **changes):
 def alone_on(seed):
     """The same sweep on one surface, as a scene without realizations has it."""
     plain = several(())
-    return replace(plain, roughness=replace(plain.roughness, seed=seed))
+    return plain.changed(roughness=replace(plain.scene.roughness, seed=seed))
 
 
 @pytest.fixture(scope="module")
@@ -128,18 +128,17 @@ def test_a_surface_without_points_counts_for_nothing():
 
 
 def test_boundary_mode_follows_the_boundary_of_each_surface(tmp_path):
-    sweep = replace(
-        several((4, 1)),
+    sweep = several((4, 1)).changed(
         loads=(200.0, 400.0),
         velocities=tuple(np.arange(0.5, 8.01, 0.5).tolist()),
-        store_fields=False,
+        fields=False,
     )
     outcome = follow_boundary(sweep, tmp_path / "a.zarr", 0.02, workers=1)
     crossings = boundary(pipeline.open_sweep(tmp_path / "a.zarr"))
     assert np.isfinite(crossings["critical_velocity"]).all()
     assert crossings.attrs["missing_points"] == 0
     assert outcome.total < len(points(sweep)) / 2
-    alone = replace(sweep, roughness=alone_on(4).roughness, realizations=())
+    alone = sweep.changed(roughness=alone_on(4).roughness, realizations=())
     follow_boundary(alone, tmp_path / "4.zarr", 0.02, workers=1)
     np.testing.assert_array_equal(
         boundary(pipeline.open_sweep(tmp_path / "4.zarr"))["critical_velocity"],

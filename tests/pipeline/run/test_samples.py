@@ -45,7 +45,7 @@ def test_samples_can_be_added_and_what_was_done_stays(sampled):
 
 def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
     folder, _, _ = sampled
-    samples, ds = load(folder).samples, pipeline.open_sweep(folder / "out.zarr")
+    samples, ds = load(folder).variants.samples, pipeline.open_sweep(folder / "out.zarr")
     assert ds["max_rise"].dims == ("sample", "load", "step")
     assert ds["velocity"].dims == ("sample",)
     assert ds["velocity"].values.tolist() == list(samples.velocities)
@@ -59,9 +59,12 @@ def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
 def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(sampled, number):
     folder, _, _ = sampled
     sweep = load(folder)
-    (rate,), velocity = sweep.samples.values[number], sweep.samples.velocities[number]
-    alone = dataclasses.replace(
-        sweep, samples=None, wear=dataclasses.replace(sweep.wear, specific_wear_rate=rate)
+    (rate,), velocity = (
+        sweep.variants.samples.values[number],
+        sweep.variants.samples.velocities[number],
+    )
+    alone = sweep.changed(
+        samples=None, wear=dataclasses.replace(sweep.scene.wear, specific_wear_rate=rate)
     )
     expected = run_point(alone, 600.0, velocity).columns
     point = next(p for p in points(sweep) if p[::2] == (600.0, (("sample", number),)))

@@ -220,7 +220,7 @@ def test_velocities_that_show_the_whole_boundary_early_are_tasks_of_their_own():
     sweep = tiny.sweep(velocities=tuple(np.geomspace(0.5, 5.0, 400).tolist()))
     run = object.__new__(schedule._Run)
     run._sweep, run.running = sweep, []
-    in_order = order.coarse_first(chains(points(sweep), sweep), sweep.velocities)
+    in_order = order.coarse_first(chains(points(sweep), sweep), sweep.plane.velocities)
     run.waiting = deque(map(schedule._Chain, in_order))
     first, second = ({point.velocity for point in run._next(threads=2).points} for _ in range(2))
     assert len(first) == len(second) == 1

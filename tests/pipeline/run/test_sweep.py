@@ -68,7 +68,7 @@ def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone, workers,
 
 def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
     """Its array must come to the worker as it is, down to the alignment in memory."""
-    heights = SWEEP.roughness.heights(SWEEP.pixels) * 1.01 + 3e-9
+    heights = SWEEP.scene.roughness.heights(SWEEP.scene.pixels) * 1.01 + 3e-9
     sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(heights), velocities=(1.0,))
     run_sweep(sweep, path, workers=1)
     with xr.open_zarr(path, chunks=None) as ds:
@@ -113,7 +113,7 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
 
 def test_other_conditions_of_the_scene_are_told(copy):
     messages = []
-    warmer = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.12))
+    warmer = SWEEP.changed(conditions=replace(SWEEP.conditions, friction=0.12))
     for _ in range(2):
         run_sweep(warmer, copy, tell=messages.append)
     assert len(messages) == 1  # not again, since the store has them then

@@ -29,7 +29,7 @@ def tallied(tmp_path, monkeypatch):
             tally = Tally(store, reports.append, now)
             tally.begin(store, link)
             link.absent = absent
-            for now, velocity in zip(ends, sweep.velocities, strict=False):  # noqa: B007
+            for now, velocity in zip(ends, sweep.plane.velocities, strict=False):  # noqa: B007
                 point = Point(150.0, velocity)
                 store.flags[store.index(point)] = DONE
                 tally.note([PointRecord(point, {}, wall_time=1.0)])

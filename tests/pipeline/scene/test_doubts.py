@@ -15,14 +15,14 @@ from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
 FACTS = {id(sweep): facts_of(sweep) for sweep in (SMOOTH, BALL, CROWNED)}
-HALF_WIDTH = SMOOTH.pin.radius  # as a unit
+HALF_WIDTH = SMOOTH.scene.pin.radius  # as a unit
 JUST_LESS, JUST_MORE = 1 - 1e-6, 1 + 1e-6
 
 
 def of_both(**changes):
     """The scene of one material, with something else about it."""
     changed = replace(STEEL, **changes)
-    return replace(SMOOTH, disk=changed, pin=replace(SMOOTH.pin, material=changed))
+    return SMOOTH.changed(disk=changed, pin=replace(SMOOTH.scene.pin, material=changed))
 
 
 def warmer(bulk):
@@ -39,11 +39,11 @@ def hard(hardness):
 
 
 def crowned(radius):
-    return replace(CROWNED, pin=replace(CROWNED.pin, crown_radius=radius))
+    return CROWNED.changed(pin=replace(CROWNED.scene.pin, crown_radius=radius))
 
 
 def with_pin(**changes):
-    return replace(SMOOTH, pin=replace(SMOOTH.pin, **changes))
+    return SMOOTH.changed(pin=replace(SMOOTH.scene.pin, **changes))
 
 
 def said_of(sweep, base=SMOOTH, **facts):
@@ -66,9 +66,9 @@ USUAL = [
     ("pin's length is", 1e-4, 1.0, lambda v: said_of(with_pin(length=v))),
     ("crown radius is", 1e-4, 100.0, lambda v: said_of(crowned(v), CROWNED)),
     ("bulk temperature is", 200.0, 800.0, lambda v: said_of(warmer(v))),
-    ("wear rate is", 1e-20, 1e-11, lambda v: said_of(replace(SMOOTH, wear=tribo.Wear(v)))),
+    ("wear rate is", 1e-20, 1e-11, lambda v: said_of(SMOOTH.changed(wear=tribo.Wear(v)))),
     ("disk's Ra is", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
-    ("velocity is", 0.0, 100.0, lambda v: said_of(replace(SMOOTH, velocities=(v,)))),
+    ("velocity is", 0.0, 100.0, lambda v: said_of(SMOOTH.changed(velocities=(v,)))),
     ("friction is", 0.0, 1.0, lambda v: said_of(slippery(v))),
     ("times the elastic modulus", 0.0, 0.2 * STEEL.elastic_modulus, lambda v: said_of(hard(v))),
 ]
@@ -86,7 +86,7 @@ def test_materials_are_named_after_their_body_where_they_differ():
     light = replace(STEEL, density=7.8)
     of_pin = said_of(with_pin(material=light))
     assert [doubt.split(" is ")[0] for doubt in of_pin] == ["the pin's density"]
-    of_disk = said_of(replace(SMOOTH, disk=light))
+    of_disk = said_of(SMOOTH.changed(disk=light))
     assert [doubt.split(" is ")[0] for doubt in of_disk] == ["the disk's density"]
     assert [doubt.split(" is ")[0] for doubt in said_of(of_both(density=7.8))] == ["the density"]
 
@@ -100,7 +100,7 @@ def test_a_track_is_the_way_around_a_plausible_disk(length, is_doubted):
 
 
 def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
-    assert said_of(replace(SMOOTH, wear=tribo.Wear(0.0))) == ()
+    assert said_of(SMOOTH.changed(wear=tribo.Wear(0.0))) == ()
 
 
 @pytest.mark.parametrize(
@@ -113,11 +113,11 @@ def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
     ],
 )
 def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, words):
-    rolling = replace(SMOOTH, velocities=(0.5, 1.0, 2.0), motion=tribo.Motion(**motion))
+    rolling = SMOOTH.changed(velocities=(0.5, 1.0, 2.0), motion=tribo.Motion(**motion))
     said = [doubt for doubt in said_of(rolling) if "the pin turns only" in doubt]
     assert len(said) == bool(words)
     assert not words or words in said[0]
-    assert not any("turns only" in doubt for doubt in said_of(replace(rolling, wear=None)))
+    assert not any("turns only" in doubt for doubt in said_of(rolling.changed(wear=None)))
 
 
 @pytest.mark.parametrize(("share", "is_doubted"), [(0.299, 0), (0.31, 1)])
@@ -134,7 +134,7 @@ def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, is_doub
     [(SMOOTH, 5.9, True), (SMOOTH, 6.1, False), (BALL, 11.9, True), (BALL, 12.1, False)],
 )
 def test_a_contact_of_few_pixels_is_doubted(base, across, is_doubted):
-    width = across * base.pixels.spacing[0]
+    width = across * base.scene.pixels.spacing[0]
     said = said_of(base, base, contact_width=Span(width, 2 * width))
     assert any("pixels wide" in doubt for doubt in said) is is_doubted
 
@@ -144,11 +144,11 @@ def test_a_contact_of_few_pixels_is_doubted(base, across, is_doubted):
     [(1.99, "is 2 pixels; below 2"), (2.0, None), (0.33, None), (0.34, "of the window's side")],
 )
 def test_a_correlation_length_lies_between_pixels_and_window(length, words):
-    nx, dx = SMOOTH.pixels.shape[0], SMOOTH.pixels.spacing[0]
+    nx, dx = SMOOTH.scene.pixels.shape[0], SMOOTH.scene.pixels.spacing[0]
     length *= nx * dx if length < 1 else dx
-    ny, dy = SMOOTH.pixels.shape[1], SMOOTH.pixels.spacing[1]
+    ny, dy = SMOOTH.scene.pixels.shape[1], SMOOTH.scene.pixels.spacing[1]
     rough = tribo.SelfAffineRoughness(0.3e-6, 0.8, (length, 0.2 * ny * dy))
-    said = said_of(replace(SMOOTH, roughness=rough), surface=surface(measured=False))
+    said = said_of(SMOOTH.changed(roughness=rough), surface=surface(measured=False))
     doubts = [doubt for doubt in said if "correlation length along x" in doubt]
     assert len(doubts) == bool(words)
     assert not words or words in doubts[0]
@@ -203,7 +203,7 @@ def test_a_measured_surface_is_tilted_beyond_twice_its_rq(rise, is_doubted):
 @pytest.mark.parametrize(("lay", "count"), [(29.0, 2), (30.0, 2), (31.0, 0), (None, 0)])
 def test_grooves_lie_along_sliding_up_to_an_angle(lay, count):
     assert len(said_of(SMOOTH, surface=surface(lay=lay))) == count
-    local = replace(SMOOTH, wear=tribo.Wear(1e-15, "local"))
+    local = SMOOTH.changed(wear=tribo.Wear(1e-15, "local"))
     assert len(said_of(local, surface=surface(lay=lay))) == count // 2
     random = said_of(SMOOTH, surface=surface(lay=lay, measured=False))
     assert len(random) == count // 2

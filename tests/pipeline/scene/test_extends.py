@@ -1,7 +1,5 @@
 """A scene that extends another is the scene written in full."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -37,7 +35,7 @@ def faults_of(path, **arguments):
 
 def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
     sweep = load_scene(write(own=EXTENDS))
-    assert sweep == replace(load_scene(write(base=TEXT)), name="own")
+    assert sweep == load_scene(write(base=TEXT)).changed(name="own")
 
 
 def test_entries_of_its_own_stand_in_place_of_the_others(write):
@@ -66,46 +64,46 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
         assert old in text
         text = text.replace(old, new)
     extended, written = load_scene(write(own=entries)), load_scene(write(full=text))
-    assert extended == replace(written, name="own")
+    assert extended == written.changed(name="own")
     assert describe(extended) == describe(written)
 
 
 def test_entries_may_be_left_out(write):
     keys = '"wear", "friction.band", "measured", "materials.steel.hardness", "disk.roughness.seed"'
     sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
-    assert sweep.wear is sweep.friction_band is None
-    assert sweep.measured == ()
-    assert sweep.hardness == np.inf
-    assert sweep.disk.elastic_modulus == 210e9
+    assert sweep.scene.wear is sweep.about.friction_band is None
+    assert sweep.about.measured == ()
+    assert sweep.scene.hardness == np.inf
+    assert sweep.scene.disk.elastic_modulus == 210e9
 
 
 def test_what_is_left_out_may_be_given_anew(write):
     entries = (
         f'{EXTENDS}without = ["loading"]\n[loading]\nrate = "75 N/s"\nreference_load = "600 N"'
     )
-    assert load_scene(write(own=entries)).loading == tribo.Ramp(75.0, 600.0)
+    assert load_scene(write(own=entries)).scene.loading == tribo.Ramp(75.0, 600.0)
 
 
 def test_scenes_extend_one_another_in_a_chain(write):
     write(middle='extends = "base.toml"\nwithout = ["wear"]\n[pin]\nradius = "4 mm"')
     sweep = load_scene(write(own='extends = "middle.toml"\n[pin]\nlength = "5 mm"'))
-    assert sweep.wear is None
-    assert (sweep.pin.radius, sweep.pin.length) == (4e-3, 5e-3)
+    assert sweep.scene.wear is None
+    assert (sweep.scene.pin.radius, sweep.scene.pin.length) == (4e-3, 5e-3)
 
 
 def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
     write(base=TEXT.replace('preset = "draft"', "increments = 7"))
     sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))
-    assert sweep.fidelity == tribo.PRESETS["fine"]
+    assert sweep.scene.fidelity == tribo.PRESETS["fine"]
     sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\naveraging = "sample"'))
-    assert (sweep.fidelity.increments, sweep.fidelity.averaging) == (7, "sample")
+    assert (sweep.scene.fidelity.increments, sweep.scene.fidelity.averaging) == (7, "sample")
 
 
 def test_overrides_go_before_both_files(write):
     path = write(own=f'{EXTENDS}[wear]\npattern = "swept"')
     sweep = load_scene(path, overrides={"wear.pattern": "local", "pin.radius": "5 mm"})
-    assert sweep.wear.pattern == "local"
-    assert sweep.pin.radius == 5e-3
+    assert sweep.scene.wear.pattern == "local"
+    assert sweep.scene.pin.radius == 5e-3
 
 
 def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
@@ -115,7 +113,7 @@ def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
     measured = TEXT.replace(ROUGHNESS, 'file = "surface.npy"\nheight_unit = "um"\n')
     (folder / "base.toml").write_text(measured, encoding="utf-8")
     sweep = load_scene(write(own='extends = "surfaces/base.toml"'))
-    np.testing.assert_array_equal(sweep.roughness.array, np.eye(480) * 1e-6)
+    np.testing.assert_array_equal(sweep.scene.roughness.array, np.eye(480) * 1e-6)
     fault, *_ = faults_of(
         write(own='extends = "surfaces/base.toml"\n[disk.roughness]\nfile = "surface.npy"')
     )
@@ -124,7 +122,7 @@ def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
     ramp = 'rate = "150 N/s"\nreference_load = "750 N"'
     recorded = TEXT.replace(ramp, 'file = "record.csv"')
     (folder / "base.toml").write_text(recorded, encoding="utf-8")
-    assert max(load_scene(write(own='extends = "surfaces/base.toml"')).loading.loads) == 800.0
+    assert max(load_scene(write(own='extends = "surfaces/base.toml"')).scene.loading.loads) == 800.0
 
 
 def test_a_fault_says_in_which_file_it_stands(write, tmp_path):
@@ -212,19 +210,19 @@ def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     shipped = load_scene("first_try")
     (tmp_path / "mine.toml").write_text('extends = "first_try"\n')
-    assert load_scene("mine.toml").loads == shipped.loads
+    assert load_scene("mine.toml").plane.loads == shipped.plane.loads
     assert pipeline.run_point("first_try", "300 N", "1 m/s").point.load == 300.0
     (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # a file goes first
-    assert load_scene("first_try").motion is not None
+    assert load_scene("first_try").scene.motion is not None
 
 
 def test_settings_reach_whole_entries_and_leave_some_out():
     wear = {"wear.specific_wear_rate": "1e-6 mm^3/(N m)", "wear.pattern": "local"}
     overrides = {"title": "Mine", "without": ["wear"], "oil": "oil A"}
     sweep = load_scene("first_try", overrides=overrides)
-    assert (sweep.title, sweep.wear, sweep.oil.density) == ("Mine", None, 862.0)
+    assert (sweep.about.title, sweep.scene.wear, sweep.about.oil.density) == ("Mine", None, 862.0)
     sweep = load_scene("first_try", overrides=wear | {"without": ["wear", "oil"]})
-    assert (sweep.wear.pattern, sweep.oil) == ("local", None)
+    assert (sweep.scene.wear.pattern, sweep.about.oil) == ("local", None)
 
 
 def test_an_entry_that_is_not_there_cannot_be_left_out_by_a_setting():

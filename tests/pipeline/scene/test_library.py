@@ -24,17 +24,17 @@ def fault(faults):
 
 def test_a_material_of_the_library_is_the_same_written_in_full(read):
     sweep, written = read(text=NO_TABLE), read(text=TEXT)
-    assert sweep.disk == written.disk == STEEL
-    assert {entry.source for entry in sweep.library} == {"Bosman & de Rooij, Table 3"}
-    assert len(sweep.library) == 6
-    assert written.library == ()
+    assert sweep.scene.disk == written.scene.disk == STEEL
+    assert {entry.source for entry in sweep.about.sources} == {"Bosman & de Rooij, Table 3"}
+    assert len(sweep.about.sources) == 6
+    assert written.about.sources == ()
 
 
 def test_hardened_bearing_steel_goes_by_the_names_that_people_use(read):
     for name in ("100Cr6", "1.3505", "SUJ2", "AISI 52100 through-hardened"):
-        steel = read(text=NO_TABLE.replace("AISI 52100", name)).disk
+        steel = read(text=NO_TABLE.replace("AISI 52100", name)).scene.disk
         assert steel.thermal_conductivity == 21.0
-    soft = read(text=NO_TABLE.replace("AISI 52100", "AISI 52100 annealed")).disk
+    soft = read(text=NO_TABLE.replace("AISI 52100", "AISI 52100 annealed")).scene.disk
     assert soft.thermal_conductivity == 46.0
     assert soft.hardness < 0.5 * steel.hardness
 
@@ -44,18 +44,18 @@ def test_own_entries_go_before_those_of_the_library(read):
     sweep = read(text=NO_TABLE.replace("[pin]", f"{hard}\n[pin]", 1).replace(
         'length = "3.4 mm"\nmaterial = "AISI 52100"', 'length = "3.4 mm"\nmaterial = "ball"'
     ))  # fmt: skip
-    assert sweep.pin.material.hardness == pytest.approx(746 * 9.80665e6)
-    assert sweep.disk.hardness == 6.6e9
-    assert "materials.ball.hardness" not in [entry.key for entry in sweep.library]
+    assert sweep.scene.pin.material.hardness == pytest.approx(746 * 9.80665e6)
+    assert sweep.scene.disk.hardness == 6.6e9
+    assert "materials.ball.hardness" not in [entry.key for entry in sweep.about.sources]
 
 
 def test_a_table_under_a_name_of_the_library_may_be_a_part_or_whole(read):
     part = '[materials."AISI 52100"]\nhardness = "700 HV"\n\n[pin]'
-    assert read(text=NO_TABLE.replace("[pin]", part, 1)).disk.hardness == 700 * 9.80665e6
+    assert read(text=NO_TABLE.replace("[pin]", part, 1)).scene.disk.hardness == 700 * 9.80665e6
     elastic = re.sub("hardness = .*\n", "", TABLE).replace("steel", '"AISI 52100"')
     sweep = read(text=NO_TABLE + elastic)
-    assert sweep.disk.hardness == float("inf")
-    assert sweep.library == ()
+    assert sweep.scene.disk.hardness == float("inf")
+    assert sweep.about.sources == ()
 
 
 def test_a_misspelt_name_is_told_with_the_nearest(fault):
@@ -81,11 +81,11 @@ def test_an_empty_name_of_an_oil_is_one_fault(fault):
 def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
     for name in library()["materials"]:
         sweep = read(text=NO_TABLE.replace("AISI 52100", name))
-        assert sweep.disk.thermal_conductivity > 0
-        assert 80e9 < sweep.disk.elastic_modulus < 420e9 or name.startswith("aluminium")
-        assert 1e-7 < sweep.disk.thermal_diffusivity < 2e-4
+        assert sweep.scene.disk.thermal_conductivity > 0
+        assert 80e9 < sweep.scene.disk.elastic_modulus < 420e9 or name.startswith("aluminium")
+        assert 1e-7 < sweep.scene.disk.thermal_diffusivity < 2e-4
     for name in library()["oils"]:
-        oil = read(text=f'oil = "{name}"\n{TEXT}').oil
+        oil = read(text=f'oil = "{name}"\n{TEXT}').about.oil
         assert 1 < oil.viscosity(303.15) / oil.viscosity(373.15) < 100
 
 
@@ -98,7 +98,7 @@ def test_every_number_of_the_library_has_a_source():
 
 def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
     """The source has 23.3 mPa s at 60 °C as well, the equation of ASTM D341 within 3 %."""
-    oil = read(text=f'oil = "medicinal white oil"\n{TEXT}').oil
+    oil = read(text=f'oil = "medicinal white oil"\n{TEXT}').about.oil
     assert oil.viscosity(303.15) == pytest.approx(0.107)
     assert oil.viscosity(373.15) == pytest.approx(0.0064)
     assert oil.viscosity(333.15) == pytest.approx(0.0233, rel=0.03)
@@ -108,7 +108,7 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
 def test_own_viscosity_takes_none_of_the_library_at_other_temperatures(read):
     table = '[oil]\nlike = "medicinal white oil"\ndensity = "866 kg/m^3"\n'
     thin = table + 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]\n'
-    oil = read(text=TEXT + thin).oil
+    oil = read(text=TEXT + thin).about.oil
     assert oil.temperatures == (313.15, 373.15)
     assert oil.pressure_coefficients is None
 

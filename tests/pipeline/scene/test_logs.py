@@ -1,11 +1,9 @@
 """Tests of a laboratory: tables of the scene, or rows of a log in CSV."""
 
-from dataclasses import replace
-
 import pytest
 
 import pipeline
-from pipeline.sweep.model import Measurement
+from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
 
 SCENE = """
@@ -36,12 +34,12 @@ def lab(tmp_path):
 def test_rows_of_a_log_stand_beside_tables(lab):
     head = "date;Normal load [kN];velocity [m/s];friction;bulk temperature [degC];outcome;hold [s]"
     scene = lab(f"{head}\n1 May;0.4;2.5;0.1;60;severe;\n\n2 May;0.6;1.5;;;mild;10\n")
-    assert scene.tested == (
+    assert scene.about.tested == (
         Measurement(400.0, 2.0, outcome="mild"),
         Measurement(400.0, 2.5, 0.1, bulk_temperature=333.15, outcome="severe"),
         Measurement(600.0, 1.5, hold=10.0, outcome="mild"),
     )
-    assert "tested[1].file: columns not used: date" in scene.notes
+    assert "tested[1].file: columns not used: date" in scene.about.notes
 
 
 @pytest.mark.parametrize(
@@ -83,7 +81,7 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
     sweep = tiny.sweep(wear=None)  # so that it gets warmer in the hold
     plain, warm, held = (
         pipeline.critical_temperatures(
-            replace(sweep, measured=(Measurement(300.0, 1.0, 0.1, **conditions),))
+            sweep.changed(measured=(Measurement(300.0, 1.0, 0.1, **conditions),))
         ).mean
         for conditions in ({}, {"bulk_temperature": 333.15}, {"hold": 2.0})
     )
@@ -91,7 +89,7 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
     assert warm - 333.15 == pytest.approx(plain - bulk, rel=1e-9)
     assert held == pytest.approx(
         pipeline.critical_temperatures(
-            replace(sweep.held(2.0), measured=(Measurement(300.0, 1.0, 0.1),))
+            sweep.held(2.0).changed(measured=(Measurement(300.0, 1.0, 0.1),))
         ).mean,
         rel=1e-12,
     )

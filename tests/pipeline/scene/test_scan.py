@@ -83,7 +83,7 @@ def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
     }
     turned = {"disk.roughness.transpose": True, "disk.roughness.flip": "x"}
     sweep = load_scene("first_try", overrides=surface | turned)
-    assert np.array_equal(sweep.roughness.array, 1e-6 * np.load(scan).T[::-1])
+    assert np.array_equal(sweep.scene.roughness.array, 1e-6 * np.load(scan).T[::-1])
     with pytest.raises(SceneFileError, match=r"disk\.roughness\.transpose = true"):
         load_scene("first_try", overrides=surface)
     wide = surface | {"window.pixels": [640, 256]}

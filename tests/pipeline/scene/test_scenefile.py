@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import Sweep
+from tests.helpers.sweeps import sweep_of_fields
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, PAPER, ROUGHNESS, TEXT, WORKFLOWS
 
 LOADS = '["200 N", "400 N", "600 N", "750 N"]'
@@ -34,7 +36,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         specific_heat=470.0,
         hardness=6.6e9,
     )
-    assert sweep == Sweep(
+    assert sweep == sweep_of_fields(
         pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=steel),
         disk=steel,
         pixels=tribo.Grid((480, 480), (0.816e-6, 0.95e-6), (False, True)),
@@ -44,7 +46,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         oil=tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (2e-8, 2e-8)),
         fidelity=tribo.PRESETS["standard"],
         name="irg_transition",
-        title=sweep.title,
+        title=sweep.about.title,
         loads=tuple(200.0 + 50.0 * i for i in range(12)),
         velocities=tuple(0.5 + 0.25 * i for i in range(19)),
         conditions=Conditions(0.1, 298.15, 418.15, failing_share=0.1),
@@ -55,18 +57,18 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
             Measurement(400.0, 2.25, 0.091),
             Measurement(200.0, 3.75, 0.094),
         ),
-        store_fields=True,
+        fields=True,
         independent=False,
         preset="standard",
     )
-    assert sweep.grid.shape == (240, 240)
-    assert sweep.grid.spacing == pytest.approx((1.632e-6, 1.9e-6), rel=1e-15)
+    assert sweep.scene.grid.shape == (240, 240)
+    assert sweep.scene.grid.spacing == pytest.approx((1.632e-6, 1.9e-6), rel=1e-15)
 
 
 @pytest.mark.parametrize("path", sorted(WORKFLOWS.glob("*.toml")), ids=lambda path: path.stem)
 def test_every_shipped_scene_loads_and_says_what_it_shows(path):
     sweep = load_scene(path)
-    assert sweep.name == path.stem
+    assert sweep.about.name == path.stem
     header = path.read_text(encoding="utf-8").split("\n\n")[0]
     assert all(word in header for word in ("# Shows", "# Expect", "# Costs"))
     assert pickle.loads(pickle.dumps(sweep)) == sweep
@@ -76,24 +78,26 @@ def test_every_shipped_scene_loads_and_says_what_it_shows(path):
 def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
     written = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
     sweep = read((written, 'from = "0 m/s", to = "2 m/s", step = "0.1 m/s"'))
-    assert sweep.velocities == tuple(float(f"{i // 10}.{i % 10}") for i in range(21))
-    assert 0.3 in sweep.velocities
-    assert 0.7 in sweep.velocities
+    assert sweep.plane.velocities == tuple(float(f"{i // 10}.{i % 10}") for i in range(21))
+    assert 0.3 in sweep.plane.velocities
+    assert 0.7 in sweep.plane.velocities
     sweep = read((written, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
-    assert sweep.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
-    assert read((written, 'from = "1 m/s", to = "1 m/s", step = "1 m/s"')).velocities == (1.0,)
+    assert sweep.plane.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
+    assert read((written, 'from = "1 m/s", to = "1 m/s", step = "1 m/s"')).plane.velocities == (
+        1.0,
+    )
 
 
 def test_a_range_may_have_as_many_velocities_as_a_large_sweep_takes(read):
     written = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
     sweep = read((written, 'from = "1 m/s", to = "3 m/s", step = "20 um/s"'))
-    assert len(sweep.velocities) == 100_001
-    assert sweep.velocities[12345] == 1.2469
+    assert len(sweep.plane.velocities) == 100_001
+    assert sweep.plane.velocities[12345] == 1.2469
 
 
 def test_loads_are_sorted(read):
     sweep = read((LOADS, '["0.4 kN", "200 N"]'))
-    assert sweep.loads == (200.0, 400.0)
+    assert sweep.plane.loads == (200.0, 400.0)
 
 
 def test_what_may_be_left_out_takes_its_default(read):
@@ -108,40 +112,40 @@ def test_what_may_be_left_out_takes_its_default(read):
         ("fields = true\n", ""),
         (TEXT[TEXT.index("[[measured]]") :], ""),
     )
-    assert sweep.title == "scene"
-    assert sweep.hardness == math.inf
-    assert sweep.roughness is sweep.wear is sweep.friction_band is None
+    assert sweep.about.title == "scene"
+    assert sweep.scene.hardness == math.inf
+    assert sweep.scene.roughness is sweep.scene.wear is sweep.about.friction_band is None
     assert sweep.conditions.failing_share == 0.1
-    assert (sweep.preset, sweep.fidelity) == ("standard", tribo.PRESETS["standard"])
-    assert not sweep.store_fields
-    assert not sweep.independent
-    assert sweep.measured == ()
+    assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
+    assert not sweep.record.fields
+    assert not sweep.plane.independent
+    assert sweep.about.measured == ()
 
 
 def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
     local = ('"swept"', '"local"')
-    assert read().pixels.periodic == (False, True)
-    assert read(*BALL, local).pixels.periodic == (False, False)
-    assert isinstance(read(*BALL, local).pin, tribo.Ball)
+    assert read().scene.pixels.periodic == (False, True)
+    assert read(*BALL, local).scene.pixels.periodic == (False, False)
+    assert isinstance(read(*BALL, local).scene.pin, tribo.Ball)
     free = ("pixels = [480, 480]", "pixels = [480, 480]\nperiodic_y = false")
-    assert read(free, local).pixels.periodic == (False, False)
+    assert read(free, local).scene.pixels.periodic == (False, False)
 
 
 def test_a_lay_has_two_correlation_lengths(read):
     sweep = read(('correlation_length = "4 um"', 'correlation_length = ["4 um", "40 um"]'))
-    assert sweep.roughness.correlation_length == (4e-6, 4e-5)
+    assert sweep.scene.roughness.correlation_length == (4e-6, 4e-5)
 
 
 def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path):
     def realized(value, *changes):
         return read(("fields =", f"realizations = {value}\nfields ="), *changes)
 
-    assert read().realizations == ()
-    assert realized("3").realizations == (0, 1, 2)
-    assert realized("3", ("seed = 0", "seed = 5")).realizations == (5, 6, 7)
+    assert read().variants.realizations == ()
+    assert realized("3").variants.realizations == (0, 1, 2)
+    assert realized("3", ("seed = 0", "seed = 5")).variants.realizations == (5, 6, 7)
     sweep = realized("[9, 2]")
-    assert sweep.realizations == (2, 9)
-    assert sweep.roughness.seed == 2  # what takes one surface takes the first
+    assert sweep.variants.realizations == (2, 9)
+    assert sweep.scene.roughness.seed == 2  # what takes one surface takes the first
     np.save(tmp_path / "surface.npy", np.zeros((480, 480)))
     for surface, what in (
         (SMOOTH, "smooth"),
@@ -159,7 +163,7 @@ def test_a_measured_surface_is_read_from_beside_the_scene(read, tmp_path):
         ("[480, 480]", "[8, 6]"),
         ('"draft"', '"draft"\npixels_per_element = 2'),
     )
-    np.testing.assert_allclose(sweep.roughness.array, heights * 1e-6, rtol=1e-15)
+    np.testing.assert_allclose(sweep.scene.roughness.array, heights * 1e-6, rtol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -179,18 +183,20 @@ def test_the_path_of_an_entry_that_is_named_alone_is_proposed(faults, key, path)
 
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
     entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
-    assert read().preset == "draft"
+    assert read().about.preset == "draft"
     sweep = read(entries)
-    assert sweep.fidelity == replace(tribo.PRESETS["draft"], increments=30, partition="uniform")
-    assert sweep.preset is None
+    assert sweep.scene.fidelity == replace(
+        tribo.PRESETS["draft"], increments=30, partition="uniform"
+    )
+    assert sweep.about.preset is None
     sweep = read(entries, preset="standard")
-    assert (sweep.preset, sweep.fidelity) == ("standard", tribo.PRESETS["standard"])
+    assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     sweep = read(entries, overrides={"increments": 40})
     expected = replace(tribo.PRESETS["draft"], increments=40, partition="uniform")
-    assert (sweep.preset, sweep.fidelity) == (None, expected)
+    assert (sweep.about.preset, sweep.scene.fidelity) == (None, expected)
     sweep = read(entries, preset="standard", overrides={"increments": 40})
-    assert (sweep.preset, sweep.fidelity.increments) == (None, 40)
-    assert read(overrides={"increments": tribo.PRESETS["draft"].increments}).preset == "draft"
+    assert (sweep.about.preset, sweep.scene.fidelity.increments) == (None, 40)
+    assert read(overrides={"increments": tribo.PRESETS["draft"].increments}).about.preset == "draft"
 
 
 def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
@@ -212,7 +218,7 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
     )
     assert changed == expected
     # What is asked for now goes before the preset that is asked for now.
-    assert read(preset="standard", overrides=overrides).fidelity.increments == 30
+    assert read(preset="standard", overrides=overrides).scene.fidelity.increments == 30
     assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
     messages = faults(
         overrides={
@@ -337,12 +343,12 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     (tmp_path / "record.csv").write_text(rows)
     times, loads = np.array([0.0, 2.0, 5.0]), np.array([0.0, 400.0, 800.0])
     ramp, record = 'rate = "150 N/s"\nreference_load = "750 N"', 'file = "record.csv"'
-    assert read((ramp, record)).loading == tribo.MeasuredLoad(times, loads)
+    assert read((ramp, record)).scene.loading == tribo.MeasuredLoad(times, loads)
     record += '\nreference_load = "500 N"'
-    assert read((ramp, record)).loading == tribo.MeasuredLoad(times, loads, 500.0)
+    assert read((ramp, record)).scene.loading == tribo.MeasuredLoad(times, loads, 500.0)
     fitted = read((ramp, record + "\nfit = true"))
-    assert fitted.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
-    (note,) = fitted.notes
+    assert fitted.scene.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
+    (note,) = fitted.about.notes
     assert "fitted by" in note
     assert "N/s" in note
     (fault,) = faults((ramp, record + '\nfit = "line"'))
@@ -357,17 +363,17 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
 
 def test_a_crowned_pin_has_two_radii_and_is_swept_over(read):
     sweep = read(overrides=CROWNED)
-    assert sweep.pin == tribo.Crowned(2e-3, 80e-3, sweep.disk)
-    assert sweep.pixels.periodic == (False, False)
-    assert sweep.sweeps_over
-    assert not read(overrides=CROWNED | {"wear.pattern": "local"}).sweeps_over
+    assert sweep.scene.pin == tribo.Crowned(2e-3, 80e-3, sweep.scene.disk)
+    assert sweep.scene.pixels.periodic == (False, False)
+    assert sweep.scene.sweeps_over
+    assert not read(overrides=CROWNED | {"wear.pattern": "local"}).scene.sweeps_over
 
 
 def test_a_single_pixel_has_no_roughness(read, faults):
     single = "[480, 480]", "[1, 1]"
     (fault,) = faults(single, overrides={"pixels_per_element": 1})
     assert fault.startswith("window.pixels: ")
-    assert read(single, SMOOTH, overrides={"pixels_per_element": 1}).pixels.shape == (1, 1)
+    assert read(single, SMOOTH, overrides={"pixels_per_element": 1}).scene.pixels.shape == (1, 1)
 
 
 def test_all_faults_are_named_at_once(read, faults):
@@ -573,8 +579,8 @@ def test_a_scene_of_garbled_text_is_read_or_refused(tmp_path, data):
 def test_both_bodies_may_move(read):
     moving = [("[wear]", '[motion]\nslide_roll_ratio = 0.5\ntrack_length = "30 mm"\n\n[wear]')]
     sweep = read(*moving)
-    assert sweep.motion == tribo.Motion(slide_roll_ratio=0.5, track_length=30e-3)
-    assert sweep.velocities_at(1.0) == (1.5, 2.5)
+    assert sweep.scene.motion == tribo.Motion(slide_roll_ratio=0.5, track_length=30e-3)
+    assert sweep.scene.velocities_at(1.0) == (1.5, 2.5)
     rolling = read(("[wear]", '[motion]\nentrainment_velocity = "2 m/s"\n\n[wear]'))
-    assert rolling.velocities_at(0.0) == (2.0, 2.0)
-    assert read().motion is None
+    assert rolling.scene.velocities_at(0.0) == (2.0, 2.0)
+    assert read().scene.motion is None

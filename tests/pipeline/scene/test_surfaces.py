@@ -180,8 +180,8 @@ def test_a_scene_takes_a_patch_levelled_and_filled(read, library):
     sweep = read(*with_table(table, (40, 32)), overrides=FINEST)
     patch = holed((10, 12), (20, 20)).filled(np.nan)[4:44, 6:38]
     expected = levelled(filled(patch))
-    np.testing.assert_array_equal(sweep.roughness.array, expected)
-    (note,) = sweep.notes
+    np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
+    (note,) = sweep.about.notes
     assert "2 of 1280 heights (0.16 %) are missing and were filled" in note
 
 
@@ -191,11 +191,11 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library, how):
     rows, columns = HEIGHTS.shape
     table = f'file = "a.x3p"\nrepeat = "{how}"\ncrop = [2, 0]\n'
     sweep = read(*with_table(table, (2 * rows, columns)), overrides=FINEST)
-    kept, second = np.split(sweep.roughness.array, [rows - 2])
+    kept, second = np.split(sweep.scene.roughness.array, [rows - 2])
     np.testing.assert_array_equal(kept, HEIGHTS[2:])
     again = HEIGHTS[2:][::-1] if how == "mirror" else HEIGHTS[2:]
     np.testing.assert_array_equal(second[: rows - 2], again)
-    (note,) = sweep.notes
+    (note,) = sweep.about.notes
     assert (
         f"{rows - 2} × {columns} heights were {'mirrored' if how == 'mirror' else 'tiled'}" in note
     )

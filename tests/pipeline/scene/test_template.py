@@ -63,8 +63,8 @@ def test_every_example_is_allowed(section, key, template):
 def test_an_entry_without_its_mark_takes_effect(template, tmp_path):
     text = template.read_text(encoding="utf-8")
     (tmp_path / "held.toml").write_text(text.replace("#hold = ", "hold = ", 1), encoding="utf-8")
-    assert load_scene(template).loading.hold == 0.0
-    assert load_scene(tmp_path / "held.toml").loading.hold == 4.0
+    assert load_scene(template).scene.loading.hold == 0.0
+    assert load_scene(tmp_path / "held.toml").scene.loading.hold == 4.0
 
 
 def test_what_cannot_be_written_is_refused(tmp_path):
@@ -87,6 +87,6 @@ def test_what_cannot_be_written_is_refused(tmp_path):
 
 def test_the_command_writes_and_lists(tmp_path, irg):
     assert f"irg check {tmp_path / 'mine.toml'}" in irg("new", tmp_path / "mine.toml")
-    assert load_scene(tmp_path / "mine.toml").preset == "standard"
+    assert load_scene(tmp_path / "mine.toml").about.preset == "standard"
     assert set(shipped_scenes()) <= set(irg("new", "--list").split())
     assert "irg new scene.toml" in irg("new", code=2)

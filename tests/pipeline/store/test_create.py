@@ -1,6 +1,5 @@
 """Creation and growth of stores, also of ones that were cut short, and refusals."""
 
-import dataclasses
 import errno
 import os
 import shutil
@@ -91,8 +90,8 @@ def test_axes_have_the_exact_loads_and_velocities(path):
     sweep = tiny.sweep(loads=(0.1 + 0.2, 100 / 3), velocities=(1 / 7, 1.1))
     commit(path, sweep, ())
     with xr.open_zarr(path, chunks=None) as ds:
-        assert tuple(ds["load"].values) == sweep.loads
-        assert tuple(ds["velocity"].values) == sweep.velocities
+        assert tuple(ds["load"].values) == sweep.plane.loads
+        assert tuple(ds["velocity"].values) == sweep.plane.velocities
         assert ds["quantile"].values.tolist() == list(tribo.QUANTILES)
 
 
@@ -192,7 +191,7 @@ def test_conditions_and_titles_follow_the_scene_file(path):
 
 def test_points_of_earlier_runs_are_counted_apart(path):
     commit(path, SWEEP, points(SWEEP)[:3])
-    commit(path, dataclasses.replace(SWEEP, loads=(600.0,)), ())
+    commit(path, SWEEP.changed(loads=(600.0,)), ())
     now = summary(path)
     assert (now.total, now.done, now.pending, now.earlier) == (3, 1, 2, 2)
 
@@ -269,7 +268,7 @@ def test_surfaces_and_samples_are_added_to_those_that_are_there(
     with killed_after(monkeypatch, 10**6 if files is None else files), writing(path, more):
         pass
     with open_sweep(path) as ds:
-        (name,) = more.axes
+        (name,) = more.variants.axes
         after = ds.sel({name: before[name]}).load()
     for name in set(before.data_vars) - {"asked"}:
         np.testing.assert_array_equal(after[name].values, before[name].values)
@@ -295,7 +294,7 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
 
 
 MISMATCHES = {
-    "fields later": (several(), several(store_fields=True), "has no fields"),
+    "fields later": (several(), several(fields=True), "has no fields"),
     "surfaces later": (several(), several(realizations=(1,)), "none in the store, realization in"),
     "surfaces before": (several(realizations=(1,)), several(), "realization in the store, none in"),
     "samples later": (several(), several(samples=sampled()), "none in the store, sample in"),

@@ -66,7 +66,7 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
     assert decisive_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     judged = result.verdict(conditions)
     assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
-    measured = critical_temperature(sweep, [(600.0, 1.5, 0.1)], 298.15, conditions.decisive)
+    measured = critical_temperature(sweep.scene, [(600.0, 1.5, 0.1)], 298.15, conditions.decisive)
     assert measured.mean == pytest.approx(judged.decisive_temperature, rel=1e-9)
 
 

@@ -26,13 +26,13 @@ LOADS, VELOCITIES = np.array([750.0, 600.0, 400.0, 200.0]), np.array([1.25, 1.5,
 
 @pytest.fixture(scope="module")
 def sweep():
-    return replace(pipeline.load_scene(WORKFLOWS / "first_try.toml"), oil=WHITE)
+    return pipeline.load_scene(WORKFLOWS / "first_try.toml").changed(oil=WHITE)
 
 
 def test_film_parameters_of_the_papers_transitions(sweep):
     """0.33, 0.38, 0.53, 0.84 with 55 mPa s; ASTM D341 gives the oil 59.3 mPa s at 25 °C."""
     thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
-    lubrication = Lubrication.of(replace(sweep, oil=thinner))
+    lubrication = Lubrication.of(sweep.changed(oil=thinner))
     expected = [0.33, 0.38, 0.53, 0.84]
     assert lubrication.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(
         expected, abs=0.01
@@ -51,15 +51,15 @@ def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
 
 def test_rolling_draws_in_more_oil_than_sliding(sweep):
     at_rest, rolling = (
-        Lubrication.of(replace(sweep, motion=motion)).film_parameter(750, 1.0, 298.15)
+        Lubrication.of(sweep.changed(motion=motion)).film_parameter(750, 1.0, 298.15)
         for motion in (None, Motion(slide_roll_ratio=0.5))
     )
     assert rolling / at_rest == pytest.approx(4**0.7)
 
 
 def test_a_ball_has_the_film_of_a_point_contact(sweep):
-    ball = replace(sweep, pin=Ball(5e-3, sweep.disk), pixels=replace(
-        sweep.pixels, periodic=(False, False)), wear=None)  # fmt: skip
+    ball = sweep.changed(pin=Ball(5e-3, sweep.scene.disk), pixels=replace(
+        sweep.scene.pixels, periodic=(False, False)), wear=None)  # fmt: skip
     lubrication = Lubrication.of(ball)
     expected = minimum_point_film(
         0.5, WHITE.viscosity(298.15), 20e-9, 50.0, 5e-3, lubrication.contact_modulus
@@ -70,10 +70,10 @@ def test_a_ball_has_the_film_of_a_point_contact(sweep):
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0])
 def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     """Hamrock and Dowson give k = 1.03 (R_y/R_x)^0.64 in place of the ellipse of Hertz."""
-    free = replace(sweep.pixels, periodic=(False, False))
+    free = replace(sweep.scene.pixels, periodic=(False, False))
     ball, crowned = (
-        Lubrication.of(replace(sweep, pin=pin, pixels=free, wear=None))
-        for pin in (Ball(5e-3, sweep.disk), Crowned(5e-3, 5e-3 * ratio, sweep.disk))
+        Lubrication.of(sweep.changed(pin=pin, pixels=free, wear=None))
+        for pin in (Ball(5e-3, sweep.scene.disk), Crowned(5e-3, 5e-3 * ratio, sweep.scene.disk))
     )
     assert crowned.ellipticity == pytest.approx(1.03 * ratio**0.64, rel=0.03)
     thicker = np.expm1(-0.68 * crowned.ellipticity) / np.expm1(-0.68)
@@ -101,11 +101,11 @@ def test_line_and_point_formulas_have_their_exponents():
     ],
 )
 def test_nothing_is_said_without_what_it_takes(sweep, change):
-    assert Lubrication.of(replace(sweep, **change)) is None
+    assert Lubrication.of(sweep.changed(**change)) is None
 
 
 def test_a_stored_sweep_says_the_same(sweep):
-    lubrication = Lubrication.of(replace(sweep, motion=Motion(entrainment_velocity=2.0)))
+    lubrication = Lubrication.of(sweep.changed(motion=Motion(entrainment_velocity=2.0)))
     assert Lubrication.stored({"lubrication": lubrication.as_dict()}) == lubrication
     assert Lubrication.stored({}) is None
 

@@ -1,7 +1,6 @@
 """Points, chains and the computation of one point (pipeline/sweep/plan.py)."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,14 +47,14 @@ def test_chains_ascend_in_load_at_one_velocity():
 
 
 def test_independent_points_are_chains_of_their_own():
-    alone = replace(SWEEP, independent=True)
+    alone = SWEEP.changed(independent=True)
     assert chains(points(alone), alone) == tuple((point,) for point in points(alone))
 
 
 @pytest.mark.parametrize(("load", "count"), [(100.0, 2), (150.0, 3), (250.0, 2), (600.0, 5)])
 def test_a_point_has_a_row_for_each_of_its_steps(load, count):
     result = run_point(SWEEP, load, 1.0)
-    assert step_count(SWEEP, load) == count
+    assert step_count(SWEEP.scene, load) == count
     assert {name: len(values) for name, values in result.columns.items()} == dict.fromkeys(
         COLUMNS, count
     )
@@ -112,7 +111,7 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, interval
     for load in (100.0, 150.0, 250.0, 500.0, 600.0):
         result = run_point(sweep, load, 1.0, trunk=trunk)
         assert same(result, run_point(sweep, load, 1.0))
-        assert len(result.columns["time"]) == step_count(sweep, load)
+        assert len(result.columns["time"]) == step_count(sweep.scene, load)
         assert np.isfinite(result.columns["max_rise"][-1])
         trunk = pickle.loads(pickle.dumps(result.trunk))
         assert same(highest, run_point(sweep, 625.0, 1.0, trunk=trunk))
@@ -124,8 +123,8 @@ def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
     assert (result.state.pressure.shape, result.shape) == (WIDE.shape, (24, 8))
     blocks = result.state.heat.rise.reshape(24, 2, 8, 2)
     assert result.fields["rise"] == pytest.approx(blocks.mean(axis=(1, 3)))
-    load = result.fields["pressure"].sum() * sweep.grid.element_area
-    assert load * sweep.pin.patches(sweep.grid) == pytest.approx(250.0)
+    load = result.fields["pressure"].sum() * sweep.scene.grid.element_area
+    assert load * sweep.scene.pin.patches(sweep.scene.grid) == pytest.approx(250.0)
 
 
 def test_temperatures_on_the_way_are_where_they_are_asked_for():

@@ -25,7 +25,7 @@ from tribo import PRESETS, Fidelity, Grid, InputError
 
 # So many velocities that it pays to look for something cheaper than the reference.
 MANY = tuple(float(velocity) for velocity in np.geomspace(0.5, 8.0, 40))
-WORN, UNWORN = (replace(SCENES[name], velocities=MANY) for name in ("low loads", "no wear"))
+WORN, UNWORN = (SCENES[name].changed(velocities=MANY) for name in ("low loads", "no wear"))
 
 
 def test_it_picks_the_first_that_is_good_enough_and_says_why():
@@ -52,13 +52,13 @@ def test_the_choice_is_the_same_every_time():
 
 
 def test_what_the_scene_asks_to_see_is_kept():
-    sweep = replace(UNWORN, fidelity=Fidelity(temperature_interval=5))
+    sweep = UNWORN.changed(fidelity=Fidelity(temperature_interval=5))
     assert choose_fidelity(sweep, 0.1).fidelity.temperature_interval == 5
 
 
 @pytest.mark.parametrize(
     ("sweep", "points"),
-    [(UNWORN, (Point(300.0, 1.5),)), (replace(UNWORN, velocities=(1.0, 2.0)), None)],
+    [(UNWORN, (Point(300.0, 1.5),)), (UNWORN.changed(velocities=(1.0, 2.0)), None)],
     ids=["one point", "few points"],
 )
 def test_a_few_points_are_judged_before_the_reference_is_taken(sweep, points):
@@ -77,14 +77,14 @@ def test_every_foretold_error_is_said_to_be_against_the_pixels():
     said = str(choose_fidelity(UNWORN, 0.05, points=(Point(300.0, 1.5),)))
     assert "against nearly exact steps on the scene's pixels" in said
     assert "elements of twice their size move it by" in said
-    odd = replace(
-        UNWORN, pixels=Grid((121, 61), (3.2e-6, 3.2e-6)), fidelity=Fidelity(pixels_per_element=1)
+    odd = UNWORN.changed(
+        pixels=Grid((121, 61), (3.2e-6, 3.2e-6)), fidelity=Fidelity(pixels_per_element=1)
     )
     assert "cannot be joined" in str(choose_fidelity(odd, 0.05, points=(Point(300.0, 1.5),)))
 
 
 def test_every_surface_has_its_turn():
-    several = replace(UNWORN, realizations=(3, 4, 5))
+    several = UNWORN.changed(realizations=(3, 4, 5))
     assert {place.variant[0][1] for place in some_places(several, 6)} == {3, 4, 5}
     asked = []
     kept = accuracy_module.probe
@@ -95,23 +95,23 @@ def test_every_surface_has_its_turn():
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(accuracy_module, "probe", noted)
-        choose_fidelity(replace(several, velocities=(1.0, 2.0)), 0.05)
+        choose_fidelity(several.changed(velocities=(1.0, 2.0)), 0.05)
     assert {point.variant[0][1] for point in asked} == {3, 4, 5}
 
 
 def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
     one = _steps_of_sweep(UNWORN)
-    assert _steps_of_sweep(replace(UNWORN, realizations=(3, 4, 5))) == 3 * one
+    assert _steps_of_sweep(UNWORN.changed(realizations=(3, 4, 5))) == 3 * one
     uncertain = pipeline.load_scene("workflows/uncertain.toml")
-    alone = _steps_of_sweep(replace(uncertain, samples=None))
+    alone = _steps_of_sweep(uncertain.changed(samples=None))
     assert _steps_of_sweep(uncertain) == 128 * alone / 2 > alone
 
 
 def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
-    slow = replace(UNWORN, velocities=tuple(velocity / 100 for velocity in MANY))
+    slow = UNWORN.changed(velocities=tuple(velocity / 100 for velocity in MANY))
     warm = replace(slow.conditions, critical_temperature=slow.conditions.bulk_temperature + 12)
     endless = replace(slow.fidelity, heat_kernel="endless")  # a pin that never cools to its ends
-    slow = replace(slow, conditions=warm, fidelity=endless)
+    slow = slow.changed(conditions=warm, fidelity=endless)
     loose, strict = (choose_fidelity(slow, accuracy) for accuracy in (0.3, 0.02))
     assert (loose.fidelity.heat_model, strict.fidelity.heat_model) == ("elapsed", "history")
     assert "with all heat so far" in strict.name
@@ -124,7 +124,7 @@ def test_an_accuracy_is_a_share(accuracy):
 
 
 def test_without_friction_there_is_nothing_to_be_accurate_about():
-    without = replace(PAPER, conditions=replace(PAPER.conditions, friction=0.0))
+    without = PAPER.changed(conditions=replace(PAPER.conditions, friction=0.0))
     with pytest.raises(InputError, match="friction is 0"):
         choose_fidelity(without, 0.02)
 
@@ -133,7 +133,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     tmp_path, monkeypatch
 ):
     out = tmp_path / "out.zarr"
-    small = replace(tiny.sweep(), loads=(250.0, 600.0), velocities=(1.0, 1.5))
+    small = tiny.sweep().changed(loads=(250.0, 600.0), velocities=(1.0, 1.5))
     begun = at_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
     assert stored_selection(out) == begun.selection
@@ -143,20 +143,20 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
         raise AssertionError("another probe")
 
     monkeypatch.setattr(accuracy_module, "choose_fidelity", refused)
-    grown = replace(small, velocities=(1.0, 1.25, 1.5))
+    grown = small.changed(velocities=(1.0, 1.25, 1.5))
     for accuracy in (0.1, 0.3):
         again = at_accuracy(grown, accuracy, store=out)
         assert (again.fidelity, again.selection) == (begun.fidelity, begun.selection)
     outcome = pipeline.run_sweep(again, out, workers=1)
     assert (outcome.computed, outcome.done) == (2, 6)
     # Without --accuracy, but with the same fidelity, the reasons stay.
-    pipeline.run_sweep(replace(again, selection=None), out, workers=1)
+    pipeline.run_sweep(again.changed(selection=None), out, workers=1)
     assert stored_selection(out) == begun.selection
     stricter = begun.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
         at_accuracy(grown, stricter, store=out)
     # What the scene asks to see is its own, and not to be taken from the store.
-    more = replace(grown, fidelity=replace(grown.fidelity, temperature_interval=2))
+    more = grown.changed(fidelity=replace(grown.fidelity, temperature_interval=2))
     with pytest.raises(pipeline.StoreMismatchError, match="temperature_interval"):
         pipeline.run_sweep(at_accuracy(more, 0.1, store=out), out, workers=1)
 

@@ -13,7 +13,7 @@ from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, simulate
 
-SWEEP = replace(PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
+SWEEP = PAPER.changed(loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
 
 
 def counted(sweep):
@@ -27,8 +27,8 @@ def counted(sweep):
             steps += len(result.columns["time"][new])
             temperatures += (result.columns["max_rise"][new] >= 0).sum()
             trunk = result.trunk
-    if not sweep.remembers_steps:  # one worker solves each contact once, for all velocities
-        steps //= len(sweep.velocities)
+    if not sweep.scene.remembers_steps:  # one worker solves each contact once, for all velocities
+        steps //= len(sweep.plane.velocities)
     return steps, temperatures
 
 
@@ -46,7 +46,7 @@ def counted(sweep):
     ids=["ramp", "interval", "history", "stations", "no wear", "independent", "hold"],
 )
 def test_steps_and_temperatures_are_foretold(changes):
-    sweep = replace(SWEEP, **{"roughness": None} | changes)
+    sweep = SWEEP.changed(**{"roughness": None} | changes)
     forecast = estimate(sweep, workers=1)
     assert (forecast.steps, forecast.temperatures) == counted(sweep)
 
@@ -54,15 +54,15 @@ def test_steps_and_temperatures_are_foretold(changes):
 @pytest.fixture
 def fixed_rates(monkeypatch):
     """A quiet machine with two cores, where a contact takes 1 s and its temperature 9 s."""
-    timed = _Timed(5.0, 1.0, 9.0, next(simulate(SWEEP, 750.0, 0.0)))
+    timed = _Timed(5.0, 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0)))
     monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
     monkeypatch.setattr(forecast.os, "getloadavg", lambda: (0.0, 0.0, 0.0))
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
 
 
 def test_the_time_is_that_of_all_steps_shared_by_the_workers(fixed_rates):
-    sweep = replace(SWEEP, fidelity=Fidelity(increments=30))
-    three = replace(sweep, velocities=(1.0, 2.0, 4.0))
+    sweep = SWEEP.changed(fidelity=Fidelity(increments=30))
+    three = sweep.changed(velocities=(1.0, 2.0, 4.0))
     # 30 steps up to 750 N at each velocity, of which 3 have a temperature.
     ramp = 30 * 1.0 + 3 * 9.0
     for case, workers, turns in ((sweep, 1, 2), (sweep, 2, 1), (three, 2, 2)):
@@ -89,7 +89,7 @@ def test_where_others_take_the_cores_it_says_what_it_would_be_without_them(
 
 
 def test_the_boundary_alone_takes_fewer_points(fixed_rates):
-    many = replace(SWEEP, velocities=tuple(0.5 * k for k in range(1, 41)))
+    many = SWEEP.changed(velocities=tuple(0.5 * k for k in range(1, 41)))
     whole, boundary = (estimate(many, 1, boundary_only=only) for only in (False, True))
     assert whole.points == 3 * 40
     assert boundary.points == 3 * 2
@@ -99,7 +99,7 @@ def test_the_boundary_alone_takes_fewer_points(fixed_rates):
 @pytest.mark.parametrize("patience", [forecast._PATIENCE, 0.0], ids=["a ramp", "a point"])
 def test_the_time_is_that_of_a_whole_run_within_its_factor(monkeypatch, patience):
     monkeypatch.setattr(forecast, "_PATIENCE", patience)
-    sweep = replace(SWEEP, fidelity=PRESETS["standard"])
+    sweep = SWEEP.changed(fidelity=PRESETS["standard"])
     for point in points(sweep)[:1]:
         run_point(sweep, *point)  # what is imported and computed once
     began = time.process_time()
@@ -115,8 +115,7 @@ def test_the_time_is_that_of_a_whole_run_within_its_factor(monkeypatch, patience
 def test_fields_take_room_only_where_they_are_asked_for():
     grid = Grid((64, 32), (6.5e-6, 7.5e-6))
     without, with_fields = (
-        estimate(tiny.sweep(store_fields=fields, pixels=grid)).disk_bytes
-        for fields in (False, True)
+        estimate(tiny.sweep(fields=fields, pixels=grid)).disk_bytes for fields in (False, True)
     )
     assert with_fields - without == len(points(tiny.sweep())) * 3 * 8 * 64 * 32
 
@@ -134,11 +133,9 @@ def test_fields_take_room_only_where_they_are_asked_for():
     ],
 )
 def test_work_that_is_saved_is_named_with_its_reason(changes, said):
-    kept = replace(
-        SWEEP, store_fields=True, wear=Wear(1.2e-15), pixels=Grid((256, 96), (2e-6, 2e-6))
-    )
+    kept = SWEEP.changed(fields=True, wear=Wear(1.2e-15), pixels=Grid((256, 96), (2e-6, 2e-6)))
     if said.startswith("fields"):
-        kept = replace(kept, store_fields=False)
+        kept = kept.changed(fields=False)
     assert any(said in work for work in savings(replace(kept, **changes)))
 
 

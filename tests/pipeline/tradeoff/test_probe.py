@@ -21,7 +21,7 @@ from tests.helpers import tiny
 from tribo import PRESETS, QUANTILES, Fidelity, Heat, InputError, start
 
 SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
-START = start(SWEEP)
+START = start(SWEEP.scene)
 NODES = START.pressure.size
 
 
@@ -71,13 +71,13 @@ def test_the_hottest_state_under_full_load_is_read(ramps):
     made[300.0] = [state(100.0), state(300.0)]
     assert _run(SWEEP, 300.0, 1.0).state is made[300.0][-1]
     with pytest.raises(InputError, match="ended without a temperature"):
-        probe(SWEEP, SWEEP.fidelity, [Point(300.0, 1.0)])
+        probe(SWEEP, SWEEP.scene.fidelity, [Point(300.0, 1.0)])
 
 
 def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
     asked, _ = ramps
     points = [Point(600.0, 1.0), Point(300.0, 2.0), Point(300.0, 1.0)]
-    changed = replace(SWEEP.fidelity, temperature_interval=2, heat_tolerance=1e-3)
+    changed = replace(SWEEP.scene.fidelity, temperature_interval=2, heat_tolerance=1e-3)
     result = probe(SWEEP, changed, points)
     assert [(load, velocity) for _, load, velocity, _ in asked] == [(300, 1), (600, 1), (300, 2)]
     assert {arguments[0].fidelity for arguments in asked} == {
@@ -97,7 +97,7 @@ def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
     [((90, 60), 4, 3), ((90, 60), 3, 3), ((90, 64), 4, 2), ((91, 64), 4, 1), ((64, 90), 4, 2)],
 )
 def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
-    sweep = replace(SWEEP, pixels=replace(SWEEP.pixels, shape=shape))
+    sweep = SWEEP.changed(pixels=replace(SWEEP.scene.pixels, shape=shape))
     fidelity = fitted(sweep, Fidelity(pixels_per_element=asked, heat_kernel="endless"))
     assert (fidelity.pixels_per_element, fidelity.heat_kernel) == (taken, "pin")
 
@@ -106,8 +106,10 @@ def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
     ("number", "chosen"), [(1, (0,)), (2, (0, 4)), (3, (0, 2, 4)), (4, (0, 1, 3, 4)), (9, range(5))]
 )
 def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
-    sweep = replace(SWEEP, loads=(200.0, 300.0, 400.0, 500.0, 600.0))
-    assert [place.load for place in some_places(sweep, number)] == [sweep.loads[k] for k in chosen]
+    sweep = SWEEP.changed(loads=(200.0, 300.0, 400.0, 500.0, 600.0))
+    assert [place.load for place in some_places(sweep, number)] == [
+        sweep.plane.loads[k] for k in chosen
+    ]
 
 
 def made_up(monkeypatch, exponent, reference_velocity=2.0):
@@ -157,7 +159,7 @@ def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(
 
 def test_without_a_velocity_there_is_no_boundary():
     with pytest.raises(InputError, match="no velocity but 0"):
-        near_the_boundary(replace(SWEEP, velocities=(0.0,)), [Place(300.0)])
+        near_the_boundary(SWEEP.changed(velocities=(0.0,)), [Place(300.0)])
 
 
 @pytest.mark.parametrize("exponent", [0.05, 1.0, 8.0])

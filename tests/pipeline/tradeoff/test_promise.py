@@ -1,7 +1,6 @@
 """Promises of `--accuracy`, on every scene that we keep and on windows of full size."""
 
 import functools
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,16 +22,14 @@ from tribo import Ball, Crowned, Cylinder, Grid, SelfAffineRoughness
 SHIPPED = pipeline.load_scene(Path(__file__).parents[3] / "workflows" / "irg_transition.toml")
 LARGE = {
     "shipped": SHIPPED,
-    "shipped, another radius": replace(
-        SHIPPED,
-        pin=Cylinder(5e-3, 3.4e-3, SHIPPED.disk),
+    "shipped, another radius": SHIPPED.changed(
+        pin=Cylinder(5e-3, 3.4e-3, SHIPPED.scene.disk),
         pixels=Grid((480, 240), (1.3e-6, 1.9e-6), (False, True)),
     ),
-    "shipped, another surface": replace(
-        SHIPPED, roughness=SelfAffineRoughness(0.4e-6, 0.7, (6e-6, 12e-6), seed=5)
+    "shipped, another surface": SHIPPED.changed(
+        roughness=SelfAffineRoughness(0.4e-6, 0.7, (6e-6, 12e-6), seed=5)
     ),
-    "shipped, other loads and pin": replace(
-        SHIPPED,
+    "shipped, other loads and pin": SHIPPED.changed(
         pin=Cylinder(2e-3, 3.4e-3, ALUMINA),
         loads=tuple(float(load) for load in range(100, 301, 25)),
         pixels=Grid((480, 240), (0.6e-6, 0.95e-6), (False, True)),
@@ -40,7 +37,7 @@ LARGE = {
 }
 # So many velocities that it pays to look for a cheaper choice than the reference.
 VELOCITIES = tuple(float(velocity) for velocity in np.geomspace(0.25, 8.0, 40))
-ALL = {name: replace(scene, velocities=VELOCITIES) for name, scene in (SCENES | LARGE).items()}
+ALL = {name: scene.changed(velocities=VELOCITIES) for name, scene in (SCENES | LARGE).items()}
 
 
 @functools.cache
@@ -71,10 +68,13 @@ def test_what_may_err_more_costs_no_more_and_the_true_error_is_within_both():
 @pytest.mark.parametrize(("seed", "pin"), [(124, Ball), (125, Crowned), (126, Cylinder)])
 def test_scenes_of_the_wider_family_turn_severe_amid_their_velocities(seed, pin):
     sweep = random_wide_sweep(seed)
-    assert isinstance(sweep.pin, pin)
-    place, middle = places(sweep)[1], (sweep.velocities[0] * sweep.velocities[-1]) ** 0.5
-    velocity, _ = boundary_velocity(sweep, sweep.fidelity, place, middle)
-    assert sweep.velocities[0] < velocity < sweep.velocities[-1]
+    assert isinstance(sweep.scene.pin, pin)
+    place, middle = (
+        places(sweep)[1],
+        (sweep.plane.velocities[0] * sweep.plane.velocities[-1]) ** 0.5,
+    )
+    velocity, _ = boundary_velocity(sweep, sweep.scene.fidelity, place, middle)
+    assert sweep.plane.velocities[0] < velocity < sweep.plane.velocities[-1]
 
 
 @pytest.mark.slow

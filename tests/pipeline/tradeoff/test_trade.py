@@ -59,7 +59,7 @@ def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
     assert draft.velocity_error > draft.rise_error / 2 > 0
     assert 0 < draft.share_error < 1
     assert draft.area_error > 0
-    assert named(measured, "as in the scene").fidelity == SCENE.fidelity
+    assert named(measured, "as in the scene").fidelity == SCENE.scene.fidelity
 
 
 def test_each_numerical_choice_is_varied_alone(measured):
@@ -184,10 +184,10 @@ def test_a_diagram_without_a_transition_is_refused():
 
 
 def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():
-    scene = replace(SCENE, unequal_bulks=True)
+    scene = SCENE.changed(unequal_bulks=True)
     names = []
     for name, _, fidelity in tradeoff._candidates(scene, ("draft", "fine"), "standard"):
-        replace(scene, fidelity=fidelity)
+        scene.changed(fidelity=fidelity)
         names.append(name)
     assert len(names) > 10
 
@@ -195,9 +195,9 @@ def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():
 def test_unknown_presets_and_scenes_without_heat_are_refused():
     with pytest.raises(InputError, match="preset 'fast' is unknown; known are draft, standard"):
         trade(PAPER, ("fast",))
-    without = replace(PAPER, conditions=replace(PAPER.conditions, friction=0.0))
+    without = PAPER.changed(conditions=replace(PAPER.conditions, friction=0.0))
     with pytest.raises(InputError, match="friction is 0"):
         trade(without)
-    still = replace(PAPER, velocities=(0.0,))
+    still = PAPER.changed(velocities=(0.0,))
     with pytest.raises(InputError, match="no velocity but 0"):
         trade(still)

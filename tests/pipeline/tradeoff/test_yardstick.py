@@ -21,7 +21,7 @@ from tests.helpers.scenes import STEEL
 from tribo import Ball, ConvergenceError, Grid, Wear
 
 VELOCITIES = (1.0, 2.0, 4.0, 8.0)
-SWEEP = replace(SCENES["no wear"], velocities=VELOCITIES, wear=Wear(1e-15))
+SWEEP = SCENES["no wear"].changed(velocities=VELOCITIES, wear=Wear(1e-15))
 LIMIT = rise_limit(SWEEP.conditions)
 
 
@@ -75,15 +75,13 @@ def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monk
     assert error.steps == pytest.approx(1.2 * 0.5 * moved)
     assert error.heat_model == 0.0
     assert error.work == 300.0 + 200.0 + 200.0
-    assert own_error(replace(SWEEP, wear=None), points, exponents, readings).steps == 0.0
+    assert own_error(SWEEP.changed(wear=None), points, exponents, readings).steps == 0.0
 
 
 def test_under_a_ball_all_of_what_half_the_steps_move_is_left_to_any_number(monkeypatch):
     law = Law(of_steps=0.01)
     monkeypatch.setattr(yardstick, "probe", law)
-    ball = replace(
-        SWEEP, pin=Ball(5e-3, STEEL), pixels=Grid((96, 96), (1e-6, 1e-6), (False, False))
-    )
+    ball = SWEEP.changed(pin=Ball(5e-3, STEEL), pixels=Grid((96, 96), (1e-6, 1e-6), (False, False)))
     points = [Point(300.0, 3.0)]
     readings = law(ball, YARDSTICK, points).readings
     line, point = (own_error(sweep, points, [1.0], readings) for sweep in (SWEEP, ball))
@@ -98,18 +96,18 @@ def test_the_error_of_the_present_heat_is_measured_at_the_lowest_and_the_highest
     monkeypatch.setattr(yardstick, "probe", law)
     points = [Point(load, 3.0) for load in (200.0, 100.0, 300.0)]
     readings = (None,) * 3
-    error = own_error(replace(SWEEP, wear=None), points, [0.1, 0.5, 1.0], readings)
+    error = own_error(SWEEP.changed(wear=None), points, [0.1, 0.5, 1.0], readings)
     assert error.heat_model == pytest.approx(1.2 * abs(boundary_velocity_error(1.02, 1.0, 0.5)))
     assert [fidelity.heat_model for fidelity, _ in law.asked] == ["elapsed", "history"]
     for fidelity, asked in law.asked:
         assert (fidelity.increments, fidelity.pixels_per_element) == (50, 1)
         assert asked == (points[1], points[2])
     law.asked.clear()
-    large = replace(SWEEP, wear=None, pixels=Grid((200, 102), (1e-6, 1e-6)))
+    large = SWEEP.changed(wear=None, pixels=Grid((200, 102), (1e-6, 1e-6)))
     own_error(large, points[:1], [0.5], readings[:1])
     assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [2, 2]
-    fidelity = replace(SWEEP.fidelity, heat_model="history", history_coarsening=1)
-    remembering = replace(SWEEP, wear=None, fidelity=fidelity)
+    fidelity = replace(SWEEP.scene.fidelity, heat_model="history", history_coarsening=1)
+    remembering = SWEEP.changed(wear=None, fidelity=fidelity)
     assert own_error(remembering, points, [0.5] * 3, readings).work == 0.0
 
 
@@ -122,7 +120,7 @@ def test_of_another_fidelity_steps_count_in_proportion_and_heat_where_it_is_the_
 
 
 def judged(
-    monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.loads, steps=0.001
+    monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.plane.loads, steps=0.001
 ):
     """Choice among fidelities of some errors, one after the other, and a work of 50."""
     points = tuple(Point(load, 3.0) for load in loads for _ in range(2))
@@ -150,7 +148,7 @@ def test_the_first_choice_within_the_accuracy_is_taken_with_all_margins(monkeypa
     assert choice.trials[0].name == "draft, solved tightly"
     assert choice.name == choice.trials[-1].name == "standard, solved tightly"
     assert (choice.work, choice.saving) == (1000.0 + 30.0 + 100.0, 8.0)
-    assert len(choice.points) == 2 * len(SWEEP.loads)
+    assert len(choice.points) == 2 * len(SWEEP.plane.loads)
 
 
 def test_where_none_is_within_it_the_reference_is_taken(monkeypatch):

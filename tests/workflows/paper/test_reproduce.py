@@ -239,7 +239,7 @@ def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
 def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, scenes):
     rates = np.array(small("inverse").data["wear_rate_of_oil_a"]).reshape(2, 2)
     expected_rates = [
-        load_scene(scenes / f"{name}.toml").wear.specific_wear_rate
+        load_scene(scenes / f"{name}.toml").scene.wear.specific_wear_rate
         for name in ("oil_a", "oil_a_hot")
     ]
     assert np.sqrt(np.prod(rates, axis=1)) == pytest.approx(expected_rates, rel=0.05)

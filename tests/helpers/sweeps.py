@@ -1,0 +1,19 @@
+"""Sweeps made of the fields of all their parts, by name."""
+
+from dataclasses import fields
+
+from pipeline.sweep.about import About
+from pipeline.sweep.model import PART_OF, Plane, Record, Sweep, Variants
+from tribo import Scene
+
+_KINDS = {"scene": Scene, "plane": Plane, "variants": Variants, "record": Record, "about": About}
+
+
+def sweep_of_fields(**values):
+    """A sweep with these values of the fields of its parts, and the usual ones of the others."""
+    assert values.keys() <= PART_OF.keys(), values.keys() - PART_OF.keys()
+    parts = {
+        part: kind(**{one.name: values[one.name] for one in fields(kind) if one.name in values})
+        for part, kind in _KINDS.items()
+    }
+    return Sweep(**parts, conditions=values["conditions"])
