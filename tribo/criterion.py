@@ -87,10 +87,12 @@ class Criterion:
     Attributes
     ----------
     name : str
-        One of `CRITERIA`.
+        One of `CRITERIA`, or the name of a rule that is given.
     share : float
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (the highest temperature) to below 1; for the kind "share" alone.
+    rule : Rule or None
+        A rule of the user's own, in place of one of `CRITERIA`.
 
     Examples
     --------
@@ -109,9 +111,10 @@ class Criterion:
 
     name: str = "share"
     share: float = 0.1
+    rule: Rule | None = None
 
     def __post_init__(self) -> None:
-        if self.name not in CRITERIA:
+        if self.rule is None and self.name not in CRITERIA:
             raise InputError(f"criterion is {self.name!r}; allowed are {', '.join(CRITERIA)}")
         require_share(self.share)
 
@@ -122,6 +125,8 @@ class Criterion:
 
     @property
     def _rule(self) -> Rule:
+        if self.rule is not None:
+            return self.rule
         is_highest = self.name == "share" and self.share == 0
         return CRITERIA["highest" if is_highest else self.name]
 
@@ -139,7 +144,7 @@ class Criterion:
     @property
     def takes_share(self) -> bool:
         """Dependence on the share."""
-        return "{share" in CRITERIA[self.name].temperature
+        return "{share" in (self.rule or CRITERIA[self.name]).temperature
 
     @property
     def temperature(self) -> str:
@@ -163,7 +168,7 @@ class Criterion:
         quantiles = columns.get("quantile", np.array(QUANTILES))
         with of_law(f"criterion {self.name}"):
             rise = self._rule.rise(columns[self.column], self.share, quantiles)
-        if ":" in self.name and self.column == "rise_quantile":
+        if self.rule is not None and self.column == "rise_quantile":
             _require_within(self.name, rise, columns[self.column])
         return rise
 

@@ -40,6 +40,7 @@ def boundary(
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
     criterion: str | None = None,
+    own_laws: bool = False,
 ) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
 
@@ -63,7 +64,9 @@ def boundary(
         temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
     criterion : str, optional
         Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
-        ``"mean"``; see `tribo.CRITERIA`.
+        ``"mean"``; see `tribo.CRITERIA`. Or one's own, such as ``"laws:hottest"``.
+    own_laws : bool
+        Allow one's own criterion to run, which is code of a file in the working folder.
 
     Returns
     -------
@@ -117,7 +120,7 @@ def boundary(
     if isinstance(friction, str):
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
     ds = plane_of(ds)
-    others = (bulk_temperature, critical_temperature, share, criterion)
+    others = (bulk_temperature, critical_temperature, share, criterion, own_laws)
     if hasattr(friction, "ndim"):  # an array, which may be of no dimension
         friction = np.asarray(friction).tolist()
     if not isinstance(friction, Iterable):

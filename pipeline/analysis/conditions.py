@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.scene.faults import quoted
 from pipeline.scene.quantities import in_si, share_of
 from pipeline.sweep.conditions import Conditions, changes_of
+from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.rises import require_bulks
 from tribo import InputError
 
 Bulk = float | str | Mapping[str, float | str]
 """A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
 
-CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
-"""Names of the conditions that may be given in place of the sweep's own."""
+CONDITIONS = (
+    "friction", "bulk_temperature", "critical_temperature", "share", "criterion", "own_laws",
+)  # fmt: skip
+"""Names of the conditions that may be given in place of the sweep's own, and the permission."""
 
+_STORED = {entry.name for entry in fields(Conditions)} - {"own_criterion"}
 _COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
 
 
@@ -31,16 +37,19 @@ def conditions_of(
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
     criterion: str | None = None,
+    own_laws: bool = False,
 ) -> Conditions:
     """Take the sweep's own conditions, and those that are given in their place.
 
     Raises
     ------
     InputError
-        If one lies outside its range, or is neither given nor in the sweep.
+        If one lies outside its range, or is neither given nor in the sweep; an `OwnLawError` if
+        the criterion is code, and that is not given and allowed.
     """
     bulk: Any = bulk_temperature
-    values = dict(attributes_of(ds).get("conditions") or {}) | changes_of(
+    stored = attributes_of(ds).get("conditions") or {}
+    values = {name: value for name, value in stored.items() if name in _STORED} | changes_of(
         friction,
         {body: _kelvin("bulk_temperature", one) for body, one in bulk.items()}
         if isinstance(bulk, Mapping)
@@ -48,7 +57,16 @@ def conditions_of(
         _kelvin("critical_temperature", critical_temperature),
         None if share is None else share_of(share),
         criterion,
+        own_laws,
     )
+    named = str(values.get("criterion", ""))
+    if ":" in named and "own_criterion" not in values:
+        raise OwnLawError(
+            f"the store was judged by the criterion {quoted(named)} (SHA-256 "
+            f"{stored.get('criterion_hash')}), which is code, and nothing that a store names is "
+            f"run; give --criterion={quoted(named)} --own-laws in the folder of its file, or "
+            "another, such as --criterion=share"
+        )
     for name in ("friction", "failing_share", "bulk_temperature"):
         if values.get(name) is None:
             raise InputError(f"the sweep has no {name} of its own; give one")

@@ -18,6 +18,7 @@ from pipeline.analysis.transition import OUTCOMES
 from pipeline.analysis.wear_rate import own_wear_rate
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
+from pipeline.sweep.own_laws import OwnLawError
 from tribo import InputError
 
 _STATES = {DONE: "done", FAILED: "failed"}
@@ -62,13 +63,20 @@ class Difference:
         }
 
 
-def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
+def diff(
+    a: xr.Dataset | PathLike,
+    b: xr.Dataset | PathLike,
+    criterion: str | None = None,
+    own_laws: bool = False,
+) -> Difference:
     """Find the differences between two stores.
 
     Parameters
     ----------
     a, b : Dataset, str or path
         Datasets of `pipeline.open_sweep`, or paths of stores.
+    criterion, own_laws : optional
+        Criterion of both in place of their own; see `pipeline.boundary`.
 
     Raises
     ------
@@ -87,7 +95,8 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     for ds in (first, second):
         require_one_scene(ds)
     points, alike = _points(first, second)
-    return Difference(_entries(first, second), _boundary(first, second), points, alike)
+    crossings = _boundary(first, second, criterion=criterion, own_laws=own_laws)
+    return Difference(_entries(first, second), crossings, points, alike)
 
 
 def _entries(a: xr.Dataset, b: xr.Dataset) -> Table:
@@ -107,7 +116,7 @@ def _wear_rates(ds: xr.Dataset) -> dict[str, list[float]]:
     return {"wear_rates": [min(rates), max(rates)]}
 
 
-def _boundary(a: xr.Dataset, b: xr.Dataset) -> Table:
+def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> Table:
     """Critical velocities at the loads of both; none where wear is not judged."""
     columns = (
         Column("load", "load", "N"),
@@ -118,7 +127,9 @@ def _boundary(a: xr.Dataset, b: xr.Dataset) -> Table:
         Column("outcome_b", "outcome in B"),
     )
     try:
-        crossings = [_crossings(ds) for ds in (a, b)]
+        crossings = [_crossings(ds, **criterion) for ds in (a, b)]
+    except OwnLawError:
+        raise
     except InputError:  # no critical temperature, or samples, whose boundary is a probability
         return Table(columns, ())
     loads = sorted(crossings[0].keys() & crossings[1].keys())
@@ -129,9 +140,9 @@ def _boundary(a: xr.Dataset, b: xr.Dataset) -> Table:
     return Table(columns, tuple(rows))
 
 
-def _crossings(ds: xr.Dataset) -> dict[float, tuple[float, str]]:
+def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
     """Critical velocity and outcome at each load; over several surfaces the median."""
-    boundaries = boundary(ds)
+    boundaries = boundary(ds, **criterion)
     velocities, outcomes = boundaries["critical_velocity"], boundaries["outcome_at_load"]
     if axis := variant_of(boundaries):
         velocities = boundaries["critical_velocity_quantile"].sel(quantile=0.5)

@@ -82,7 +82,9 @@ class CriticalTemperatures:
 
 
 def critical_temperatures(
-    sweep: SceneLike, progress: Callable[[str], None] | None = None
+    sweep: SceneLike,
+    progress: Callable[[str], None] | None = None,
+    own_laws: bool = False,
 ) -> CriticalTemperatures:
     """Find the temperature that the failing share exceeds at each measured transition.
 
@@ -97,6 +99,8 @@ def critical_temperatures(
         of its own has the sweep's.
     progress : callable, optional
         Called with a line before each transition on each surface, and the time to go.
+    own_laws : bool
+        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -112,7 +116,7 @@ def critical_temperatures(
     >>> f"{inferred.mean - 273.15:.0f} °C"
     '149 °C'
     """
-    sweep = sweep_of(sweep)
+    sweep = sweep_of(sweep, own_laws)
     if not sweep.about.measured:
         raise InputError(
             f"the scene {sweep.about.name} has no measured transition; give it a [[measured]] with "

@@ -138,6 +138,7 @@ def margins(
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
     criterion: str | None = None,
+    own_laws: bool = False,
 ) -> tuple[Margin, ...]:
     """Distance of an operating point from severe wear, without a new simulation.
 
@@ -150,7 +151,7 @@ def margins(
         Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep.
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep.
-    friction, bulk_temperature, critical_temperature, share, criterion
+    friction, bulk_temperature, critical_temperature, share, criterion, own_laws
         See `pipeline.boundary`.
 
     Returns
@@ -173,7 +174,7 @@ def margins(
     (True, '-13 K')
     """
     place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
-    others = friction, bulk_temperature, critical_temperature, share, criterion
+    others = friction, bulk_temperature, critical_temperature, share, criterion, own_laws
     judges = (judge_of(plane_of(scene), *others) for scene in scenes(ds))
     return tuple(margin for judge in judges for margin in judge(*place))
 

@@ -20,6 +20,7 @@ def decisive_temperature(
     share: float | str | None = None,
     criterion: str | None = None,
     resolution: int | None = None,
+    own_laws: bool = False,
 ) -> xr.DataArray:
     """Deciding temperature of the contact at each point, the highest while its load is held.
 
@@ -27,7 +28,7 @@ def decisive_temperature(
 
     Parameters
     ----------
-    ds, friction, bulk_temperature, critical_temperature, share, criterion
+    ds, friction, bulk_temperature, critical_temperature, share, criterion, own_laws
         See `boundary`.
     resolution : int, optional
         Interpolate onto so many loads and velocities, evenly spaced.
@@ -47,7 +48,7 @@ def decisive_temperature(
     """
     ds = plane_of(ds)
     conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion
+        ds, friction, bulk_temperature, critical_temperature, share, criterion, own_laws
     )
     rise = decisive_rise(ds, conditions)
     if resolution is not None:
@@ -95,9 +96,14 @@ def temperatures(
     >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
     463.0
     """
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature)
+    # No temperature depends on the criterion, and that of a store may be code.
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, criterion="share"
+    )
     rises = at_bulks(ds, conditions)
-    result = xr.Dataset(attrs=attributes_by(conditions))
+    attributes = attributes_by(conditions)
+    del attributes["criterion"]
+    result = xr.Dataset(attrs=attributes)
     for name, rise, meaning in (
         ("max_temperature", "max_rise", "highest temperature"),
         ("mean_temperature", "mean_rise", "mean temperature"),

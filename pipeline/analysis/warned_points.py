@@ -16,6 +16,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
+from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import WarningKind
 from tribo.types import Array, Mask
@@ -71,8 +72,8 @@ def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArr
 def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
     """Points with a neighbour with the other kind of wear, at any of the frictions.
 
-    None where no critical temperature tells the kind of wear, and for samples, each of which has
-    its own inputs and velocity.
+    None where no critical temperature tells the kind of wear, or a criterion that is not run, and
+    for samples, each of which has its own inputs and velocity.
     """
     if "sample" in ds.dims:
         return None
@@ -81,7 +82,10 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
     near = None
     for friction in several:
         asked = conditions | {"friction": friction}
-        judged = conditions_of(ds, **asked)
+        try:
+            judged = conditions_of(ds, **asked)
+        except OwnLawError:
+            return None
         if judged.critical_temperature is None:
             return None
         rise, limit = decisive_rise(ds, judged), rise_limit(judged)

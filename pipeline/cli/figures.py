@@ -14,6 +14,7 @@ from pipeline.cli.scenes import (
     PLACE,
     beside,
     conditions_in,
+    criterion_in,
     flags_of,
     opened,
     values_in,
@@ -76,12 +77,13 @@ def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
     ds = opened(options)
     out = options.output or beside(options.store, ".html")
-    chosen = values_in(options, "most_fields", "scatter", "given_measured")
+    criterion = criterion_in(options)
+    chosen = values_in(options, "most_fields", "scatter", "given_measured") | criterion
     if options.no_fields:
         chosen["most_fields"] = 0
     with working("writing the page"):
         page = pipeline.explore(ds, out, **chosen)
-    return Result(page.as_dict(), [str(page)], pipeline.warned(ds))
+    return Result(page.as_dict(), [str(page)], pipeline.warned(ds, **criterion))
 
 
 def report(options: argparse.Namespace) -> Result:

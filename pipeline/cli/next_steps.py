@@ -90,6 +90,8 @@ def _settings(stored: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[
             if name.endswith("temperature"):
                 text = f"{value - 273.15:.6g} degC"
             settings.append(f"--set={entry}={text}")
+            if name == "criterion" and ":" in text:
+                settings.append("--own-laws")
     return settings
 
 

@@ -65,7 +65,11 @@ SET = Option(
     help="another numerical choice, such as increments=50, or another entry of the scene, such as "
     "wear.pattern=local or without=motion; may be repeated for other keys",
 )  # fmt: skip
-OF_SCENE = (SCENE, PRESET, SET)
+OWN_LAWS = _flag(
+    "--own-laws",
+    "run the code of laws, surfaces and criteria that are named as module:name; read it first",
+)
+OF_SCENE = (SCENE, PRESET, SET, OWN_LAWS)
 ACCURACY = Option(
     "--accuracy", metavar="BOUND", type=values.share,
     help="largest error of the boundary, such as 2%%, for which the cheapest fidelity is picked",
@@ -194,6 +198,11 @@ BULK = Option(
     "--bulk-temperature", metavar="T", type=values.bulk,
     help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" in a sweep of unequal ones',
 )  # fmt: skip
+CRITERION = Option(
+    "--criterion", metavar="NAME", type=values.criterion,
+    help="temperature that decides: share (the one that the share exceeds), highest or mean; or "
+    "your own, like laws:hottest, with --own-laws",
+)  # fmt: skip
 _THRESHOLD = (
     _quantity(
         "--critical-temperature", "T", "145 degC",
@@ -204,10 +213,7 @@ _THRESHOLD = (
         help="share of the contact above the critical temperature beyond which wear is severe, "
         "like 10%% or 0.1; 0 for the maximum temperature",
     ),
-    Option(
-        "--criterion", metavar="NAME", type=values.criterion,
-        help="temperature that decides: share (the one that the share exceeds), highest or mean",
-    ),
+    CRITERION,
 )  # fmt: skip
 _INSTEAD = "conditions, in place of the scene's own"
 CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, *_THRESHOLD))
@@ -232,6 +238,8 @@ OF_INFER = (
     SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
     PRESET,
     SET,
+    CRITERION,
+    OWN_LAWS,
     Option(
         "--next", metavar="COUNT", nargs="?", const=1, type=values.count,
         help="of samples: rank the measurements to make next, or plan so many tests at once",

@@ -63,7 +63,7 @@ COMMANDS = (
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (
             o.STORE, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
-            o.CONDITIONS_AT_FRICTIONS,
+            o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS,
         ),
     ),
     Command(
@@ -72,12 +72,13 @@ COMMANDS = (
         f"results/scene.zarr {_AT}",
         (
             o.STORE, *o.PLACE, o.POINTS, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
-            o.CONDITIONS,
+            o.CONDITIONS, o.OWN_LAWS,
         ),
     ),
     Command(
         "diff", "stores:diff", "differences between two stores: of scenes, boundaries and points",
-        "results/scene.zarr results/other.zarr", (o.STORE, o.OTHER_STORE, o.AT, o.TABLE),
+        "results/scene.zarr results/other.zarr",
+        (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION, o.OWN_LAWS),
     ),
     Command(
         "vary", "studies:vary",
@@ -99,13 +100,16 @@ COMMANDS = (
         "risk", "unknowns:risk",
         "find the probability of severe wear, where inputs are not known exactly",
         f"results/uncertain.zarr {_AT}",
-        (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.AT),
+        (
+            o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.AT, o.CRITERION,
+            o.OWN_LAWS,
+        ),
     ),
     Command(
         "sensitivity", "unknowns:sensitivity",
         "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
         "results/uncertain.zarr -o sensitivity.png",
-        (o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER),
+        (o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.CRITERION, o.OWN_LAWS),
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy", "scene.toml -o trade.png",
@@ -116,7 +120,7 @@ COMMANDS = (
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, *o.OF_PLOT, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
-            o.CONDITIONS_AT_FRICTIONS, *o.PLACE, o.REALIZATION,
+            o.CONDITIONS_AT_FRICTIONS, *o.PLACE, o.REALIZATION, o.OWN_LAWS,
         ),
     ),
     Command(
@@ -125,13 +129,15 @@ COMMANDS = (
         "results/scene.zarr --points duty.csv -o report.html",
         (
             o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            o.POINTS, o.WEAR_RATE, o.AT, o.CONDITIONS,
+            o.POINTS, o.WEAR_RATE, o.AT, o.CONDITIONS, o.OWN_LAWS,
         ),
     ),
     Command(
         "explore", "figures:explore", "write a page to explore a store in a browser",
         "results/scene.zarr -o page.html",
-        (o.STORE, *o.OF_EXPLORE, o.GIVEN_MEASURED, o.SCATTER, o.AT),
+        (
+            o.STORE, *o.OF_EXPLORE, o.GIVEN_MEASURED, o.SCATTER, o.AT, o.CRITERION, o.OWN_LAWS,
+        ),
     ),
     Command(
         "help", "begin:help_", "print a page of the documentation, or list them", "first-hour",

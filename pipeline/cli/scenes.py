@@ -33,7 +33,9 @@ def scene_of(
     is kept if it is accurate enough.
     """
     settings = settings_of(options)
-    sweep: Sweep = pipeline.load_scene(options.scene, preset=options.preset, overrides=settings)
+    sweep: Sweep = pipeline.load_scene(
+        options.scene, options.preset, settings, own_laws=options.own_laws
+    )
     if conditions := conditions_in(options):
         changed = sweep.conditions.changed(**conditions)
         sweep = sweep.changed(
@@ -111,7 +113,13 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     frictions = conditions.get("friction")
     if isinstance(frictions, list):
         conditions["friction"] = tuple(frictions) if len(frictions) > 1 else frictions[0]
-    return conditions
+    return conditions | criterion_in(options)
+
+
+def criterion_in(options: argparse.Namespace) -> dict[str, Any]:
+    """The criterion that the user gave, and permission to run it if that is code."""
+    given = values_in(options, "criterion")
+    return given | ({"own_laws": options.own_laws} if ":" in given.get("criterion", "") else {})
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import pipeline
 from pipeline.analysis.listing import listing
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import opened
+from pipeline.cli.scenes import criterion_in, opened
 from pipeline.store.place import ROOT
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
@@ -110,7 +110,8 @@ def verify(options: argparse.Namespace) -> Result:
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
     stores = opened(options), opened(options, options.other)
-    between = pipeline.diff(*stores)
+    criterion = criterion_in(options)
+    between = pipeline.diff(*stores, **criterion)
     text = [f"A {options.store}", f"B {options.other}", ""]
     text += between.entries.lines() if between.entries.rows else ["their scenes are equal"]
     text.append("")
@@ -134,5 +135,5 @@ def diff(options: argparse.Namespace) -> Result:
     if differing:
         text.append("rise: the highest of the contact at the end of the point, at friction 1")
     tables = [between.entries, between.boundary, between.points]
-    warned = sum(map(pipeline.warned, stores), NO_WARNING)
+    warned = sum((pipeline.warned(ds, **criterion) for ds in stores), NO_WARNING)
     return Result(between.as_dict(), text, warned, tables)

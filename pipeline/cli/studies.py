@@ -34,6 +34,7 @@ def vary(options: argparse.Namespace) -> Result:
         settings_of(options),
         tell=tell,
         physics=options.physics,
+        own_laws=options.own_laws,
     )
     table = _critical_velocities(result)
     return Result(

@@ -19,7 +19,7 @@ from pipeline.analysis.tables import Column, Table
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import beside, flags_of, values_in, weighing
+from pipeline.cli.scenes import beside, criterion_in, flags_of, values_in, weighing
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.answers import table_of_lines
 from pipeline.uncertain.weigh import posterior_if_given
@@ -46,7 +46,7 @@ def risk(options: argparse.Namespace) -> Result:
     if len(place) == 1:
         raise InputError("only one of --load and --velocity is given; give both or neither")
     ds = pipeline.open_sweep(options.store)
-    ensemble, weighed = samples_of(options, ds)
+    ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     draws = weighed.draws if weighed else None
     document = {"given_measured": weighed is not None, **about(ensemble)}
     text = list(notes(ensemble, weighed))
@@ -159,7 +159,7 @@ def _within(value: float, ends: Sequence[float]) -> float | str:
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
     ds = pipeline.open_sweep(options.store)
-    ensemble, weighed = samples_of(options, ds)
+    ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
@@ -230,7 +230,8 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         )
     with working("reading samples"):
         datasets = [pipeline.open_sweep(store) for store in stores]
-        ensembles = [_ensemble(*pair) for pair in zip(stores, datasets, strict=True)]
+        pairs = zip(stores, datasets, strict=True)
+        ensembles = [_ensemble(*pair, **criterion_in(options)) for pair in pairs]
     with working("weighing the inputs by the tests"):
         weighed = pipeline.posterior(ensembles, **values_in(options, "scatter"))
     document, text = weighed.as_dict(), list(_on_inputs(weighed))
@@ -246,10 +247,10 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     return Result(document, text, warned, [_in_si(weighed)], draw)
 
 
-def _ensemble(store: Path, ds: xr.Dataset) -> Ensemble:
+def _ensemble(store: Path, ds: xr.Dataset, **criterion: Any) -> Ensemble:
     """Samples of one store among several, which an error names."""
     try:
-        return pipeline.Ensemble.of(ds)
+        return pipeline.Ensemble.of(ds, **criterion)
     except InputError as error:
         raise InputError(f"{store}: {error}") from error
 
@@ -286,10 +287,11 @@ def samples_of(
     options: argparse.Namespace, ds: xr.Dataset, **conditions: Any
 ) -> tuple[Ensemble, Posterior | None]:
     """The samples of a sweep, and the inputs as measurements leave them if these are to count."""
-    if conditions and (weighed := weighing(options)):
+    others = [name for name in conditions if name not in ("criterion", "own_laws")]
+    if others and (weighed := weighing(options)):
         raise InputError(
             f"conditions are weighed as they were drawn by {flags_of(weighed)}: leave out "
-            f"{flags_of([*conditions])}"
+            f"{flags_of(others)}"
         )
     with working("reading samples"):
         at = _once(getattr(options, "at", []))

@@ -84,10 +84,11 @@ def diagram(
     an oil, lines show where mixed lubrication and the full film begin.
     """
     if variant_of(ds) == "sample" or given_measured or scatter is not None:
+        judged = {k: changed.pop(k) for k in ("criterion", "own_laws") if k in changed}
         others = (friction, realization, ax, *changed.values())
         if any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
-        return _probability(ds, given_measured, scatter, log)
+        return _probability(ds, given_measured, scatter, log, **judged)
     if entry_dims(ds):
         if isinstance(friction, Sequence):
             raise InputError(_ONE_LINE_EACH.format(entry_dims(ds)[0]))
@@ -180,7 +181,9 @@ def _of_scenes(
     return figure
 
 
-def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, log: bool) -> Figure:
+def _probability(
+    ds: xr.Dataset, given_measured: bool, scatter: float | None, log: bool, **judged: Any
+) -> Figure:
     """Draw the probability of severe wear of a sweep with samples."""
     # With the libraries that only this needs.
     from pipeline.figures.uncertainty import draw_risk
@@ -188,7 +191,7 @@ def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, lo
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.weigh import posterior_if_given
 
-    samples = Ensemble.of(ds)
+    samples = Ensemble.of(ds, **judged)
     posterior = posterior_if_given(samples, given_measured, scatter)
     plane = probabilities(samples, posterior.draws if posterior else None)
     return draw_risk(samples, plane, posterior=posterior, log=log)

@@ -32,6 +32,7 @@ def follow_boundary(
     retry_failed: bool = False,
     tell: Callable[[str], None] | None = None,
     cluster: Batch | None = None,
+    own_laws: bool = False,
 ) -> Outcome:
     """Find the critical velocity at each load of a sweep, with as few points as that takes.
 
@@ -44,7 +45,7 @@ def follow_boundary(
     ----------
     sweep : Sweep, str or path
         The scene, or its path.
-    out, workers, scheduler, progress, retry_failed, tell, cluster
+    out, workers, scheduler, progress, retry_failed, tell, cluster, own_laws
         See `pipeline.run_sweep`.
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
@@ -64,7 +65,7 @@ def follow_boundary(
     >>> outcome.done  # doctest: +SKIP
     11
     """
-    sweep = sweep_of(sweep)
+    sweep = sweep_of(sweep, own_laws)
     if sweep.variants.wear_rates:
         raise InputError(
             "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "

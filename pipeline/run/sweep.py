@@ -83,6 +83,7 @@ def run_sweep(
     tell: Callable[[str], None] | None = None,
     patience: float = PATIENCE,
     cluster: Batch | None = None,
+    own_laws: bool = False,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet.
 
@@ -114,6 +115,8 @@ def run_sweep(
     cluster : Batch, optional
         Jobs of a batch system to compute in, instead of processes of this machine. They may wait
         in its queue for any time.
+    own_laws : bool
+        Allow code that the scene names to run, see `pipeline.load_scene`; a resume needs it again.
 
     Raises
     ------
@@ -134,7 +137,7 @@ def run_sweep(
     if workers is not None:
         require_count("workers", workers)
     _refuse_in_a_worker(scheduler)
-    sweep = sweep_of(sweep)
+    sweep = sweep_of(sweep, own_laws)
     began = time.monotonic()
     where = cluster or scheduler
     before = read_attributes(out)

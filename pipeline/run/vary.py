@@ -139,6 +139,7 @@ def vary(
     tolerance: float = 0.01,
     tell: Callable[[str], None] | None = None,
     physics: bool = False,
+    own_laws: bool = False,
 ) -> Variations:
     """Find the boundary of a scene, and of the same with single entries changed.
 
@@ -153,7 +154,7 @@ def vary(
     over : mapping
         Values by the key path of the entry that takes them, one entry at a time: as a scene file
         has them, or such as ``"+20%"`` of the scene's own.
-    preset, overrides : optional
+    preset, overrides, own_laws : optional
         See `pipeline.load_scene`.
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
@@ -178,11 +179,11 @@ def vary(
     >>> variations = pipeline.vary("first_try", over)  # doctest: +SKIP
     """
     overrides = overrides or {}
-    sweep = load_scene(scene, preset, overrides)
+    sweep = load_scene(scene, preset, overrides, own_laws)
     if sweep.variants.over and tell:
         tell(f"note: {sweep.variants.over.note}")
     others = {
-        (key, str(value)): load_scene(scene, preset, {**overrides, key: value})
+        (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, own_laws)
         for key, values in over.items()
         for value in absolute(scene, key, values, overrides)
     }

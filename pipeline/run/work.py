@@ -15,10 +15,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from pipeline.run.source import SAFE, ExecutionError
 from pipeline.run.versions import Versions, versions
 from pipeline.store.packing import packed
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_points
+from tribo import InputError
 
 # Buffers of the transforms are shared within a process. The second thread computes while the
 # results of the first are on their way.
@@ -89,5 +91,8 @@ def records_of(stretch: Stretch) -> tuple[Versions, bytes]:
 
 @functools.lru_cache(maxsize=1)
 def _unpacked(parcel: bytes) -> tuple[Sweep, bool]:
-    contents: tuple[Sweep, bool] = pickle.loads(parcel)
+    try:
+        contents: tuple[Sweep, bool] = pickle.loads(parcel)
+    except InputError as error:  # of a law whose text is another one here
+        raise ExecutionError(f"a worker cannot take the scene: {error}; {SAFE}") from error
     return contents

@@ -12,21 +12,28 @@ from typing import Any
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
-from pipeline.sweep.own_laws import Own
+from pipeline.sweep.own_laws import WEAR, Laws, Own, OwnLawError
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Pin = tribo.Cylinder | tribo.Ball | tribo.Crowned
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
-def own_of(path: str, table: Mapping[str, Any], faults: Faults) -> Own | None:
-    """The law of one's own that the table at a path names."""
-    if faults.touch(path):
-        return None
+def own_of(
+    key: str,
+    kind: str,
+    reference: str,
+    laws: Laws,
+    faults: Faults,
+    parameters: Mapping[str, Any] | None = None,
+) -> Own | None:
+    """The code that the entry of a key names; `OwnLawError` if it may not run."""
     try:
-        return Own.named(table["law"], table["parameters"])
+        return laws.named(kind, reference, parameters)
+    except OwnLawError:
+        raise  # alone, since nothing else of such a scene is worth a look
     except tribo.InputError as error:
-        faults.note(f"{path}.law", str(error))
+        faults.note(key, str(error))
         return None
 
 
@@ -62,11 +69,13 @@ def loading_of(
     return record.ramp()
 
 
-def wear_of(table: Mapping[str, Any] | None, faults: Faults) -> Any:
+def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
     """Archard's wear, or a law of one's own."""
     if table is None or faults.touch("wear"):
         return None
-    return own_of("wear", table, faults) if "law" in table else tribo.Wear(**table)
+    if "law" in table:
+        return own_of("wear.law", WEAR, table["law"], laws, faults, table["parameters"])
+    return tribo.Wear(**table)
 
 
 def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:

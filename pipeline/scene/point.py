@@ -17,6 +17,7 @@ def run_point(
     sample: int | None = None,
     trunk: plan.Trunk | None = None,
     progress: Callable[[int, int], None] | None = None,
+    own_laws: bool = False,
 ) -> plan.PointResult:
     """Simulate one point.
 
@@ -38,6 +39,8 @@ def run_point(
         the ramp if not given. The result is the same.
     progress : callable, optional
         Called after each step with how many of the point's steps are done, and how many there are.
+    own_laws : bool
+        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -56,4 +59,4 @@ def run_point(
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     named = {"realization": realization, "sample": sample}
     variant = tuple((name, value) for name, value in named.items() if value is not None)
-    return plan.run_point(sweep_of(sweep), *place, variant, trunk, progress)
+    return plan.run_point(sweep_of(sweep, own_laws), *place, variant, trunk, progress)

@@ -14,6 +14,7 @@ from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.parts import own_of
 from pipeline.scene.quantities import display
 from pipeline.scene.surfaces import PLAIN, Surface, filled, levelled, oriented, read_surface
+from pipeline.sweep.own_laws import SURFACE, Laws
 from tribo.types import Array
 
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
@@ -46,11 +47,19 @@ def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
     return seeds
 
 
-def roughness_of(tables: dict[str, Any], document: Document, faults: Faults) -> Roughness | None:
+def roughness_of(
+    tables: dict[str, Any], document: Document, laws: Laws, faults: Faults
+) -> Roughness | None:
     """The disk's roughness; None if there is none, or a faulty one."""
     table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
     if law:
-        return _own_surface(law, table, faults)
+        if table is not None:
+            faults.note("disk.surface", "there is a [disk.roughness], too; leave out one of them")
+        if faults.touch("disk.surface"):
+            return None
+        key, reference, parameters = "disk.surface.law", law["law"], law["parameters"]
+        surface: Any = own_of(key, SURFACE, reference, laws, faults, parameters)
+        return cast(tribo.Surface | None, surface)
     if table is None or faults.touch("disk.roughness"):
         return None
     if "file" in table:
@@ -64,18 +73,6 @@ def roughness_of(tables: dict[str, Any], document: Document, faults: Faults) -> 
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)
     return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
-
-
-def _own_surface(table: dict[str, Any], roughness: Any, faults: Faults) -> tribo.Surface | None:
-    if roughness is not None:
-        problem = "there is a [disk.roughness], too; leave out one of them"
-        faults.note("disk.surface", problem)
-        return None
-    surface = own_of("disk.surface", table, faults)
-    if surface is None or hasattr(surface, "heights"):
-        return cast(tribo.Surface, surface)
-    faults.note("disk.surface.law", f"{surface!r} has no heights; see tribo.Surface")
-    return None
 
 
 def _surface(file: Path, unit: float | None, faults: Faults) -> Surface | None:

@@ -20,7 +20,15 @@ from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
 from pipeline.scene.over import over_of, with_first_values
-from pipeline.scene.parts import corrections_of, loading_of, motion_of, oil_of, pin_of, wear_of
+from pipeline.scene.parts import (
+    corrections_of,
+    loading_of,
+    motion_of,
+    oil_of,
+    own_of,
+    pin_of,
+    wear_of,
+)
 from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.shipped import scene_path
@@ -29,12 +37,14 @@ from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Plane, Record, Sweep, Variants
+from pipeline.sweep.own_laws import CRITERION, Laws, Own
 
 
 def load_scene(
     path: str | PathLike[str],
     preset: str | None = None,
     overrides: Mapping[str, Any] | None = None,
+    own_laws: bool = False,
 ) -> Sweep:
     """Read a scene file, and the scenes that it extends.
 
@@ -50,11 +60,15 @@ def load_scene(
         Fields of `tribo.Fidelity`, applied last; or entries of the scene by their key path, such
         as ``wear.pattern`` or ``title``, in place of the file's; ``without`` leaves out entries
         of the file, before the others are set.
+    own_laws : bool
+        Allow the wear law, surface and criterion that the scene names as ``"module:name"`` to run,
+        which are code of a file in its folder or of an installed package.
 
     Raises
     ------
     SceneFileError
-        If there is any fault in the file or the arguments; it carries all of them.
+        If there is any fault in the file or the arguments; it carries all of them. Or if the scene
+        names code, and that is not allowed to run.
 
     Examples
     --------
@@ -71,7 +85,7 @@ def load_scene(
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
     entries = with_rows(entries, document, faults)
-    reader = _Reader(document, arguments)
+    reader = _Reader(document, arguments, Laws(path.parent, own_laws))
 
     def variant(values: Mapping[str, Any], faults: Faults) -> Sweep | None:
         """The sweep with other values of some entries."""
@@ -100,6 +114,7 @@ class _Reader:
 
     document: Document
     arguments: tuple[str, ...]
+    laws: Laws
     parts: dict[str, Any] = field(default_factory=dict)
 
     def sweep(self, entries: dict[str, Any], faults: Faults) -> tuple[Sweep | None, dict[str, Any]]:
@@ -110,14 +125,18 @@ class _Reader:
         realizations = realizations_of(tables, faults)
         roughness = self._once(
             [entry_at(tables, path) for path in ("disk.roughness", "disk.surface", "window")],
-            lambda: roughness_of(tables, self.document, faults),
+            lambda: roughness_of(tables, self.document, self.laws, faults),
         )
         loading = self._once(
             [tables["loading"]],
             lambda: loading_of(tables["loading"], self.document, faults),
         )
         check_tables(tables, fidelity, roughness, faults)
-        oil, wear = oil_of(tables["oil"], faults), wear_of(tables["wear"], faults)
+        oil = oil_of(tables["oil"], faults)
+        wear = self._once(
+            ["wear", tables["wear"]], lambda: wear_of(tables["wear"], self.laws, faults)
+        )
+        own_criterion = self._own_criterion(entry_at(tables, "temperature.criterion"), faults)
         if faults or loading is None:
             return None, tables
         made = _scene_of(tables, loading=loading, roughness=roughness, wear=wear, fidelity=fidelity)
@@ -130,7 +149,7 @@ class _Reader:
                 tuple(sorted(set(asked["velocities"]))),
                 asked["independent"],
             ),
-            conditions=_conditions_of(tables, made),
+            conditions=_conditions_of(tables, made, own_criterion),
             variants=Variants(realizations, wear_rates=tuple(rates.values()) if rates else None),
             record=Record(fields=asked["fields"]),
             about=About(
@@ -149,6 +168,16 @@ class _Reader:
             given = "diameter" if entry_at(tables, f"{body}.diameter") else "track_length"
             faults.note(f"{body}.{given}", fault)
         return with_velocities_for_rates(sweep, faults.notes), tables
+
+    def _own_criterion(self, name: str | None, faults: Faults) -> Own | None:
+        """The criterion of a name, if that is code."""
+        if name is None or ":" not in name:
+            return None
+        key = "temperature.criterion"
+        own: Own | None = self._once(
+            [key, name], lambda: own_of(key, CRITERION, name, self.laws, faults)
+        )
+        return own
 
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
         """The part of a scene that is made of some tables."""
@@ -174,9 +203,9 @@ SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
 
 
-def sweep_of(scene: SceneLike) -> Sweep:
+def sweep_of(scene: SceneLike, own_laws: bool = False) -> Sweep:
     """Return a scene that was read, or read one from its path; raise as `load_scene` does."""
-    return scene if isinstance(scene, Sweep) else load_scene(scene)
+    return scene if isinstance(scene, Sweep) else load_scene(scene, own_laws=own_laws)
 
 
 def scene_entry(
@@ -269,7 +298,9 @@ def _scene_of(tables: dict[str, Any], **parts: Any) -> tribo.Scene:
     )
 
 
-def _conditions_of(tables: dict[str, Any], scene: tribo.Scene) -> Conditions:
+def _conditions_of(
+    tables: dict[str, Any], scene: tribo.Scene, own_criterion: Own | None
+) -> Conditions:
     """The conditions of sound tables and their scene."""
     temperature = tables["temperature"]
     return Conditions(
@@ -277,6 +308,7 @@ def _conditions_of(tables: dict[str, Any], scene: tribo.Scene) -> Conditions:
         critical_temperature=temperature["critical"],
         failing_share=temperature["failing_share"],
         criterion=temperature["criterion"],
+        own_criterion=own_criterion,
         corrections=corrections_of(tables, scene.pin, scene.disk),
         **of_bulks(temperature["bulk"]),
     )

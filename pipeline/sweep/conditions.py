@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pipeline.sweep.own_laws import Own
-from tribo import BULK_RATIOS, CRITERIA, Corrections, Criterion, InputError, Rule
+from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError
+from tribo import BULK_RATIOS, Corrections, Criterion, InputError
 
 _BULKS = ("bulk_temperature", "disk_temperature")
 _NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
@@ -35,17 +36,18 @@ class Conditions:
         Temperature of the disk far from the contact [K]; None where it is that of the pin.
     criterion : str
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
-    criterion_hash : str or None
-        Hash of a criterion of one's own, which must be the one that is found now.
+        Or the name of one's own, such as ``"laws:hottest"``.
     corrections : Corrections or None
         Friction by velocity, earlier passes, stem and film; a mapping is read as what
         `as_dict` gives.
+    own_criterion : Own or None
+        One's own criterion by value, which the name alone never finds.
 
     Raises
     ------
     InputError
         If one lies outside its range, or friction varies with velocity between bodies of unequal
-        bulk temperatures.
+        bulk temperatures; or if the criterion is one's own, and not given by value.
 
     Examples
     --------
@@ -64,11 +66,16 @@ class Conditions:
     disk_temperature: float | None = None
     criterion: str = "share"
     corrections: Corrections | None = None
-    criterion_hash: str | None = None
+    own_criterion: Own | None = None
 
     def __post_init__(self) -> None:
-        is_own = ":" in self.criterion
-        object.__setattr__(self, "criterion_hash", _checked(self) if is_own else None)
+        if self.own_criterion and self.own_criterion.reference != self.criterion:
+            object.__setattr__(self, "own_criterion", None)
+        if ":" in self.criterion and self.own_criterion is None:
+            raise OwnLawError(
+                f'criterion is "{self.criterion}", which is code, and nothing runs by its name '
+                "alone; give --criterion and --own-laws (in Python criterion and own_laws=True)"
+            )
         if isinstance(self.corrections, Mapping):
             object.__setattr__(self, "corrections", Corrections.of_plain(self.corrections))
         for name in _NUMBERS:
@@ -90,7 +97,7 @@ class Conditions:
                 f"critical_temperature is {in_celsius(critical)}; it must lie above the bulk "
                 f"temperature, {in_celsius(warmest)}"
             )
-        Criterion(self.criterion, self.failing_share)
+        _ = self.decisive
         if self.corrections and self.corrections.friction and self.bulk_difference:
             raise InputError(
                 "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
@@ -100,7 +107,13 @@ class Conditions:
     @property
     def decisive(self) -> Criterion:
         """Criterion of severe wear."""
-        return Criterion(self.criterion, self.failing_share)
+        rule = self.own_criterion.made if self.own_criterion else None
+        return Criterion(self.criterion, self.failing_share, rule)
+
+    @property
+    def criterion_hash(self) -> str | None:
+        """SHA-256 of the text of one's own criterion."""
+        return self.own_criterion.digest if self.own_criterion else None
 
     @property
     def bulk_difference(self) -> float:
@@ -134,11 +147,15 @@ class Conditions:
         return difference / self.rise_factor if difference else 0.0
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data; disk's temperature and corrections where given."""
-        corrections = self.corrections and self.corrections.as_dict()
-        rare = {"corrections", "criterion_hash", "disk_temperature"}
-        plain = asdict(self) | {"corrections": corrections}
-        return {k: v for k, v in plain.items() if v is not None or k not in rare}
+        """Return all values as plain data, of one's own criterion name and hash."""
+        plain = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        del plain["own_criterion"]
+        rare = {
+            "disk_temperature": self.disk_temperature,
+            "corrections": self.corrections and self.corrections.as_dict(),
+            "criterion_hash": self.criterion_hash,
+        }
+        return {k: v for k, v in (plain | rare).items() if v is not None or k not in rare}
 
     def friction_at(self, velocity: float) -> float:
         """Coefficient of friction at a sliding velocity [m/s]."""
@@ -174,8 +191,12 @@ def changes_of(
     critical_temperature: float | None = None,
     share: float | None = None,
     criterion: str | None = None,
+    own_laws: bool = False,
 ) -> dict[str, Any]:
-    """Entries of `Conditions` that are given; a share alone makes "share" the criterion."""
+    """Entries of `Conditions` that are given; a share alone makes "share" the criterion.
+
+    One's own criterion is read from the folder in which the command runs, if own laws are allowed.
+    """
     entries: dict[str, Any] = {
         "friction": friction,
         "critical_temperature": critical_temperature,
@@ -183,23 +204,9 @@ def changes_of(
         "criterion": "share" if criterion is None and share is not None else criterion,
     }
     changes = {name: value for name, value in entries.items() if value is not None}
-    if "criterion" in changes:
-        changes["criterion_hash"] = None
+    if criterion is not None and ":" in criterion:
+        changes["own_criterion"] = Laws(Path(), own_laws).named(CRITERION, criterion)
     return changes | ({} if bulk_temperature is None else of_bulks(bulk_temperature))
-
-
-def _checked(conditions: Conditions) -> str:
-    """Make a criterion of one's own known by its name, and return its hash."""
-    law = Own.named(conditions.criterion)
-    if not isinstance(law.made, Rule):
-        raise InputError(f'criterion is "{conditions.criterion}", which is not a tribo.Rule')
-    if conditions.criterion_hash not in (None, law.digest):
-        raise InputError(
-            f'criterion is "{conditions.criterion}", whose module has changed since the store '
-            "was judged by it; run the scene into the store again, which costs no point"
-        )
-    CRITERIA[conditions.criterion] = law.made
-    return law.digest
 
 
 def of_bulks(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:

@@ -1,74 +1,156 @@
-"""Laws of one's own, named in a scene as ``"module:name"``.
+"""Laws of one's own, named in a scene as ``"module:name"``: code, which runs only where allowed.
 
-The module is a file in the folder in which the command runs, or an installed package. Its text goes
-along to the workers, so that these need no file, and its hash into the store.
+::
+
+    InputError
+    └── OwnLawError   code that the user has not allowed to run
+
+`Laws` finds the text of a module without running it, in a file of one folder or in an installed
+package that registers the name. `Own` carries permission, text and hash together, also to workers.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
-import importlib
 import inspect
 import sys
+import threading
 import traceback
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, Final, NamedTuple
 
-from tribo import InputError, MeasuredRoughness, Scene, SelfAffineRoughness
+from tribo import (
+    InputError,
+    MeasuredRoughness,
+    Rule,
+    Scene,
+    SelfAffineRoughness,
+    Surface,
+    WearLaw,
+)
 from tribo.laws import OwnWear
 
+GROUP: Final = "irg_transition.laws"
+"""Entry points by which an installed package registers its laws."""
+WEAR, SURFACE, CRITERION = "wear law", "surface", "criterion"
+_METHODS: dict[str, tuple[type, tuple[str, ...]]] = {
+    WEAR: (WearLaw, ("compliance", "depth", "volume")),
+    SURFACE: (Surface, ("heights",)),
+}
 _PREFIX = "irg_own"
+_LARGEST = 1_000_000  # [bytes] of a module
+_loading = threading.RLock()  # a worker's second thread must not take a module that is half made
+
+
+class OwnLawError(InputError):
+    """Code that a scene or a store names, which the user has not allowed to run."""
+
+
+class _Text(NamedTuple):
+    """Text of a module, where it stands, and the package that it belongs to if it is installed."""
+
+    content: bytes
+    file: Path
+    package: str | None = None
+
+    @property
+    def digest(self) -> str:
+        return hashlib.sha256(self.content).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Laws:
+    """Where names of code are looked for, and whether that may run.
+
+    Attributes
+    ----------
+    folder : Path
+        Folder of the files: that of the scene, or of the command where an option names the code.
+    are_allowed : bool
+        The user's word for it, ``--own-laws`` or ``own_laws=True``.
+    """
+
+    folder: Path
+    are_allowed: bool
+
+    def named(self, kind: str, reference: str, parameters: Mapping[str, Any] | None = None) -> Own:
+        """The law, surface or criterion of a name; `OwnLawError` if it is not allowed to run."""
+        module, _, name = reference.partition(":")
+        if not module or not name.isidentifier():
+            raise InputError(f'"{reference}" is not the name of an object; give "module:name"')
+        text = self._text(module, reference)
+        if not self.are_allowed:
+            raise OwnLawError(
+                f'the {kind} "{reference}" is code of {text.file} (SHA-256 {text.digest}), and '
+                "code runs only if you say so: read it, then add --own-laws (in Python "
+                "own_laws=True)"
+            )
+        values = tuple(sorted((parameters or {}).items()))
+        return Own(reference, kind, values, text.content, text.digest, text.package, True)
+
+    def _text(self, module: str, reference: str) -> _Text:
+        """Text of a module, which is not run."""
+        file = self.folder / f"{module}.py"
+        # An identifier has neither a slash nor a dot; a link could still lead to another folder.
+        is_here = module.isidentifier() and file.is_file()
+        if is_here and file.resolve().parent == self.folder.resolve():
+            if file.stat().st_size > _LARGEST:
+                raise InputError(f'"{reference}": {file} is larger than {_LARGEST / 1e6:g} MB')
+            return _Text(file.read_bytes(), file)
+        installed = _installed(reference)
+        if installed is None:
+            where = f"no file {module}.py" if module.isidentifier() else f'no file for "{module}"'
+            raise InputError(
+                f'"{reference}": there is {where} in {self.folder.absolute()}, and no installed '
+                f"package registers it as an entry point of {GROUP}; see OWN_LAWS.md"
+            )
+        return installed
 
 
 @dataclass(frozen=True, repr=False)
 class Own:
     """An object of a module of one's own; it has the attributes of that object.
 
-    It is made of its reference, such as ``"laws:running_in"``; the names and values with which the
-    reference is called (a class also without any); and the text of the module, None if installed.
-    An `InputError` where there is no such object, or making it fails.
-
-    Examples
-    --------
-    >>> law = Own("tribo:RunningIn", (("initial_rate", 6e-15), ("final_rate", 1e-15),
-    ...                               ("distance", 2.0)))
-    >>> law.distance, law.reference
-    (2.0, 'tribo:RunningIn')
+    It is made of its reference, such as ``"laws:running_in"``, and its kind; the names and values
+    with which a class is called; the text of the module, its hash, and the package that it belongs
+    to if it is installed; and the user's permission. All of them go along to a worker, where the
+    object is made anew: an `InputError` if it may not run, if the text has another hash, or if the
+    package installed there has another text.
     """
 
     reference: str
-    parameters: tuple[tuple[str, Any], ...] = ()
-    source: str | None = None
+    kind: str
+    parameters: tuple[tuple[str, Any], ...]
+    source: bytes
+    digest: str
+    package: str | None
+    is_allowed: bool
 
     def __post_init__(self) -> None:
-        _made(self.reference, self.parameters, self.source)
+        if not self.is_allowed:
+            raise OwnLawError(f'"{self.reference}" is code, and is not allowed to run')
+        here = _Text(self.source, Path()) if self.package is None else _installed(self.reference)
+        if here is None or here.digest != self.digest:
+            found = "is missing" if here is None else f"has the SHA-256 {here.digest}"
+            raise InputError(
+                f'the {self.kind} "{self.reference}" {found} here, and the scene was read with '
+                f"{self.digest}; install the same version everywhere"
+            )
+        _ = self.made
 
-    @classmethod
-    def named(cls, reference: str, parameters: Mapping[str, Any] | None = None) -> Own:
-        """Find an object by its name, from the folder in which the command runs."""
-        module, _, name = reference.partition(":")
-        if not module or not name.isidentifier():
-            raise InputError(f'"{reference}" is not the name of an object; give "module:name"')
-        file = Path(*module.split(".")).with_suffix(".py")
-        source = file.read_text("utf-8") if file.is_file() else None
-        return cls(reference, tuple(sorted((parameters or {}).items())), source)
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Own, astuple(self)  # so that a worker compares before it executes
 
     @property
     def made(self) -> Any:
         """Object that the reference names, made with the parameters."""
-        return _made(self.reference, self.parameters, self.source)
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the module's text."""
-        text = self.source
-        if text is None:
-            text = inspect.getsource(sys.modules[self.reference.partition(":")[0]])
-        return hashlib.sha256(text.encode()).hexdigest()
+        text = self.source, self.digest, self.package
+        return _made(self.reference, self.kind, self.parameters, *text)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -113,23 +195,52 @@ def own_laws(scene: Scene) -> dict[str, dict[str, Any]]:
 
 
 @functools.lru_cache(maxsize=64)
-def _made(reference: str, parameters: tuple[tuple[str, Any], ...], source: str | None) -> Any:
-    """The object that a reference names."""
+def _made(
+    reference: str,
+    kind: str,
+    parameters: tuple[tuple[str, Any], ...],
+    source: bytes,
+    digest: str,
+    package: str | None,
+) -> Any:
+    """The object that a reference names, looked at before it is called."""
     module_name, _, name = reference.partition(":")
-    module = _installed(module_name, reference) if source is None else _loaded(module_name, source)
-    if not hasattr(module, name):
+    with _loading:
+        module = _loaded(module_name, source, digest, package)
+    if name not in vars(module):
         public = ", ".join(sorted(_defined_in(module)))
         raise InputError(f'"{reference}": the module has no {name}; it has {public or "nothing"}')
-    law = getattr(module, name)
-    if not parameters and not isinstance(law, type):
-        return law
+    found = vars(module)[name]
+    if reason := _unlike(found, kind):
+        raise InputError(f'the {kind} is "{reference}", which {reason}')
+    if not isinstance(found, type):
+        if parameters:
+            raise InputError(f'"{reference}" is no class, and takes no parameters; leave them out')
+        return found
     try:
-        return law(**dict(parameters))
+        return found(**dict(parameters))
     except Exception as error:
         words = ", ".join(f"{key} = {value!r}" for key, value in parameters) or "no parameters"
         raise InputError(
             f'"{reference}" cannot be made with {words}: {type(error).__name__}: {error}'
         ) from error
+
+
+def _unlike(found: Any, kind: str) -> str | None:
+    """Reason why an object is not of a kind, by its type and the signatures of its methods."""
+    if kind == CRITERION:
+        return None if issubclass(type(found), Rule) else "is not a tribo.Rule"
+    protocol, names = _METHODS[kind]
+    of_class = found if issubclass(type(found), type) else type(found)
+    for name in names:
+        wanted = inspect.signature(getattr(protocol, name))
+        method: Any = inspect.getattr_static(of_class, name, None)
+        try:
+            inspect.signature(method).bind(*wanted.parameters)
+        except (TypeError, ValueError):
+            _, *given = wanted.parameters
+            return f"has no method {name}({', '.join(given)}); see tribo.{protocol.__name__}"
+    return None
 
 
 def _defined_in(module: ModuleType) -> Iterator[str]:
@@ -142,23 +253,33 @@ def _defined_in(module: ModuleType) -> Iterator[str]:
             yield name
 
 
-def _installed(module: str, reference: str) -> ModuleType:
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise InputError(
-            f'"{reference}": there is no {module.replace(".", "/")}.py in {Path.cwd()}, and no '
-            f"installed module {module} ({error}); run the command where the file lies"
-        ) from error
+@functools.lru_cache(maxsize=64)
+def _installed(reference: str) -> _Text | None:
+    """Text of a module of an installed package that registers a name; nothing is imported."""
+    if all(entry.value != reference for entry in entry_points(group=GROUP)):
+        return None
+    parts = reference.partition(":")[0].split(".")
+    where, spec = None, None
+    for count in range(1, len(parts) + 1):  # importlib.util.find_spec imports the packages above
+        name = ".".join(parts[:count])
+        specs = (finder.find_spec(name, where) for finder in sys.meta_path)
+        spec = next(filter(None, specs), None)
+        if spec is None:
+            return None
+        where = spec.submodule_search_locations
+    if spec is None or spec.origin is None or not spec.origin.endswith(".py"):
+        return None
+    file = Path(spec.origin)
+    return _Text(file.read_bytes(), file, spec.parent)
 
 
-def _loaded(name: str, source: str) -> ModuleType:
+def _loaded(name: str, source: bytes, digest: str, package: str | None) -> ModuleType:
     """A module of a text, under a name of its own beside all that is installed."""
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
     full = f"{_PREFIX}_{digest}_{name.replace('.', '_')}"
     if full in sys.modules:
         return sys.modules[full]
     module = ModuleType(full)
+    module.__package__ = package
     sys.modules[full] = module  # dataclasses look their module up
     try:
         exec(compile(source, f"{name}.py", "exec"), vars(module))

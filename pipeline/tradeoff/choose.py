@@ -65,12 +65,13 @@ def at_accuracy(
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
     progress: Callable[[str], None] | None = None,
+    own_laws: bool = False,
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, and the reasons for it.
 
     Parameters
     ----------
-    sweep, accuracy, points, progress
+    sweep, accuracy, points, progress, own_laws
         See `choose_fidelity`.
     store : str or path, optional
         Store that the sweep goes on with. If its fidelity was picked for an accuracy, it is taken
@@ -92,7 +93,7 @@ def at_accuracy(
     >>> scene = pipeline.at_accuracy("first_try", "5%")  # doctest: +SKIP
     >>> print(scene.selection)  # doctest: +SKIP
     """
-    sweep, accuracy = sweep_of(sweep), share_of(accuracy)
+    sweep, accuracy = sweep_of(sweep, own_laws), share_of(accuracy)
     selection = None if store is None else stored_selection(store)
     if selection is None:
         if store is not None and read_attributes(store) is not None:
@@ -141,6 +142,7 @@ def choose_fidelity(
     accuracy: float | str,
     points: Sequence[Point] | None = None,
     progress: Callable[[str], None] | None = None,
+    own_laws: bool = False,
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
@@ -161,6 +163,8 @@ def choose_fidelity(
         from the lowest to the highest.
     progress : callable, optional
         Called with a line on what is tried next.
+    own_laws : bool
+        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -173,7 +177,7 @@ def choose_fidelity(
     >>> selection = pipeline.choose_fidelity("first_try", accuracy="5%")  # doctest: +SKIP
     >>> print(selection)  # doctest: +SKIP
     """
-    sweep, accuracy = sweep_of(sweep), share_of(accuracy)
+    sweep, accuracy = sweep_of(sweep, own_laws), share_of(accuracy)
     if not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
     if not math.isfinite(rise_limit(sweep.conditions)):

@@ -73,7 +73,12 @@ class Estimate:
         return asdict(self)
 
 
-def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool = False) -> Estimate:
+def estimate(
+    sweep: SceneLike,
+    workers: int | None = None,
+    boundary_only: bool = False,
+    own_laws: bool = False,
+) -> Estimate:
     """Estimate the cost of a whole sweep, from a few of its steps done here and now.
 
     Parameters
@@ -84,6 +89,8 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         Number of processes; one for each core if not given.
     boundary_only : bool
         True if velocities are chosen on the way, not computed all.
+    own_laws : bool
+        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -101,7 +108,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     """
     if workers is not None:
         require_count("workers", workers)
-    sweep, cores = sweep_of(sweep), os.cpu_count() or 1
+    sweep, cores = sweep_of(sweep, own_laws), os.cpu_count() or 1
     workers, variants = workers or cores, 1 if sweep.variants.samples else len(sweep.variants.names)
     searched = boundary_only and not sweep.variants.samples
     velocities = _searched(sweep) if searched else sweep.ramps // variants

@@ -42,6 +42,7 @@ def trade(
     loads: Sequence[float | str] | None = None,
     diagram: bool = False,
     progress: Callable[[str], None] | None = None,
+    own_laws: bool = False,
 ) -> Trade:
     """Measure speed against accuracy on a scene.
 
@@ -61,6 +62,8 @@ def trade(
         True to compare small diagrams instead of single points.
     progress : callable, optional
         Called before each choice with a line: which it is, of how many, and the time to go.
+    own_laws : bool
+        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -74,7 +77,7 @@ def trade(
     >>> import pipeline
     >>> print(pipeline.trade("first_try", presets=["draft"], base=None))  # doctest: +SKIP
     """
-    sweep = sweep_of(sweep)
+    sweep = sweep_of(sweep, own_laws)
     for name in (*presets, *([base] if base else [])):
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")

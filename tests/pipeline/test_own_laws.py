@@ -1,5 +1,6 @@
 """Laws that a scene names: checked, stored with their hash, taken along to workers, refused."""
 
+import hashlib
 import json
 import pickle
 import re
@@ -13,7 +14,6 @@ import pytest
 import pipeline
 import tribo
 from pipeline.cli import main
-from pipeline.sweep.own_laws import Own
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 
@@ -21,6 +21,10 @@ PAGE = (Path(__file__).parents[2] / "workflows" / "OWN_LAWS.md").read_text(encod
 LAWS = (
     re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)[0]
     + """
+class Short(RunningIn):
+    def depth(self, pressure):
+        return pressure
+
 class Broken(RunningIn):
     def depth(self, pressure, begin, end):
         return -self.compliance(begin, end) * pressure
@@ -54,22 +58,22 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_a_named_law_runs_on_workers_that_have_no_file(folder, irg):
-    assert "own law  wear: laws:RunningIn, distance = 1.5" in irg("check", "own.toml")
-    irg("run", "own.toml", "-q", "--workers", "2", "-o", "own.zarr")
+    assert "own law  wear: laws:RunningIn, distance = 1.5" in irg("check", "own.toml", "--own-laws")
+    irg("run", "own.toml", "--own-laws", "-q", "--workers", "2", "-o", "own.zarr")
     ds = pipeline.open_sweep("own.zarr")
     stored = json.loads(ds.attrs["scene"])["wear"]
     assert stored["law"] == "laws:RunningIn"
     assert stored["parameters"] == RATES
-    scene = pipeline.load_scene("own.toml")
+    scene = pipeline.load_scene("own.toml", own_laws=True)
     end = pipeline.end_of_point(ds).sel(load=400, velocity=2)
     *_, state = tribo.simulate(scene.scene, 400.0, 2.0)
     assert end["wear_volume"].item() == tribo.measures(scene.scene, state)["wear_volume"]
     (folder / "laws.py").write_text(LAWS + "# changed\n")
-    assert "scene.wear.hash" in irg("run", "own.toml", "-q", "-o", "own.zarr", code=3)
+    assert "scene.wear.hash" in irg("run", "own.toml", "--own-laws", "-q", "-o", "own.zarr", code=3)
 
 
 def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
-    options = ["--set", "wear.law=laws:Broken", "-q", "--workers", "1", "-o", "own.zarr"]
+    options = ["--set", "wear.law=laws:Broken", "-q", "--workers", "1", "-o", "own.zarr", "--own-laws"]
     assert main(["run", "own.toml", *options]) == 1
     streams = capsys.readouterr()
     assert "400 N, 2 m/s: InvariantError: wear balance" in streams.out + streams.err
@@ -77,22 +81,45 @@ def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
 
 def test_a_criterion_of_one_s_own_judges_a_store(folder):
     pipeline.run_sweep("small.toml", "small.zarr", workers=1)
-    crossings = pipeline.boundary("small.zarr", criterion="laws:median")
+    crossings = pipeline.boundary("small.zarr", criterion="laws:median", own_laws=True)
     half = pipeline.boundary("small.zarr", share=0.5)
     np.testing.assert_allclose(crossings["critical_velocity"], half["critical_velocity"], rtol=1e-6)
-    assert crossings.attrs["criterion_hash"] == Own.named("laws:median").digest
+    digest = hashlib.sha256((folder / "laws.py").read_bytes()).hexdigest()
+    assert crossings.attrs["criterion_hash"] == digest
     with pytest.raises(tribo.InvariantError, match="laws:beyond: a rise lies beyond"):
-        pipeline.boundary("small.zarr", criterion="laws:beyond")
+        pipeline.boundary("small.zarr", criterion="laws:beyond", own_laws=True)
     with pytest.raises(tribo.InvariantError, match="laws:whole: its rises have the shape"):
-        pipeline.boundary("small.zarr", criterion="laws:whole")
+        pipeline.boundary("small.zarr", criterion="laws:whole", own_laws=True)
+
+
+def test_a_store_keeps_the_name_and_the_hash_of_a_criterion_and_asks_for_the_word(folder):
     judged = {"temperature.criterion": "laws:median"}
-    scene = pipeline.load_scene("small.toml", overrides=judged)
-    assert not pipeline.run_sweep(scene, "small.zarr", workers=1).computed
-    assert pipeline.boundary("small.zarr").attrs["criterion"] == "laws:median"
-    (folder / "laws.py").write_text(LAWS + "# changed\n")
-    with pytest.raises(tribo.InputError, match="has changed"):
+    scene = pipeline.load_scene("small.toml", overrides=judged, own_laws=True)
+    pipeline.run_sweep(scene, "small.zarr", workers=1)
+    stored = json.loads(pipeline.open_sweep("small.zarr").attrs["conditions"])
+    assert stored["criterion"] == "laws:median"
+    assert stored["criterion_hash"] == scene.conditions.criterion_hash
+    assert "own_criterion" not in stored
+    with pytest.raises(tribo.InputError, match=scene.conditions.criterion_hash):
         pipeline.boundary("small.zarr")
+    assert pipeline.warned("small.zarr").at_boundary is None or not pipeline.warned("small.zarr")
+    pipeline.boundary("small.zarr", criterion="laws:median", own_laws=True)
     pipeline.boundary("small.zarr", criterion="mean")
+    assert "criterion" not in pipeline.temperatures("small.zarr").attrs
+
+
+def test_a_scene_that_was_read_judges_by_the_law_of_then(folder):
+    rises = {"rise_quantile": np.linspace(0.0, 100.0, len(tribo.QUANTILES))}
+    judged = {"temperature.criterion": "laws:median"}
+    first = pipeline.load_scene("small.toml", overrides=judged, own_laws=True).conditions
+    before = first.decisive.rise(rises)
+    changed = LAWS.replace("np.interp(0.5,", "np.interp(0.9,")
+    (folder / "laws.py").write_text(changed)
+    second = pipeline.load_scene("small.toml", overrides=judged, own_laws=True).conditions
+    assert first.decisive.rise(rises) == before < second.decisive.rise(rises)
+    assert pickle.loads(pickle.dumps(first)).decisive.rise(rises) == before
+    assert first != second
+    assert "laws:median" not in tribo.CRITERIA
 
 
 def test_a_surface_of_one_s_own_is_part_of_the_scene(folder):
@@ -101,7 +128,7 @@ def test_a_surface_of_one_s_own_is_part_of_the_scene(folder):
         'disk.surface = { law = "laws:Dimples", parameters = { height = 2e-7, spacing = 1e-4 } }\n'
     )
     (folder / "waves.toml").write_text(text)
-    scene = pipeline.load_scene("waves.toml")
+    scene = pipeline.load_scene("waves.toml", own_laws=True)
     heights = scene.heights()
     assert heights.max() == pytest.approx(2e-7)
     copy = pickle.loads(pickle.dumps(scene))
@@ -133,20 +160,24 @@ def test_the_scene_of_the_page_runs(folder, irg):
 @pytest.mark.parametrize(
     ("setting", "words"),
     [
-        ("wear.law=none:X", "there is no none.py in"),
+        ("wear.law=none:X", "there is no file none.py in"),
         ("wear.law=laws:Missing", "the module has no Missing; it has Broken"),
         ("wear.law=laws", 'give "module:name"'),
         ("wear.law=faulty:X", "faulty.py, line 2: ZeroDivisionError"),
         ("wear.parameters.distance=x", "TypeError: unsupported operand"),
-        ("temperature.criterion=laws:Dimples", "cannot be made"),
-        ("temperature.criterion=laws:np", "not a tribo.Rule"),
+        ("temperature.criterion=laws:Dimples", "is not a tribo.Rule"),
+        ("temperature.criterion=laws:np", "is not a tribo.Rule"),
+        ("wear.law=laws:mean_of_hottest", "has no method compliance(begin, end); see tribo.WearLaw"),
+        ("wear.law=laws:Dimples", "has no method compliance"),
+        ("wear.law=laws:hottest", "has no method compliance"),
+        ("wear.law=laws:Short", "has no method depth(pressure, begin, end)"),
         ("disk.surface={law='laws:Dimples'}", "leave out one of them"),
     ],
 )
 def test_each_mistake_is_named(folder, irg, setting, words):
     (folder / "faulty.py").write_text("x = 1\n1 / 0\n")
     before = set(sys.modules)
-    error = irg("check", "own.toml", "--set", setting, code=2)
+    error = irg("check", "own.toml", "--own-laws", "--set", setting, code=2)
     assert words in error
     assert "Traceback" not in error
     assert not {"laws", "faulty"} & (set(sys.modules) - before)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     asked,
     corrected,
@@ -60,7 +61,7 @@ _NUMBERS = (
 follow; None where they are known at the sweep's own alone."""
 
 
-def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
+def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) -> dict[str, Any]:
     """Collect what a page shows, as plain data.
 
     Parameters
@@ -69,15 +70,17 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         Dataset of `pipeline.open_sweep`.
     most_fields : int
         Number of points whose fields to take, those nearest to the transition.
+    **criterion
+        The criterion in place of the sweep's own, and permission to run it.
     """
     ds = ordered(plane_of(ds))
     attributes = attributes_of(ds)
-    conditions = Conditions(**attributes["conditions"])
+    conditions = conditions_of(ds, **criterion)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     stored, rates = _wear_rates(ds)
     systems = [corrected(at_wear_rate(ds, rate), conditions) for rate in rates or (None,)]
-    tables = [_tables(system, conditions.criterion, ratios, shares) for system in systems]
+    tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
     decisive, rises = (np.stack(table, axis=-3) for table in zip(*tables, strict=True))
     status = values_of(ds, "status")
     done = status == DONE
@@ -168,14 +171,14 @@ def _kept_steps(
 
 
 def _tables(
-    ds: xr.Dataset, criterion: str, ratios: list[float], shares: list[float]
+    ds: xr.Dataset, criterion: Criterion, ratios: list[float], shares: list[float]
 ) -> tuple[Array, Array]:
     """Deciding rises by share, and quantiles, by load, velocity, step and bulk ratio [K]."""
     names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
     columns = {name: values_of(ds, name) for name in names if name in ds}
     quantile = {"quantile": ds["quantile"].values}
     at_ratios = [{**above_colder(columns, ratio), **quantile} for ratio in ratios]
-    criteria = [Criterion(criterion, share) for share in shares]
+    criteria = [replace(criterion, share=share) for share in shares]
     decisive = [np.stack([one.rise(rises) for one in criteria], axis=-1) for rises in at_ratios]
     quantiles = [rises["rise_quantile"] for rises in at_ratios]
     return np.stack(decisive, axis=-2), np.stack(quantiles, axis=-2)

@@ -16,11 +16,11 @@ from pipeline.uncertain.weigh import posterior_if_given
 
 
 def content_of_samples(
-    ds: xr.Dataset, given_measured: bool = False, scatter: float | None = None
+    ds: xr.Dataset, given_measured: bool = False, scatter: float | None = None, **criterion: Any
 ) -> dict[str, Any]:
     """Collect what a page of samples shows, as plain data."""
     attributes = attributes_of(ds)
-    ensemble = Ensemble.of(ds)
+    ensemble = Ensemble.of(ds, **criterion)
     weighed = posterior_if_given(ensemble, given_measured, scatter)
     draws = weighed.draws if weighed else None
     evidence = f", given {len(weighed.judged)} tests of the scene" if weighed else ""

@@ -85,6 +85,8 @@ def explore(
     most_fields: int = MOST_FIELDS,
     given_measured: bool = False,
     scatter: float | None = None,
+    criterion: str | None = None,
+    own_laws: bool = False,
 ) -> Page:
     """Write a page on which friction, temperatures and failing share can be changed.
 
@@ -107,6 +109,8 @@ def explore(
         Let the scene's measured transitions and tests narrow down the unknown inputs of samples.
     scatter : float, optional
         Relative standard deviation of measured velocities that give none; 5 % if not given.
+    criterion, own_laws : optional
+        Criterion in place of the sweep's own; see `pipeline.boundary`.
 
     Returns
     -------
@@ -129,16 +133,16 @@ def explore(
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     ds = dataset_of(ds)
-    parts = [*scenes(ds)]
+    parts, judged = [*scenes(ds)], {"criterion": criterion, "own_laws": own_laws}
     if variant_of(ds) == "sample":
         from pipeline.figures.page.samples import content_of_samples  # with its libraries
 
-        held = [content_of_samples(part, given_measured, scatter) for part in parts]
+        held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
         scripts, bodies = _OF_SAMPLES, [_of_samples(one) for one in held]
     elif given_measured or scatter is not None:
         raise InputError("the sweep has no samples, which given_measured and scatter belong to")
     else:
-        held = [content(part, most_fields // len(parts)) for part in parts]
+        held = [content(part, most_fields // len(parts), **judged) for part in parts]
         scripts, bodies = _OF_PLANE, [_of_plane(one) for one in held]
     about = attributes_of(ds)
     names = [entries_in_words(part) for part in parts]

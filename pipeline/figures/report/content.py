@@ -30,6 +30,7 @@ from pipeline.figures.style import criterion, heating, png_of
 from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.description import on_plane
+from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.selection import PRESET_BOUNDS, Selection
 from tribo import InputError
 
@@ -83,6 +84,8 @@ def _or_reason(write: Callable[[], Iterable[Part]]) -> list[Part]:
     parts: list[Part] = []
     try:
         parts.extend(write())
+    except OwnLawError:
+        raise  # for a report without its answers is none
     except InputError as error:
         parts.append(f"Not in this report: {error}.")
     return parts
