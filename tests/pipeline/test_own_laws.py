@@ -73,7 +73,16 @@ def test_a_named_law_runs_on_workers_that_have_no_file(folder, irg):
 
 
 def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
-    options = ["--set", "wear.law=laws:Broken", "-q", "--workers", "1", "-o", "own.zarr", "--own-laws"]
+    options = [
+        "--set",
+        "wear.law=laws:Broken",
+        "-q",
+        "--workers",
+        "1",
+        "-o",
+        "own.zarr",
+        "--own-laws",
+    ]
     assert main(["run", "own.toml", *options]) == 1
     streams = capsys.readouterr()
     assert "400 N, 2 m/s: InvariantError: wear balance" in streams.out + streams.err
@@ -167,7 +176,10 @@ def test_the_scene_of_the_page_runs(folder, irg):
         ("wear.parameters.distance=x", "TypeError: unsupported operand"),
         ("temperature.criterion=laws:Dimples", "is not a tribo.Rule"),
         ("temperature.criterion=laws:np", "is not a tribo.Rule"),
-        ("wear.law=laws:mean_of_hottest", "has no method compliance(begin, end); see tribo.WearLaw"),
+        (
+            "wear.law=laws:mean_of_hottest",
+            "has no method compliance(begin, end); see tribo.WearLaw",
+        ),
         ("wear.law=laws:Dimples", "has no method compliance"),
         ("wear.law=laws:hottest", "has no method compliance"),
         ("wear.law=laws:Short", "has no method depth(pressure, begin, end)"),

@@ -1,0 +1,342 @@
+"""Scenes and stores of strangers: nothing that they name is imported, run or called."""
+
+import hashlib
+import json
+import shutil
+import sys
+from dataclasses import replace
+
+import pytest
+
+import pipeline
+import tribo
+from pipeline.cli import main
+from pipeline.store.place import place_of
+from pipeline.store.root import read_root, root_document
+from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws
+from tests.helpers.scenes import SCENE
+from tests.pipeline.conftest import commit_all
+
+PAYLOAD = """
+import pathlib
+import tribo
+
+pathlib.Path({marker!r}).touch()
+
+
+class Law(tribo.RunningIn):
+    pass
+
+
+class Flat:
+    def heights(self, pixels):
+        return 0.0
+
+
+rule = tribo.Rule("mean_rise", lambda rises, *_: rises, "mean", "the mean above")
+"""
+OUTSIDE = [
+    "os:system", "os:_exit", "posix:_exit", "builtins:exec", "subprocess:Popen", "runpy:run_path",
+    "importlib.util:find_spec", "os.path:join", "pipeline.cli:main", "tribo:RunningIn",
+    "{folder}/payload:Law", "../strangers/payload:Law", "deep/payload:Law", "deep.payload:Law",
+    "..payload:Law", "sweep.zarr/payload:Law", "linked:Law", "payload.py:Law", "deep:Law", ":Law",
+    "payload:", "payload:Law.heights", "payload:__class__", "payload:Law:Law",
+]  # fmt: skip
+"""Names of what is no law of the folder, also where own laws are allowed."""
+NAMING = {
+    "wear": 'without = ["wear"]\nwear = { law = "payload:Law" }\n',
+    "surface": 'without = ["disk.roughness"]\ndisk.surface = { law = "payload:Flat" }\n',
+    "criterion": 'temperature.criterion = "payload:rule"\n',
+}
+AT = ["--load", "400 N", "--velocity", "2 m/s"]
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Folder with a store of a small sweep, and one of samples, which are sound."""
+    folder = tmp_path_factory.mktemp("done")
+    (folder / "small.toml").write_text(SCENE)
+    commit_all(folder / "small.zarr", pipeline.load_scene(folder / "small.toml"))
+    unknown = {"friction.coefficient": {"mean": 0.1, "sd": 0.005}}
+    drawn = {
+        "unknown": unknown,
+        "sweep.samples": 16,
+        "measured": [{"load": "400 N", "velocity": "2 m/s"}],
+    }
+    commit_all(folder / "samples.zarr", pipeline.load_scene(folder / "small.toml", overrides=drawn))
+    return folder
+
+
+@pytest.fixture
+def strangers(tmp_path, monkeypatch):
+    """A folder of hostile scenes, in which commands run; `ran` says whether their payload did."""
+    folder = tmp_path / "strangers"
+    (folder / "deep").mkdir(parents=True)
+    text = PAYLOAD.format(marker=str(tmp_path / "ran"))
+    (folder / "payload.py").write_text(text)
+    (folder / "deep" / "payload.py").write_text(text)
+    (tmp_path / "linked.py").write_text(text)
+    (folder / "linked.py").symlink_to(tmp_path / "linked.py")
+    (folder / "small.toml").write_text(SCENE)
+    for name, lines in NAMING.items():
+        (folder / f"{name}.toml").write_text(f'extends = "small.toml"\n{lines}')
+    (folder / "extends.toml").write_text('extends = "wear.toml"\ntitle = "Harmless"\n')
+    monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(str(folder))  # as for python -m pipeline
+    yield folder
+    assert "payload" not in sys.modules
+
+
+@pytest.fixture
+def ran(tmp_path):
+    return (tmp_path / "ran").exists
+
+
+def forged(done, folder, store, criterion):
+    """Copy a store into a folder, and let it say that it was judged by some criterion."""
+    target = shutil.copytree(done / store, folder / store)
+    root = read_root(place_of(target))
+    root.attributes["conditions"] |= {"criterion": criterion, "criterion_hash": "0" * 64}
+    (target / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    shutil.copy(folder / "payload.py", target)
+    return store
+
+
+COMMANDS = [
+    ["check"],
+    ["run", "-o", "out.zarr"],
+    ["run", "-o", "out.zarr", "--boundary-only"],
+    ["run", "-o", "out.zarr", "--accuracy", "5%"],
+    ["point", *AT],
+    ["vary", "--over", "friction.coefficient=0.09"],
+    ["vary", "--physics"],
+    ["infer"],
+    ["infer", "--contact-width", "300 um", *AT],
+    ["trade"],
+]
+
+
+@pytest.mark.parametrize("scene", [*NAMING, "extends"])
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_a_scene_runs_nothing_without_the_word(strangers, ran, irg, command, scene):
+    said = irg(command[0], f"{scene}.toml", *command[1:], code=2)
+    digest = hashlib.sha256((strangers / "payload.py").read_bytes()).hexdigest()
+    (line,) = [line for line in said.splitlines() if line.startswith("irg:")]
+    assert f"payload.py (SHA-256 {digest})" in line
+    assert "add --own-laws" in line
+    assert not ran()
+    assert not (strangers / "out.zarr").exists()
+
+
+def test_a_setting_runs_nothing_without_the_word(strangers, ran, irg):
+    for setting in ("wear={law='payload:Law'}", "temperature.criterion=payload:rule"):
+        irg("check", "small.toml", "--set", setting, code=2)
+        irg("vary", "small.toml", "--over", setting, code=2)
+    irg("point", "small.toml", *AT, "--criterion", "payload:rule", code=2)
+    assert not ran()
+
+
+@pytest.mark.parametrize("scene", [*NAMING, "extends"])
+def test_no_function_runs_what_a_scene_names_without_the_word(strangers, ran, scene):
+    path = strangers / f"{scene}.toml"
+    for function in (
+        pipeline.load_scene,
+        pipeline.estimate,
+        pipeline.trade,
+        pipeline.critical_temperatures,
+        lambda path: pipeline.vary(path, {"friction.coefficient": [0.09]}),
+        lambda path: pipeline.run_point(path, "400 N", "2 m/s"),
+        lambda path: pipeline.run_sweep(path, "out.zarr"),
+        lambda path: pipeline.follow_boundary(path, "out.zarr"),
+        lambda path: pipeline.choose_fidelity(path, "5%"),
+        lambda path: pipeline.at_accuracy(path, "5%"),
+    ):
+        with pytest.raises(pipeline.SceneFileError, match="own_laws=True"):
+            function(path)
+    pipeline.scene_entry(path, "wear.law")
+    assert not ran()
+
+
+def test_looking_at_a_folder_of_strangers_runs_nothing(strangers, done, ran, irg):
+    forged(done, strangers, "small.zarr", "payload:rule")
+    assert "extends.toml" in irg("status", ".")
+    assert irg("status", "small.zarr", "--json")["done"] == 9
+    assert irg("verify", "small.zarr", "--json")["damaged"] == []
+    assert not ran()
+
+
+@pytest.mark.parametrize("kind", [WEAR, SURFACE, CRITERION])
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_the_word_allows_the_files_of_the_folder_alone(strangers, ran, kind, name):
+    for are_allowed in (False, True):
+        with pytest.raises(tribo.InputError):
+            Laws(strangers, are_allowed).named(kind, name.format(folder=strangers))
+    # Names of what a module has besides its laws are looked up in it, and taken to be none.
+    assert ran() == (name == "payload:__class__")
+
+
+@pytest.mark.parametrize("word", [[], ["--own-laws"]])
+@pytest.mark.parametrize("name", ["os:system", "os:_exit", "shutil:rmtree"])
+def test_a_function_of_an_installed_module_is_no_law(strangers, ran, irg, name, word):
+    law = f'{{ law = "{name}", parameters = {{ command = "touch {strangers.parent}/ran" }} }}'
+    (strangers / "shell.toml").write_text(
+        f'extends = "first_try"\nwithout = ["wear"]\nwear = {law}\n'
+    )
+    said = irg("check", "shell.toml", *word, code=2)
+    assert f'"{name}": there is no file {name.partition(":")[0]}.py' in said
+    assert not ran()
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [(WEAR, "Flat"), (WEAR, "rule"), (WEAR, "pathlib"), (SURFACE, "Law"), (CRITERION, "Law")],
+)
+def test_an_object_of_another_kind_is_not_called(strangers, kind, name):
+    with pytest.raises(tribo.InputError, match=r"has no method|is not a tribo\.Rule"):
+        Laws(strangers, True).named(kind, f"payload:{name}")
+
+
+STORED = ["payload:rule", "{folder}/payload:rule", "small.zarr/payload:rule", "os:_exit"]
+READING = [
+    ["boundary"],
+    ["boundary", "--friction", "0.09"],
+    ["margin", *AT],
+    ["margin", "--points", "duty.csv"],
+    ["plot", "-o", "out.png"],
+    ["plot", "-o", "out.png", "--kind", "temperature"],
+    ["plot", "-o", "out.png", "--kind", "ramp", *AT],
+    ["plot", "-o", "out.png", "--kind", "fields", *AT],
+    ["report", "-o", "out.html"],
+    ["explore", "-o", "out.html"],
+    ["diff", "small.zarr"],
+    ["boundary", "--own-laws"],
+]
+
+
+@pytest.mark.parametrize(
+    ("command", "stored"),
+    [(command, STORED[0]) for command in READING]
+    + [(command, stored) for command in (["boundary"], READING[8]) for stored in STORED[1:]],
+)
+def test_a_store_runs_nothing_and_writes_no_empty_answer(
+    strangers, done, ran, irg, command, stored
+):
+    (strangers / "duty.csv").write_text("load [N],velocity [m/s]\n400,2\n")
+    store = forged(done, strangers, "small.zarr", stored.format(folder=strangers))
+    said = irg(command[0], store, *command[1:], code=2)
+    assert "nothing that a store names is run" in said
+    assert not ran()
+    assert not [*strangers.glob("out*")]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [["risk"], ["risk", *AT], ["sensitivity"], ["infer"], ["boundary"], ["margin", *AT],
+     ["plot", "-o", "out.png"], ["report", "-o", "out.html"], ["explore", "-o", "out.html"]],
+    ids=" ".join,
+)  # fmt: skip
+def test_a_store_of_samples_runs_nothing(strangers, done, ran, irg, command):
+    store = forged(done, strangers, "samples.zarr", "payload:rule")
+    assert "nothing that a store names is run" in irg(command[0], store, *command[1:], code=2)
+    assert not ran()
+    assert not [*strangers.glob("out*")]
+
+
+def test_no_function_runs_what_a_store_names(strangers, done, ran):
+    store = forged(done, strangers, "small.zarr", "payload:rule")
+    for function in (
+        pipeline.boundary,
+        pipeline.decisive_temperature,
+        lambda ds: pipeline.margins(ds, "400 N", "2 m/s"),
+        lambda ds: pipeline.margin_table(ds, {"load": ["400 N"], "velocity": ["2 m/s"]}),
+        lambda ds: pipeline.plot(ds, "diagram"),
+        lambda ds: pipeline.report(ds, "out.html"),
+        lambda ds: pipeline.explore(ds, "out.html"),
+        lambda ds: pipeline.diff(ds, ds),
+        lambda ds: pipeline.boundary(ds, own_laws=True),
+    ):
+        with pytest.raises(tribo.InputError, match="nothing that a store names is run"):
+            function(store)
+    pipeline.open_sweep(store)
+    pipeline.temperatures(store)
+    pipeline.warned(store)
+    pipeline.summary(store)
+    pipeline.verify_store(store)
+    assert not ran()
+
+
+@pytest.mark.parametrize("command", READING[:-1], ids=" ".join)
+def test_the_user_s_own_word_judges_a_store(strangers, done, ran, irg, command):
+    (strangers / "duty.csv").write_text("load [N],velocity [m/s]\n400,2\n")
+    store = forged(done, strangers, "small.zarr", "os:_exit")
+    words = [command[0], store, *command[1:], "-q", "--criterion", "payload:rule"]
+    assert "add --own-laws" in irg(*words, code=2)
+    assert not ran()
+    irg(*words, "--own-laws")
+    assert ran()
+    if "-o" in command:
+        (out,) = strangers.glob("out*")
+        assert str(strangers).encode() not in out.read_bytes()
+
+
+def test_a_page_judges_by_the_criterion_of_the_user(strangers, done):
+    store = forged(done, strangers, "small.zarr", "share")
+    own = pipeline.boundary(store, criterion="payload:rule", own_laws=True)
+    mean = pipeline.boundary(store, criterion="mean")
+    assert own["critical_velocity"].equals(mean["critical_velocity"])
+    pages = [
+        pipeline.explore(store, f"{name}.html", criterion=criterion, own_laws=True).path.read_text()
+        for name, criterion in (("own", "payload:rule"), ("mean", "mean"))
+    ]
+    decisive = [page.split('"decisive":')[1].split(",")[0] for page in pages]
+    assert decisive[0] == decisive[1]
+
+
+def test_a_file_is_hashed_before_it_runs_and_again_where_it_arrives(strangers, ran):
+    law = Laws(strangers, True).named(WEAR, "payload:Law", dict.fromkeys(RATES, 1e-15))
+    assert ran()
+    for changes in ({"source": law.source + b"\n"}, {"digest": "0" * 64}):
+        with pytest.raises(tribo.InputError, match="install the same version everywhere"):
+            replace(law, **changes)
+    with pytest.raises(tribo.InputError, match="not allowed to run"):
+        replace(law, is_allowed=False)
+
+
+RATES = ("initial_rate", "final_rate", "distance")
+
+
+def test_a_package_that_registers_a_law_is_compared_before_it_runs(strangers, tmp_path, ran):
+    package, about = tmp_path / "site" / "lab", tmp_path / "site" / "lab-1.dist-info"
+    package.mkdir(parents=True)
+    about.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "fading.py").write_text(PAYLOAD.format(marker=str(tmp_path / "ran")))
+    (about / "METADATA").write_text("Name: lab\nVersion: 1\n")
+    (about / "entry_points.txt").write_text("[irg_transition.laws]\nlaw = lab.fading:Law\n")
+    sys.path.insert(0, str(tmp_path / "site"))
+    try:
+        with pytest.raises(tribo.InputError, match="SHA-256"):
+            Laws(strangers, False).named(WEAR, "lab.fading:Law")
+        with pytest.raises(tribo.InputError, match="no installed package registers it"):
+            Laws(strangers, True).named(SURFACE, "lab.fading:Flat")
+        assert not ran()
+        assert "lab" not in sys.modules
+        law = Laws(strangers, True).named(WEAR, "lab.fading:Law", dict.fromkeys(RATES, 1e-15))
+        assert ran()
+        with pytest.raises(tribo.InputError, match="install the same version everywhere"):
+            replace(law, source=b"", digest=hashlib.sha256(b"").hexdigest())
+    finally:
+        sys.path.remove(str(tmp_path / "site"))
+
+
+def test_a_resume_needs_the_word_again(strangers, capsys):
+    rates = dict.fromkeys(RATES, 1e-15)
+    words = ["run", "wear.toml", "-q", "--workers", "1", "-o", "out.zarr", "--set"]
+    words.append(f"wear.parameters={{{', '.join(f'{k} = {v}' for k, v in rates.items())}}}")
+    assert main([*words, "--own-laws"]) == 0
+    before = (strangers / "out.zarr/zarr.json").read_bytes()
+    assert main(words) == 2
+    assert "add --own-laws" in capsys.readouterr().err
+    assert (strangers / "out.zarr/zarr.json").read_bytes() == before
+    assert main([*words, "--own-laws", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["computed"] == 0
