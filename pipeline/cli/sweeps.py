@@ -58,7 +58,9 @@ def computed(options: argparse.Namespace) -> Result:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
         names = ("risk", "sensitivity") if sweep.variants.samples else ("boundary", "plot")
-        commands = (shlex.join(["irg", name, str(out)]) for name in names)
+        own = sweep.conditions.own_criterion
+        word = ["--criterion", own.reference, "--own-laws"] if own else []
+        commands = (shlex.join(["irg", name, str(out), *word]) for name in names)
         text.append(f"next: {', '.join(commands)}")
     warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING
     return Result(document, text, warned, code=SOME_FAILED if outcome.failed else DONE)

@@ -160,7 +160,7 @@ MEASURED_SURFACE = Table({
 
 def _own_law(meaning: str, form: str = "") -> Table:
     return Table({
-        "law": Entry(Text(), meaning),
+        "law": Entry(Text(), f"{meaning} It is code, which runs only with `--own-laws`."),
         "parameters": Optional(ByPath(Scalar(), "names"),
             "Names and values that it is made with, in SI units.", default={}),
     }, form=form)
@@ -280,7 +280,7 @@ TEMPERATURES = Table({
         Either(Choice(tuple(tribo.CRITERIA)), Text(), lambda word: ":" in str(word)),
         "Temperature that decides: the one that the failing share of the contact area exceeds, the "
         "highest, or the mean of the contact; or a [criterion of one's own](OWN_LAWS.md), such as "
-        '"laws:hottest_tenth".', default="share"),
+        '"laws:hottest_tenth", which runs only with `--own-laws`.', default="share"),
 })
 
 FIDELITY = Table({
