@@ -137,11 +137,11 @@ def test_a_surface_of_one_s_own_is_part_of_the_scene(folder):
         'disk.surface = { law = "laws:Dimples", parameters = { height = 2e-7, spacing = 1e-4 } }\n'
     )
     (folder / "waves.toml").write_text(text)
-    scene = pipeline.load_scene("waves.toml", own_laws=True)
+    scene = pipeline.load_scene("waves.toml", own_laws=True).scene
     heights = scene.heights()
     assert heights.max() == pytest.approx(2e-7)
     copy = pickle.loads(pickle.dumps(scene))
-    assert copy.scene.roughness == scene.scene.roughness
+    assert copy.roughness == scene.roughness
     np.testing.assert_array_equal(copy.heights(), heights)
 
 
