@@ -26,9 +26,7 @@ from .figures.tradeoff import draw_trade as draw_trade
 from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
-from .run.batch import Batch as Batch
 from .run.follow import follow_boundary as follow_boundary
-from .run.site import Site as Site
 from .run.source import ExecutionError as ExecutionError
 from .run.sweep import Outcome as Outcome
 from .run.sweep import run_sweep as run_sweep

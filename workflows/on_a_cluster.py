@@ -1,16 +1,81 @@
-"""Compute the diagram in jobs of Slurm, as CLUSTER.md describes.
+"""Compute a sweep in jobs of Slurm by dask-jobqueue, which knows PBS, LSF and others alike.
 
-The same as ``irg run workflows/irg_transition.toml --cluster slurm --jobs 50 --walltime 2h``.
+``pip install dask-jobqueue``, then
+``python on_a_cluster.py scene.toml results/scene.zarr --jobs 50 --walltime "2 h" --dry-run``
 """
+
+import argparse
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+from dask_jobqueue import SLURMCluster
+from distributed import Client, Status
 
 import pipeline
 
+_QUEUED = 30 * 86400.0  # [s] that jobs may wait in the queue while there is no worker at all
+
+
+def cluster_of(options):
+    """A scheduler here, whose workers are jobs; all connections have certificates (TLS)."""
+    seconds = pipeline.to_si(options.walltime, "2 h")
+    logs = Path(f"{options.store}.jobs").absolute()  # certificates, too: nodes have to see it
+    logs.mkdir(mode=0o700, parents=True, exist_ok=True)
+    return SLURMCluster(
+        queue=options.queue, account=options.account, interface=options.interface,
+        cores=options.cores, processes=options.cores, memory=options.memory,
+        walltime=f"{seconds // 60:.0f}:{seconds % 60:02.0f}",
+        job_extra_directives=options.directive, job_script_prologue=options.prologue,
+        security=True, protocol="tls://", shared_temp_directory=logs, log_directory=logs,
+        death_timeout=120,  # [s] after which workers end whose driver is gone
+        # Workers retire before their job ends, each at another time, and hand on what they hold.
+        worker_extra_args=[
+            "--lifetime", f"{0.8 * seconds:.0f}s", "--lifetime-stagger", f"{0.1 * seconds:.0f}s",
+        ],
+    )  # fmt: skip
+
+
+def keep_up(cluster, jobs):
+    """Submit jobs anew that have left the queue, however they ended."""
+    while cluster.status == Status.running:
+        known = {name: job.job_id for name, job in cluster.workers.items() if job.job_id}
+        queue = subprocess.run(["squeue", "--noheader", "--me", "--format=%A"], capture_output=True)
+        if queue.returncode == 0:
+            for name, number in known.items():
+                if number not in queue.stdout.decode().split():
+                    cluster.workers.pop(name, None)
+        cluster.scale(jobs=jobs)
+        time.sleep(15.0)
+
+
+def main():
+    """Compute what the store does not have yet, or print the script of a job."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("scene")
+    parser.add_argument("store")
+    parser.add_argument("--jobs", type=int, default=10)
+    parser.add_argument("--cores", type=int, default=1, help="workers of a job, one a core")
+    parser.add_argument("--memory", default="2 GB", help="of a job")
+    parser.add_argument("--walltime", default="1 h", help="longer than any point takes")
+    for name in ("--queue", "--account", "--interface"):
+        parser.add_argument(name)
+    for name in ("--directive", "--prologue"):
+        parser.add_argument(name, action="append", default=[], help="line of the job script")
+    parser.add_argument("--dry-run", action="store_true", help="print the script of a job")
+    options = parser.parse_args()
+    with cluster_of(options) as cluster, Client(cluster) as client:
+        if options.dry_run:
+            print(cluster.job_script())
+            return 0
+        threading.Thread(target=keep_up, args=(cluster, options.jobs), daemon=True).start()
+        told = {"progress": print, "tell": print, "patience": _QUEUED}
+        outcome = pipeline.run_sweep(options.scene, options.store, client=client, **told)
+    print(f"{outcome.done} of {outcome.total} points done", *outcome.failed, sep="\n")
+    return 1 if outcome.failed else 0
+
+
 if __name__ == "__main__":
-    site = pipeline.Site(cores=4, memory="8 GB")  # and queue and account, where asked for
-    outcome = pipeline.run_sweep(
-        "workflows/irg_transition.toml",
-        "results/irg_transition.zarr",
-        cluster=pipeline.Batch("slurm", jobs=50, walltime="2 h", site=site),
-        tell=print,
-    )
-    print(f"{outcome.done} of {outcome.total} points done")
+    sys.exit(main())

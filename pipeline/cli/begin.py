@@ -12,9 +12,7 @@ import pipeline
 from pipeline.cli.output import Result
 from pipeline.cli.parser import COMMANDS, parse
 from pipeline.cli.progress import working
-from pipeline.run.site import SAMPLE
 from pipeline.scene.editors import write_schema
-from pipeline.scene.faults import write_new
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tribo import InputError
 
@@ -34,10 +32,6 @@ def new(options: argparse.Namespace) -> Result:
         schema = write_schema(options.schema)
         use = f"editors use it in a scene beside it with the first line: #:schema ./{schema.name}"
         return Result({"file": str(schema)}, [f"{schema} is written", use])
-    if options.site is not None:
-        write_new(options.site, SAMPLE)
-        use = f"irg run SCENE.toml --cluster slurm --site {options.site}"
-        return Result({"file": str(options.site)}, [f"{options.site} is written", use])
     if options.file is None:
         raise InputError("no file is named; give one to write, such as: irg new scene.toml")
     scene, *copies = pipeline.new_scene(options.file, options.like)

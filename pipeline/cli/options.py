@@ -121,10 +121,6 @@ OF_NEW = (
                 help="file for a JSON schema of the format instead, by which editors complete "
                 "scenes",
             ),
-            Option(
-                "--site", metavar="FILE.toml", type=Path,
-                help="file for sample options of a batch system instead, for irg run --cluster",
-            ),
         ),
     ),
     Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
@@ -142,29 +138,15 @@ OF_RUN = (
             WORKERS,
             Option("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler"),
             Option(
-                "--cluster", metavar="SYSTEM", choices=("slurm",),
-                help="batch system to compute in: slurm; with --jobs, --walltime and --site",
+                "--scheduler-file", metavar="FILE", type=Path,
+                help="file that a running Dask scheduler has written, in place of its address",
             ),
         ),
     ),
+    _flag("--dashboard", "print the link of Dask's dashboard, which this machine's users can read"),
     _flag("--retry-failed", "compute failed points again"),
     BOUNDARY_ONLY,
     ACCURACY,
-    Group(
-        "jobs of --cluster",
-        (
-            Option(
-                "--jobs", metavar="N", type=values.count, help="jobs at the same time; default: 10"
-            ),
-            _quantity("--walltime", "T", "2 h", "longest time of a job (default: 1h)"),
-            Option(
-                "--site", metavar="FILE.toml", type=Path,
-                help="options of the site, such as queue and account; irg new --site writes a "
-                "sample",
-            ),
-            _flag("--dry-run", "print the script of a job, and submit none"),
-        ),
-    ),
 )  # fmt: skip
 
 PLACE = (

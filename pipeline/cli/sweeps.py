@@ -4,34 +4,30 @@ from __future__ import annotations
 
 import argparse
 import shlex
+from contextlib import nullcontext
 from pathlib import Path
 
 import pipeline
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, tell
 from pipeline.cli.progress import run_line
-from pipeline.cli.scenes import scene_of, selected, values_in
-from pipeline.run.batch import Batch
+from pipeline.cli.scenes import scene_of, selected
+from pipeline.run.cluster import client_of
 from pipeline.sweep.warned import NO_WARNING
-from tribo import InputError
 
 
 def computed(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
-    batch = _batch(options)
     sweep = scene_of(options, store=out)
-    if batch and options.dry_run:
-        from pipeline.run.cluster import slurm
-
-        script = slurm().script_of(batch, str(out))
-        return Result({"script": script, "jobs": batch.jobs}, script.splitlines())
     for note in sweep.about.notes:
         tell(f"note: {note}")
-    with run_line() as progress:
+    is_elsewhere = options.scheduler or options.scheduler_file
+    elsewhere = client_of(options.scheduler, options.scheduler_file) if is_elsewhere else None
+    with elsewhere or nullcontext() as client, run_line() as progress:
         settings = {
             "workers": options.workers,
-            "scheduler": options.scheduler,
-            "cluster": batch,
+            "client": client,
+            "dashboard": options.dashboard,
             "progress": progress,
             "retry_failed": options.retry_failed,
             "tell": tell,
@@ -64,14 +60,3 @@ def computed(options: argparse.Namespace) -> Result:
         text.append(f"next: {', '.join(commands)}")
     warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING
     return Result(document, text, warned, code=SOME_FAILED if outcome.failed else DONE)
-
-
-def _batch(options: argparse.Namespace) -> Batch | None:
-    """Jobs in which to compute; None without a batch system."""
-    asked = values_in(options, "jobs", "walltime", "site")
-    if options.cluster is not None:
-        return pipeline.Batch(options.cluster, **asked)
-    if asked or options.dry_run:
-        name = f"--{next(iter(asked), 'dry-run')}"
-        raise InputError(f"{name} is an option of jobs: give --cluster slurm, too")
-    return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 import logging
 import time
 import warnings
@@ -11,6 +12,8 @@ from collections.abc import Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import dask
@@ -18,7 +21,6 @@ from distributed import Client, Future, wait
 from distributed.scheduler import KilledWorker
 from distributed.utils import silence_logging_cmgr
 
-from pipeline.run.batch import Batch
 from pipeline.run.local import processes
 from pipeline.run.source import CONFIGURATION, PATIENCE, SAFE, ExecutionError, Source, Tell, unheard
 from pipeline.run.versions import Versions, other_packages, versions
@@ -28,6 +30,7 @@ _INSTALL = f"install the same version in both places and restart the workers; {S
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to share content with workers, which may be killed meanwhile
 _ANSWER = 10.0  # [s] that a worker may take to tell its versions
+_OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
 _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 
 
@@ -55,33 +58,31 @@ class Connection:
 
 @contextmanager
 def connected(
-    workers: int | None,
-    where: str | Batch | None,
-    out: str,
+    client: Client | None,
+    workers: int,
     patience: float = PATIENCE,
     tell: Tell = unheard,
+    dashboard: bool = False,
 ) -> Iterator[Connection]:
-    """Connect to a scheduler, or start one with workers, and end those that were started.
-
-    `where` is the address of a scheduler, or the jobs to start beside the store `out`; None for
-    processes of this machine. `workers` are the processes that can be kept busy, if that is known.
+    """Use a client, or start a scheduler here with so many workers, and end these.
 
     Raises
     ------
     ExecutionError
-        If there is no scheduler, or the workers do not start.
+        If the workers do not start.
     """
     with ExitStack() as stack:
-        if isinstance(where, str):
-            stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # it logs tracebacks
-            source, client = Source(), _client_of(where, patience)
+        source = Source()
+        if client is None:
+            routes = {"distributed.scheduler.http.routes": _OF_DASHBOARD if dashboard else []}
+            stack.enter_context(dask.config.set(CONFIGURATION | routes))
+            source = stack.enter_context(processes(workers, dashboard))
+            client = stack.enter_context(Client(source.cluster, set_as_default=False))
         else:
-            stack.enter_context(dask.config.set(CONFIGURATION))
-            started = slurm().submitted(where, out, workers) if where else processes(workers or 1)
-            source = stack.enter_context(started)
-            client = Client(source.cluster, set_as_default=False)
-        stack.enter_context(client)
+            stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # it logs tracebacks
         stack.enter_context(client.as_current())
+        if dashboard:
+            tell(f"dashboard: {client.dashboard_link}")
         try:
             yield Connection(client, source, patience, tell)
         except KeyboardInterrupt:  # in the middle of a call to Dask
@@ -89,31 +90,39 @@ def connected(
             raise
 
 
-def slurm() -> Any:
-    """Module that submits jobs, by a library that not every user has.
+def require_dashboard() -> None:
+    """Refuse a dashboard of a cluster here without the library that draws it."""
+    if find_spec("bokeh") is None:
+        raise ExecutionError(
+            "the dashboard needs bokeh: pip install 'irg-transition[dashboard]', or leave it out"
+        )
+
+
+def client_of(
+    address: str | None = None, file: Path | None = None, patience: float = PATIENCE
+) -> Client:
+    """Client of a running scheduler, by its address or by the file that it has written.
 
     Raises
     ------
     ExecutionError
-        Without that library.
+        If no scheduler answers.
     """
+    if file is not None:  # which Dask would wait for without end
+        try:
+            address = str(json.loads(file.read_text())["address"])
+        except (OSError, ValueError, KeyError, TypeError):
+            raise ExecutionError(
+                f"{file} cannot be read as the file of a Dask scheduler; give one that it wrote"
+            ) from None
     try:
-        from pipeline.run import slurm
-    except ModuleNotFoundError as error:
-        raise ExecutionError(
-            f"{error}; Slurm jobs need dask-jobqueue: pip install 'irg-transition[cluster]'"
-        ) from None
-    return slurm
-
-
-def _client_of(scheduler: str, patience: float) -> Client:
-    try:
-        return Client(scheduler, set_as_default=False, timeout=patience)
+        with silence_logging_cmgr(logging.CRITICAL):
+            return Client(address, set_as_default=False, timeout=patience)
     except (OSError, ValueError, RuntimeError) as error:
-        reason = f"no Dask scheduler answers at {scheduler}: {error}"
+        reason = f"no Dask scheduler answers at {address}: {error}"
     except TypeError:  # as Dask has it
         reason = (
-            f"{scheduler} needs certificates: name the files under distributed.comm.tls in "
+            f"{address} needs certificates: name the files under distributed.comm.tls in "
             "Dask's configuration, as DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
             "…__CLIENT__CERT and …__CLIENT__KEY do"
         )
@@ -156,28 +165,24 @@ def threads_of(connection: Connection) -> Counter[str]:
         joined runs other code.
     """
     client, source, began = connection.client, connection.source, time.monotonic()
-    patience, last = connection.patience, ""
+    patience, is_told = connection.patience, False
     while True:
         with _losses_named():
             threads = Counter(client.nthreads(callback_timeout=patience))
-        source.keep(connection.tell)
+        source.keep()
         waited = time.monotonic() - began
         if threads:
             connection.absent += waited
             _ask(connection, sorted(set(threads) - connection.asked))
             return threads
-        if source.queues:
-            words = f"waiting for a worker: {source.jobs}"
-        elif waited < patience:
-            words = f"there is no Dask worker; waiting up to {patience:g} s for one to come"
-        else:
+        if waited >= patience:
             raise ExecutionError(
                 f"there is no Dask worker, and none has come within {patience:g} s; {SAFE}"
             )
-        if waited >= min(_WORD, patience / 2) and words != last:
-            connection.tell(words)
-            last = words
-        time.sleep(0.5 if source.queues else 0.1)
+        if waited >= min(_WORD, patience / 2) and not is_told:
+            connection.tell(f"there is no Dask worker; waiting up to {patience:g} s for one")
+            is_told = True
+        time.sleep(0.1)
 
 
 def _ask(connection: Connection, workers: Collection[str]) -> None:

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+from distributed import Client
 
-from pipeline.run.batch import Batch
 from pipeline.run.boundary_search import BoundarySearch
+from pipeline.run.source import PATIENCE
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import sweep_of
@@ -27,11 +28,12 @@ def follow_boundary(
     out: PathLike,
     tolerance: float = 0.01,
     workers: int | None = None,
-    scheduler: str | None = None,
+    client: Client | None = None,
     progress: Callable[[Progress], None] | None = None,
     retry_failed: bool = False,
     tell: Callable[[str], None] | None = None,
-    cluster: Batch | None = None,
+    patience: float = PATIENCE,
+    dashboard: bool = False,
     own_laws: bool = False,
 ) -> Outcome:
     """Find the critical velocity at each load of a sweep, with as few points as that takes.
@@ -45,7 +47,7 @@ def follow_boundary(
     ----------
     sweep : Sweep, str or path
         The scene, or its path.
-    out, workers, scheduler, progress, retry_failed, tell, cluster, own_laws
+    out, workers, client, progress, retry_failed, tell, patience, dashboard, own_laws
         See `pipeline.run_sweep`.
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
@@ -102,8 +104,8 @@ def follow_boundary(
     if begun is None and store:
         begun = sweep.changed(chosen=frozenset(itertools.chain(*_results(store, sweep))))
     return run_sweep(
-        begun or sweep, out, workers, scheduler, progress, retry_failed, further, tell,
-        cluster=cluster,
+        begun or sweep, out, workers, client, progress, retry_failed, further, tell, patience,
+        dashboard,
     )  # fmt: skip
 
 

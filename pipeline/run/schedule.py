@@ -40,13 +40,11 @@ from pipeline.run.work import compute_points, records_of
 from pipeline.run.writer import Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.stages import duration
 
 TRIALS = 5  # alone, that a point may be lost in before it is called failed
 _STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
 _JOINED = 48  # points of a task: such short ones as fill a stretch, and few to be sent
 _POLL = 2.0  # [s] after which to look for workers that came or went
-_LIVES = 2.0  # of a worker, after which a point is too long for any
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
 _END = 300.0  # [s] without a worker that computes, after which the sweep is given up
 _KILLED = (
@@ -74,7 +72,6 @@ class _Task:
     points: tuple[Point, ...]
     stretch: Future
     records: Future
-    begun: float
     alone_on: str | None = None
     is_wary: bool = False
 
@@ -203,8 +200,7 @@ class _Run:
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
         stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
         records = self._client.submit(records_of, stretch, pure=False, workers=worker)
-        begun = self._connection.clock()
-        self.running.append(_Task(chain.points, stretch, records, begun, worker, chain.is_wary))
+        self.running.append(_Task(chain.points, stretch, records, worker, chain.is_wary))
 
     def look(self, workers: Counter[str]) -> bool:
         """See what has become of the tasks; return whether any has ended."""
@@ -215,7 +211,7 @@ class _Run:
     def _has_ended(self, task: _Task, workers: Counter[str]) -> bool:
         died = task.alone_on is not None and task.alone_on not in workers
         if not (died or task.records.done()):
-            return self._is_given_up(task)
+            return False
         error = _error(task)
         if isinstance(error, ExecutionError):
             raise error
@@ -259,20 +255,6 @@ class _Run:
             killed = error is None or isinstance(error, KilledWorker)
             reason = _KILLED if killed else f"{type(error).__name__}: {error}"
             self._settle([PointRecord(suspect, None, reason)])
-
-    def _is_given_up(self, task: _Task) -> bool:
-        """Call the first point of a task failed if it has taken longer than workers live."""
-        life = self._connection.source.life
-        if life is None or self._connection.clock() - task.begun <= _LIVES * life:
-            return False
-        self._client.cancel([task.stretch, task.records])
-        reason = (
-            f"not done in {duration(_LIVES * life)}, and a job lives for {duration(life)}: "
-            "raise --walltime, or take a coarser fidelity"
-        )
-        self._settle([PointRecord(task.points[0], None, reason)])
-        self._put_back(task.points[1:], None, task.is_wary)
-        return True
 
     def watch(self, moved: bool) -> None:
         """Tell the user if nothing has ended for long.

@@ -1,4 +1,4 @@
-"""Sources of workers: processes of this machine, a scheduler elsewhere, jobs of a batch system.
+"""Sources of workers: processes of this machine, or a cluster that others run.
 
 ::
 
@@ -8,10 +8,9 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from pipeline.run.forkserver import WORKER_ENVIRONMENT
 from tribo import TriboError
@@ -55,68 +54,25 @@ def unheard(line: str) -> None:
     """Show a line to nobody."""
 
 
-class Farewell(logging.Filter):
-    """Drops errors that Dask logs, with their tracebacks, at the normal end of a worker's life."""
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        """True for all other messages."""
-        return "ConnectionPool is closed" not in record.getMessage()
-
-
 class ExecutionError(TriboError):
     """Workers that do not start, are lost, or run other code.
 
     Examples
     --------
-    >>> import pipeline
-    >>> scene, out = "workflows/first_try.toml", "results/elsewhere.zarr"
+    >>> from pipeline.run.cluster import client_of
     >>> try:
-    ...     pipeline.run_sweep(scene, out, scheduler="tcp://127.0.0.1:1", patience=1.0)
-    ... except pipeline.ExecutionError:
+    ...     client_of("tcp://127.0.0.1:1", patience=1.0)
+    ... except ExecutionError:
     ...     print("nobody answers there")
     nobody answers there
     """
 
 
-class JobCounts(NamedTuple):
-    """Jobs of a run, by what a batch system says of them.
-
-    Attributes
-    ----------
-    running, pending : int
-        Jobs that run, and that wait in the queue.
-    reason : str
-        Reason of the batch system why the first of them waits; empty if none does.
-
-    Examples
-    --------
-    >>> print(JobCounts(4, 46, "Resources"), JobCounts(1, 0, ""), sep="; ")
-    4 jobs running, 46 pending (Resources); 1 job running
-    """
-
-    running: int
-    pending: int
-    reason: str
-
-    def __str__(self) -> str:
-        words = f"{self.running} {'job' if self.running == 1 else 'jobs'} running"
-        if self.pending:
-            words += f", {self.pending} pending" + f" ({self.reason})" * bool(self.reason)
-        return words
-
-
 @dataclass(slots=True)
 class Source:
-    """Workers that others start: nothing to do about lost ones, and no patience without any.
-
-    `cluster` of Dask's starts and ends them. They may wait in a queue for any time, and live for a
-    time [s], or without an end; `jobs` are those of a batch system.
-    """
+    """Workers that others start: nothing to do about lost ones. `cluster` of Dask's has ours."""
 
     cluster: Any = None
-    queues: bool = False
-    life: float | None = None
-    jobs: JobCounts | None = None
 
-    def keep(self, tell: Tell) -> None:
-        """Replace lost workers; raise an `ExecutionError` if none can be started."""
+    def keep(self) -> None:
+        """Replace lost workers."""

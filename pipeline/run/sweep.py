@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 from dask.system import CPU_COUNT
+from distributed import Client
 
-from pipeline.run.batch import Batch
-from pipeline.run.cluster import connected
+from pipeline.run.cluster import connected, require_dashboard
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.notebook import reported
 from pipeline.run.order import coarse_first
@@ -40,6 +40,7 @@ from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
+from tribo import InputError
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +77,13 @@ def run_sweep(
     sweep: Sweep | PathLike,
     out: PathLike,
     workers: int | None = None,
-    scheduler: str | None = None,
+    client: Client | None = None,
     progress: Callable[[Progress], None] | None = None,
     retry_failed: bool = False,
     further: Callable[[Store], Sweep | None] | None = None,
     tell: Callable[[str], None] | None = None,
     patience: float = PATIENCE,
-    cluster: Batch | None = None,
+    dashboard: bool = False,
     own_laws: bool = False,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet.
@@ -97,9 +98,9 @@ def run_sweep(
         Path of the store, which is created, resumed or extended.
     workers : int, optional
         Number of processes; one for each core that this process may use if not given.
-    scheduler : str, optional
-        Address of a Dask scheduler to use instead. Its workers need this package; they need not
-        see the store.
+    client : distributed.Client, optional
+        Client of any Dask cluster to compute on instead. Its workers need this package; they need
+        not see the store. Each computes one point at a time, however many threads it has.
     progress : callable, optional
         Called with a `Progress` at the start and after each point; in a notebook a bar shows it
         if not given.
@@ -109,12 +110,12 @@ def run_sweep(
         Called with the `Store` when every point is done or has failed; returns the same sweep with
         more points, or None.
     tell : callable, optional
-        Called with a line for the user, such as a note on jobs that were lost.
+        Called with a line for the user, such as a note on a store that is resumed.
     patience : float, optional
-        Time to wait for a scheduler to answer, and for workers if there are none [s].
-    cluster : Batch, optional
-        Jobs of a batch system to compute in, instead of processes of this machine. They may wait
-        in its queue for any time.
+        Time to wait for an answer of the scheduler, and for workers if there are none [s]; long for
+        workers that wait in a queue.
+    dashboard : bool, optional
+        True to tell the link of Dask's dashboard, which everybody on this machine can read.
     own_laws : bool
         Allow code that the scene names to run, see `pipeline.load_scene`; a resume needs it again.
 
@@ -136,14 +137,10 @@ def run_sweep(
     """
     if workers is not None:
         require_count("workers", workers)
-    _refuse_in_a_worker(scheduler)
+    _require_cluster(client, dashboard)
     sweep = sweep_of(sweep, own_laws)
     began = time.monotonic()
-    where = cluster or scheduler
     before = read_attributes(out)
-    if isinstance(where, str) and before is None:
-        with connected(None, where, str(out), patience):
-            pass  # an address where nobody answers makes no store
     with writing(out, sweep) as store, reported(progress) as report:
         # A bucket's servers look after their objects, and each is a request.
         is_bucket = isinstance(store.place, Bucket)
@@ -157,9 +154,9 @@ def run_sweep(
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
             # Points that come later may have more chains than those that wait now.
-            most = len(first[2]) if further is None else None
-            count = most if cluster else min(workers or CPU_COUNT, most or CPU_COUNT)
-            with connected(count, where, str(out), patience, tell) as link:
+            most = len(first[2]) if further is None else CPU_COUNT
+            count = min(workers or CPU_COUNT, most)
+            with connected(client, count, patience, tell, dashboard) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)
                     with Writer(store) as writer:
@@ -174,10 +171,19 @@ def run_sweep(
     )
 
 
-def _refuse_in_a_worker(scheduler: str | None) -> None:
+def _require_cluster(client: Client | None, dashboard: bool) -> None:
+    """Refuse what cannot compute: a worker without a client, another object than a client."""
     end_if_imported()
-    if multiprocessing.parent_process() is not None and scheduler is None:
-        raise ExecutionError(f"a worker process cannot run a sweep; {UNGUARDED}")
+    if client is None:
+        if multiprocessing.parent_process() is not None:
+            raise ExecutionError(f"a worker process cannot run a sweep; {UNGUARDED}")
+        if dashboard:
+            require_dashboard()
+    elif not isinstance(client, Client) or client.asynchronous:
+        raise InputError(
+            f"client is {client!r}; give a distributed.Client that is not asynchronous, such as "
+            "Client(cluster)"
+        )
 
 
 _Round = tuple[Sweep, Store, tuple[tuple[Point, ...], ...]]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.run.cluster import Connection
-from pipeline.run.source import ExecutionError, JobCounts
+from pipeline.run.source import ExecutionError
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
@@ -35,8 +35,6 @@ class Progress:
         Time since this run began [s].
     time_to_go : float or None
         Estimated time until the end [s]; None until the first point is done.
-    jobs : JobCounts or None
-        Jobs of a batch system; None without one.
 
     Examples
     --------
@@ -52,7 +50,6 @@ class Progress:
     total: int
     elapsed: float
     time_to_go: float | None
-    jobs: JobCounts | None = None
 
     def __str__(self) -> str:
         parts = [
@@ -62,7 +59,7 @@ class Progress:
         ]
         if self.time_to_go:
             parts.append(f"{duration(self.time_to_go)} to go")
-        return ", ".join(parts + [str(self.jobs)] * bool(self.jobs))
+        return ", ".join(parts)
 
 
 class Tally:
@@ -77,7 +74,6 @@ class Tally:
         self._first: float | None = None
         self._marks: deque[tuple[float, float]] = deque()
         self._failures: Counter[str] = Counter()
-        self._reported: JobCounts | None = None
         self.computed = 0
         self._take(store)
         self._report()
@@ -109,7 +105,7 @@ class Tally:
         if self._connection and self._worked > self._marks[-1][1]:
             self._marks.append((self._connection.clock(), self._worked))
             self._first = self._first or self._marks[-1][0]
-        if any_new or self._jobs != self._reported:
+        if any_new:
             self._report()
 
     def _count_failure(self, record: PointRecord) -> None:
@@ -120,10 +116,6 @@ class Tally:
                 f"the first {_ALIKE} points failed alike, and none is done: {record.message}; put "
                 "that right, and run the sweep again with --retry-failed"
             )
-
-    @property
-    def _jobs(self) -> JobCounts | None:
-        return self._connection.source.jobs if self._connection else None
 
     def _take(self, store: Store) -> None:
         self._store = store
@@ -145,9 +137,8 @@ class Tally:
                 expected = expected_durations(durations, velocities)
             work = float(expected[pending].sum())
             time_to_go = work * self._seconds_of_work()
-        total, self._reported = int(np.count_nonzero(asked)), self._jobs
-        elapsed = now - self._began
-        self._progress(Progress(done, failed, total, elapsed, time_to_go, self._reported))
+        total, elapsed = int(np.count_nonzero(asked)), now - self._began
+        self._progress(Progress(done, failed, total, elapsed, time_to_go))
 
     def _seconds_of_work(self) -> float:
         """Time that a second of a worker's work takes, all workers together [s].

@@ -26,6 +26,7 @@ from distributed import LocalCluster, Worker
 
 import pipeline
 from pipeline.run import schedule, work
+from pipeline.run.cluster import client_of
 from pipeline.store.write import Store
 from tests.crash.sweeps import keep_one_thread
 from tests.helpers import tiny
@@ -99,7 +100,8 @@ def driven(out, address, options):
         suppress(EnoughError),
     ):
         sweep = sweep_of(options.points)
-        pipeline.run_sweep(sweep, out, scheduler=address, progress=note, patience=120.0)
+        with client_of(address) as client:
+            pipeline.run_sweep(sweep, out, client=client, progress=note, patience=120.0)
     first = next(mark for mark in marks if mark[0])
     done, wall, cpu, number = (b - a for a, b in zip(first, marks[-1], strict=True))
     in_commits = sum(took for _, _, took in commits[1:])

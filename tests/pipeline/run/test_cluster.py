@@ -24,13 +24,14 @@ from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
 from pipeline.run import forkserver, local
-from pipeline.run.cluster import Connection, connected, share, threads_of
+from pipeline.run.cluster import Connection, client_of, connected, share, threads_of
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
 from pipeline.store.progress import summary
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
+from tribo import InputError
 
 ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
@@ -98,20 +99,26 @@ def cluster(tmp_path):
     cluster.close()
 
 
-def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path, alone):
+def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path, alone, capsys):
     def kill_one(report):
         if 0 < report.done < 9:
             cluster.workers[0].send_signal(signal.SIGKILL)
 
     path = tmp_path / "tiny.zarr"
     slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
-    outcome = run_sweep(slow, path, scheduler=cluster.address, progress=kill_one)
+    with client_of(cluster.address) as client:
+        outcome = run_sweep(slow, path, client=client, progress=kill_one)
     assert (outcome.done, outcome.failed) == (9, ())
     assert cluster.workers[0].poll() == -signal.SIGKILL
     assert content(path) == content(alone)
     (tmp_path / "small.toml").write_text(SCENE)
-    arguments = ("-o", str(tmp_path / "small.zarr"), "--scheduler", cluster.address)
-    assert main(["run", str(tmp_path / "small.toml"), *arguments]) == 0
+    run = ["run", str(tmp_path / "small.toml"), "-o", str(tmp_path / "small.zarr")]
+    file = tmp_path / "scheduler.json"
+    assert main([*run, "--scheduler-file", str(file)]) == 0
+    (tmp_path / "empty.json").write_text("{}")
+    for name in ("empty.json", "missing.json"):
+        assert main([*run, "--scheduler-file", str(tmp_path / name)]) == 2
+        assert f"{name} cannot be read as the file of a Dask" in capsys.readouterr().err
 
 
 def python_of(user):
@@ -142,7 +149,8 @@ def test_workers_of_another_user_need_not_see_the_store(tmp_path, alone):
         theirs = {"settings": settings, "python": python_of("nobody"), "user": "nobody"}
         cluster = Cluster(Path(folder), **theirs)
         try:
-            outcome = run_sweep(SWEEP, hidden / "out.zarr", scheduler=cluster.address)
+            with client_of(cluster.address) as client:
+                outcome = run_sweep(SWEEP, hidden / "out.zarr", client=client)
         finally:
             cluster.close()
     assert (outcome.done, outcome.failed) == (9, ())
@@ -160,17 +168,18 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
         return report
 
     first, second = tmp_path / "first.zarr", tmp_path / "second.zarr"
-    options = {"scheduler": cluster.address, "patience": 4.0}
-    with pytest.raises(ExecutionError, match="none has come within 4 s"):
-        run_sweep(SLOW, first, progress=lose(*cluster.workers), **options)
-    assert summary(first).done
-    assert summary(first).failed == ()
-    with pytest.raises(ExecutionError, match="none has come within 4 s"):
-        run_sweep(SLOW, second, **options)
+    with client_of(cluster.address) as client:
+        options = {"client": client, "patience": 4.0}
+        with pytest.raises(ExecutionError, match="none has come within 4 s"):
+            run_sweep(SLOW, first, progress=lose(*cluster.workers), **options)
+        assert summary(first).done
+        assert summary(first).failed == ()
+        with pytest.raises(ExecutionError, match="none has come within 4 s"):
+            run_sweep(SLOW, second, **options)
     cluster.scheduler.kill()
     cluster.scheduler.wait(60)
     with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {cluster.address}"):
-        run_sweep(SLOW, second, **options)
+        client_of(cluster.address, patience=4.0)
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
@@ -180,8 +189,9 @@ def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_
             cluster.scheduler.send_signal(how)
 
     path = tmp_path / "tiny.zarr"
-    with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
-        run_sweep(SLOW, path, scheduler=cluster.address, progress=lose, patience=15.0)
+    lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe")
+    with client_of(cluster.address) as client, lost:
+        run_sweep(SLOW, path, client=client, progress=lose, patience=15.0)
     assert summary(path).done
 
 
@@ -229,16 +239,15 @@ class Late:
         return {}
 
 
-def test_workers_that_queue_are_waited_for_and_the_time_without_any_does_not_count():
-    source = Source()
-    source.queues, link = True, Connection(Late(), source, patience=0.0)
+def test_workers_that_come_late_are_waited_for_and_the_time_without_any_does_not_count():
+    link = Connection(Late(), Source(), patience=60.0)
     assert threads_of(link).total() == 2
-    assert link.absent >= 0.5
+    assert link.absent >= 0.1
 
 
 def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
     """Or Dask would give every task to the one worker that has it."""
-    with connected(2, None, "") as link:
+    with connected(None, 2) as link:
         client = link.client
         shared = share(link, bytes(100_000))
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
@@ -252,7 +261,7 @@ def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch, error):
     def failing(self, timeout):
         raise error
 
-    with connected(2, None, "") as link:
+    with connected(None, 2) as link:
         workers = [psutil.Process(number) for number in link.client.run(os.getpid).values()]
         monkeypatch.setattr(LocalCluster, "close", failing)
     assert psutil.wait_procs(workers, timeout=30)[1] == []
@@ -261,7 +270,7 @@ def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch, error):
 
 
 def test_a_worker_that_its_nanny_gives_up_is_replaced():
-    with connected(1, None, "") as link:
+    with connected(None, 1) as link:
         link.client.sync(link.source.cluster.workers[0].close)
         assert threads_of(link).total() > 0
 
@@ -276,7 +285,7 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     try:
         with (
             pytest.raises(ExecutionError, match=r"do not start: none has after 0\.5 s"),
-            connected(1, None, ""),
+            connected(None, 1),
         ):
             pass
     finally:
@@ -292,21 +301,70 @@ def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
         return LocalCluster(**options)
 
     monkeypatch.setattr(local, "LocalCluster", start)
-    with connected(1, None, "") as link:
+    with connected(None, 1) as link:
         assert len(link.client.nthreads()) == 1
 
 
-def test_where_no_scheduler_answers_no_store_is_made(tmp_path):
+def test_where_no_scheduler_answers_no_store_is_made(tmp_path, capsys):
     with socket.create_server(("127.0.0.1", 0)) as reserved:
         nobody = f"tcp://127.0.0.1:{reserved.getsockname()[1]}"
     for address in (nobody, "nonsense"):
         with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {address}"):
-            run_sweep(SWEEP, tmp_path / "out.zarr", scheduler=address, patience=1.0)
+            client_of(address, patience=1.0)
+    assert (
+        main(["run", "first_try", "-o", str(tmp_path / "a.zarr"), "--scheduler", "nonsense"]) == 2
+    )
+    assert "no Dask scheduler answers at nonsense" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
+def test_any_client_computes_the_same_a_point_at_a_time_in_each_worker(tmp_path, alone):
+    settings = {"processes": False, "n_workers": 2, "threads_per_worker": 3}
+    with (
+        LocalCluster(**settings, dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster) as client,
+    ):
+        outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(tmp_path / "out.zarr") == content(alone)
+
+
+def test_workers_that_lack_the_package_are_named_in_one_line(tmp_path):
+    (tmp_path / "pipeline").mkdir()
+    (tmp_path / "pipeline/__init__.py").touch()  # of another program
+    cluster = Cluster(tmp_path, code=tmp_path)
+    try:
+        refused = pytest.raises(ExecutionError, match=r"cannot run this program: ModuleNotFound")
+        with client_of(cluster.address) as client, refused as said:
+            run_sweep(SHORT, tmp_path / "out.zarr", client=client)
+    finally:
+        cluster.close()
+    assert "\n" not in str(said.value)
+
+
+def test_what_is_no_client_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"client is 'tcp://a:1'; give a distributed\.Client"):
+        run_sweep(SHORT, tmp_path / "out.zarr", client="tcp://a:1")
+
+
+def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path, monkeypatch):
+    told = []
+
+    def look(progress):
+        if progress.done and len(told) == 1:
+            with urllib.request.urlopen(told[0].removeprefix("dashboard: ")) as page:
+                told.append(page.status)
+
+    path = tmp_path / "out.zarr"
+    run_sweep(SHORT, path, workers=1, progress=look, tell=told.append, dashboard=True)
+    assert told[1] == 200
+    monkeypatch.setattr("pipeline.run.cluster.find_spec", lambda name: None)
+    with pytest.raises(ExecutionError, match="the dashboard needs bokeh: pip install"):
+        run_sweep(SHORT, path, workers=1, dashboard=True)
+
+
 def test_a_local_cluster_talks_to_its_own_driver_only():
-    with connected(1, None, "") as link:
+    with connected(None, 1) as link:
         client = link.client
         address = client.scheduler.address
         info = client.scheduler_info(n_workers=-1)
@@ -336,8 +394,8 @@ def test_a_scheduler_with_certificates_is_used_by_whoever_has_them(tmp_path):
     cluster = Cluster(tmp_path, "tls", variables, security)
     try:
         with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm\.tls"):
-            run_sweep(SHORT, tmp_path / "out.zarr", scheduler=cluster.address)
-        with dask.config.set(configured):
-            assert run_sweep(SHORT, tmp_path / "out.zarr", scheduler=cluster.address).done == 3
+            client_of(cluster.address)
+        with dask.config.set(configured), client_of(cluster.address) as client:
+            assert run_sweep(SHORT, tmp_path / "out.zarr", client=client).done == 3
     finally:
         cluster.close()

@@ -3,7 +3,6 @@
 Workers that really die are in test_sweep.py.
 """
 
-import itertools
 import pickle
 from collections import Counter, deque
 
@@ -181,39 +180,6 @@ def test_a_sweep_in_which_nothing_moves_says_so_and_ends(compute_sweep, monkeypa
         compute_sweep(client=client, tell=messages.append)
     assert client._asked > busy
     assert "no point has been finished for 0 s; waiting for 150 N, 0.5 m/s" in messages[0]
-
-
-class Endless(LocalClient):
-    """A client that never ends a task which begins with one point."""
-
-    def __init__(self, point):
-        super().__init__()
-        self._point, self.cancelled = point, []
-
-    def submit(self, function, *arguments, **options):
-        if function is work.compute_points and arguments[1][0] == self._point:
-            return Ended()
-        if function is work.records_of and not arguments[0].done():
-            return arguments[0]
-        return super().submit(function, *arguments, **options)
-
-    def cancel(self, futures):
-        self.cancelled += futures
-
-
-def test_a_point_that_outlives_every_job_fails_and_the_others_go_on(tmp_path, monkeypatch):
-    bad, source, ended = points(SWEEP)[9], Source(), []
-    source.life, clock = 100.0, itertools.count()
-    monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
-    monkeypatch.setattr(Connection, "clock", lambda _: float(next(clock)))
-    link = Connection(Endless(bad), source)
-    with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
-        monkeypatch.setattr(schedule, "_STRETCH", 0.0)
-        compute(link, SWEEP, writer, chains(points(SWEEP), SWEEP), ended.extend)
-    (failed,) = [record for record in ended if record.data is None]
-    assert (failed.point, len(ended)) == (bad, len(points(SWEEP)))
-    assert failed.message.startswith("not done in 3 min, and a job lives for 2 min: raise")
-    assert len(link.client.cancelled) == 2
 
 
 def test_velocities_that_show_the_whole_boundary_early_are_tasks_of_their_own():

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pipeline.run.cluster import Connection, threads_of
+from pipeline.run.cluster import Connection, client_of, threads_of
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
 from pipeline.run.versions import hash_of_code, versions
@@ -23,8 +23,11 @@ def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothin
     theirs = hash_of_code(tmp_path / package for package in ("tribo", "pipeline"))
     cluster, out = Cluster(tmp_path, code=tmp_path), tmp_path / "out.zarr"
     try:
-        with pytest.raises(ExecutionError, match=rf"tcp://127.*{theirs} .*{versions()['code']} "):
-            run_sweep(tiny.sweep(velocities=(1.0,)), out, scheduler=cluster.address)
+        refused = pytest.raises(
+            ExecutionError, match=rf"tcp://127.*{theirs} .*{versions()['code']} "
+        )
+        with client_of(cluster.address) as client, refused:
+            run_sweep(tiny.sweep(velocities=(1.0,)), out, client=client)
     finally:
         cluster.close()
     assert summary(out).done == 0
