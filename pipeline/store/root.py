@@ -137,12 +137,14 @@ def _require_small(file: Path) -> None:
 def _require_likely(place: Place, root: Root) -> None:
     """Refuse a root of more points than a store has, or of arrays that do not fit its axes.
 
-    The arrays are made as large as it says, before a chunk of them is read.
+    The arrays are made as large as it says, before a chunk of them is read. And codecs of Zarr 2
+    may unpickle chunks, which would run the code of whoever wrote them.
     """
     try:
         sizes = {name: len(values) for name, values in root.axes.items()}
         fits = all(
-            array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
+            array["zarr_format"] == 3
+            and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
             for array in root.arrays.values()
         )
         points = math.prod(root.arrays["status"]["shape"])
@@ -150,8 +152,8 @@ def _require_likely(place: Place, root: Root) -> None:
         fits, points = False, 0
     if not fits:
         raise StoreError(
-            f"{place}: {ROOT} is damaged: its arrays do not have the sizes of its axes; "
-            f"{_ELSEWHERE}"
+            f"{place}: {ROOT} is damaged: its arrays are not of Zarr 3 and of the sizes of its "
+            f"axes; {_ELSEWHERE}"
         )
     if points > MOST_POINTS:
         raise StoreError(

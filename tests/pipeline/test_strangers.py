@@ -242,6 +242,27 @@ def test_a_store_of_samples_runs_nothing(strangers, done, ran, irg, command):
     assert not [*strangers.glob("out*")]
 
 
+def test_a_store_whose_chunks_would_be_unpickled_is_refused(strangers, done, ran, irg):
+    store = forged(done, strangers, "small.zarr", "share")
+    root = read_root(place_of(strangers / store))
+    message = root.arrays["message"]
+    root.arrays["message"] = {
+        "zarr_format": 2,
+        "shape": message["shape"],
+        "chunks": message["shape"],
+        "dimension_names": message["dimension_names"],
+        "dtype": "|O",
+        "fill_value": "",
+        "order": "C",
+        "filters": [{"id": "vlen-utf8"}],
+        "compressor": {"id": "pickle", "protocol": 5},
+    }
+    (strangers / store / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    for command in ("status", "verify", "boundary", "report", "explore"):
+        assert "are not of Zarr 3" in irg(command, store, code=2)
+    assert not ran()
+
+
 def test_no_function_runs_what_a_store_names(strangers, done, ran):
     store = forged(done, strangers, "small.zarr", "payload:rule")
     for function in (
