@@ -156,6 +156,16 @@ class Criterion:
         """Severe wear in words, to be followed by the critical temperature."""
         return self._rule.severe.format(share=100 * self.share)
 
+    @staticmethod
+    def is_severe(rise: Any, limit: float) -> Any:
+        """Severe wear: a deciding rise above its limit [K]; not where the rise is NaN."""
+        return rise > limit
+
+    @staticmethod
+    def is_mild(rise: Any, limit: float) -> Any:
+        """Mild wear: a deciding rise up to its limit [K]; not where the rise is NaN."""
+        return rise <= limit
+
     def rise(self, columns: Columns) -> Any:
         """Deciding rise [K], from columns at the bulk temperatures to judge by.
 

@@ -18,18 +18,12 @@ from pipeline.analysis.dataset import asked, plane_of, variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import exponent
 from pipeline.analysis.scenes import by_scene, stacked
-from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
+from pipeline.analysis.transition import UNITS, Transition, outcomes, range_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
 from tribo.types import Array, Mask
-
-_OUTCOMES = {
-    "long_name": "why there is no crossing",
-    "flag_values": np.array(list(OUTCOMES), dtype=np.int8),
-    "flag_meanings": " ".join(words.replace(" ", "_") for words in OUTCOMES.values()),
-}
 
 
 @by_scene
@@ -201,5 +195,10 @@ def _transitions(
         name: values.drop_attrs(deep=False).assign_attrs(units=units, long_name=words)
         for name, (values, units, words) in columns.items()
     }
-    outcome = outcome.drop_attrs(deep=False).assign_attrs(_OUTCOMES)
+    meanings = {
+        "long_name": "why there is no crossing",
+        "flag_values": np.array(list(outcomes(axis)), dtype=np.int8),
+        "flag_meanings": " ".join(word.replace(" ", "_") for word in outcomes(axis).values()),
+    }
+    outcome = outcome.drop_attrs(deep=False).assign_attrs(meanings)
     return transitions | {f"outcome_at_{line}": outcome}

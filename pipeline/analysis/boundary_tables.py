@@ -13,7 +13,7 @@ import xarray as xr
 from pipeline.analysis.dataset import variant_of
 from pipeline.analysis.scenes import columns_of, joined, parts_of
 from pipeline.analysis.tables import Column, Table
-from pipeline.analysis.transition import CROSSES, OUTCOMES, in_words
+from pipeline.analysis.transition import CROSSES, in_words, outcomes
 
 BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
 """Variables of a boundary, each with the axis that it is found along."""
@@ -51,7 +51,7 @@ def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Table:
 
     def values(place: xr.Dataset) -> tuple[Any, ...]:
         crossing, outcome, *ends = (place[column.name].item() for column in columns)
-        return crossing, OUTCOMES[outcome], *ends
+        return crossing, outcomes(other)[outcome], *ends
 
     return _by_place(boundaries, axis, columns, values)
 
@@ -62,16 +62,16 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     unit = _AXES[other].unit
     low, _, high = (f"{100 * share:g} %" for share in boundaries["quantile"].values)
     heads = ("median", low, high, "mean", "spread")
-    outcomes = {
+    others = {
         code: words
-        for code, words in OUTCOMES.items()
+        for code, words in outcomes(other).items()
         if code != CROSSES and (boundaries[f"outcome_at_{axis}"] == code).any()
     }
     columns = (
         *(Column(f"{name}_{head}", head, unit) for head in heads),
         Column(kind, kind),
         Column("crosses", "cross"),
-        *(Column(words, words) for words in outcomes.values()),
+        *(Column(words, words) for words in others.values()),
     )
     if has_bridged := bool((boundaries[f"bridged_at_{axis}"] > 0).any()):
         columns += (Column("bridged", "of them across points not done"),)
@@ -80,7 +80,7 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Table:
         low, middle, high = place[f"{name}_quantile"].values.tolist()
         moments = (place[f"{name}_{moment}"].item() for moment in ("mean", "spread"))
         all_outcomes = place[f"outcome_at_{axis}"].values.tolist()
-        counts = [all_outcomes.count(code) for code in (CROSSES, *outcomes)]
+        counts = [all_outcomes.count(code) for code in (CROSSES, *others)]
         if has_bridged:
             counts.append(int((place[f"bridged_at_{axis}"] > 0).sum()))
         return middle, low, high, *moments, len(all_outcomes), *counts

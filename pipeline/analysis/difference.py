@@ -14,7 +14,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import asked, dataset_of, end_of_point, require_one_scene, variant_of
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.tables import Column, Table
-from pipeline.analysis.transition import OUTCOMES
+from pipeline.analysis.transition import outcomes
 from pipeline.analysis.wear_rate import own_wear_rate
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
@@ -143,15 +143,16 @@ def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> Table:
 def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
     """Critical velocity and outcome at each load; over several surfaces the median."""
     boundaries = boundary(ds, **criterion)
-    velocities, outcomes = boundaries["critical_velocity"], boundaries["outcome_at_load"]
+    velocities, codes_at_load = boundaries["critical_velocity"], boundaries["outcome_at_load"]
+    meanings = outcomes("velocity")
     if axis := variant_of(boundaries):
         velocities = boundaries["critical_velocity_quantile"].sel(quantile=0.5)
         words = [
-            ", ".join(OUTCOMES[code] for code in sorted(set(codes)))
-            for codes in outcomes.transpose("load", axis).values.tolist()
+            ", ".join(meanings[code] for code in sorted(set(codes)))
+            for codes in codes_at_load.transpose("load", axis).values.tolist()
         ]
     else:
-        words = [OUTCOMES[code] for code in outcomes.values.tolist()]
+        words = [meanings[code] for code in codes_at_load.values.tolist()]
     values = zip(velocities.values.tolist(), words, strict=True)
     return dict(zip(boundaries["load"].values.tolist(), values, strict=True))
 

@@ -16,6 +16,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy  # loads its parts when they are used
 
+from tribo import Criterion
 from tribo.types import Array
 
 _NEAR = 1.01  # ratio of abscissae over which an exponent is taken
@@ -96,9 +97,9 @@ def certain(x: Array, y: Array, places: Array, limit: float) -> Array:
         return within
     first, last = finite[[0, -1]]
     beyond = interpolated(x, y, places, continued=True)
-    if y[first] <= limit:
+    if Criterion.is_mild(y[first], limit):
         within = np.where(places < x[first], np.minimum(beyond, y[first]), within)
-    if y[last] > limit:
+    if Criterion.is_severe(y[last], limit):
         within = np.where(places > x[last], np.maximum(beyond, y[last]), within)
     return within
 

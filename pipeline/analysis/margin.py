@@ -1,16 +1,18 @@
 """Distance of an operating point from severe wear: in temperature, in velocity and in load.
 
 Between the points of a sweep the decisive rise is interpolated as everywhere
-(`pipeline.analysis.interpolation`): along the velocity at each load, then along the load. What that
-may be off by is told by the lines of points next to the place: how far interpolation without one of
-them misses what it holds. That is over twice the distance, and so mostly more than the error: the
-rise was within it at 54 of 60 random places of `workflows/first_try.toml`.
+(`pipeline.analysis.interpolation`): along the velocity at each load, then along the load. Its error
+has three parts (`pipeline.analysis.margin_error`): interpolation, preset and warned points. What
+interpolation may be off by is told by the points next to the place: how far it misses them when
+they are left out. That is over twice the distance, and so mostly more than the error: the rise was
+within it at 54 of 60 random places of `workflows/first_try.toml`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -22,14 +24,19 @@ from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import asked, plane_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import certain, interpolated
+from pipeline.analysis.margin_error import Grid, RiseError, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
+from pipeline.analysis.transition import UNITS, Transition, outcomes, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
-from tribo import InputError
+from pipeline.sweep.selection import velocity_error
+from tribo import Criterion, InputError
 from tribo.types import Array, Mask
+
+NOT_DECIDED = "not decided"
+"""Verdict on a place whose distance from severe wear lies within the error of its temperature."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +58,12 @@ class Margin:
         Values of entries with several, by their paths [SI].
     decisive_temperature : float
         Temperature of the contact that decides [K].
-    temperature_error : float or None
-        Error of interpolating between the points of the sweep, or of continuing beyond them [K]; 0
-        at a point of the sweep, None where there are too few points about it to tell.
+    is_severe : bool
+        Severe wear by the deciding temperature as it was found, whatever its error.
+    error : RiseError
+        Error of the deciding temperature by its three parts [K].
+    is_computed : bool
+        That very point is done, and the temperature not interpolated.
     is_continued : bool
         Continuation of the temperature beyond the computed points.
     critical_temperature : float
@@ -62,7 +72,7 @@ class Margin:
         Velocity [m/s] at this load, and load [N] at this velocity, at which wear turns severe; NaN
         where the sweep does not reach the transition.
     velocity_outcome, load_outcome : str
-        One of `pipeline.analysis.transition.OUTCOMES`, along the velocity and along the load.
+        One of `pipeline.analysis.transition.outcomes`, along the velocity and along the load.
     velocity_range, load_range : tuple of float
         Lowest and highest velocity [m/s] and load [N] computed there.
     velocity_bridged, load_bridged : int
@@ -75,13 +85,17 @@ class Margin:
     >>> (margin,) = pipeline.margins(ds, "500 N", "1.6 m/s")
     >>> f"{margin.distance:.0f} K, severe from {margin.velocity_factor:.2f} times the velocity on"
     '9 K, severe from 1.16 times the velocity on'
+    >>> margin.verdict, f"{margin.temperature_error:.0f} K"
+    ('mild', '6 K')
     """
 
     load: float
     velocity: float
     realization: int | None
     decisive_temperature: float
-    temperature_error: float | None
+    is_severe: bool
+    error: RiseError
+    is_computed: bool
     is_continued: bool
     critical_temperature: float
     critical_velocity: float
@@ -100,15 +114,17 @@ class Margin:
         return self.critical_temperature - self.decisive_temperature
 
     @property
-    def is_severe(self) -> bool:
-        """Severe wear at the operating point."""
-        return self.distance < 0
+    def temperature_error(self) -> float | None:
+        """Error of the deciding temperature [K]: the sum of its parts; None if one is unknown."""
+        return self.error.total
 
     @property
-    def is_certain(self) -> bool | None:
-        """A distance beyond the temperature's error; None if that is unknown."""
+    def verdict(self) -> str:
+        """``"mild"`` or ``"severe"`` beyond the error of the temperature, else not decided."""
         error = self.temperature_error
-        return None if error is None else abs(self.distance) > error
+        if error is None or abs(self.distance) <= error:
+            return NOT_DECIDED
+        return "severe" if self.is_severe else "mild"
 
     @property
     def velocity_factor(self) -> float:
@@ -124,9 +140,9 @@ class Margin:
         """Return all values as plain data."""
         plain: dict[str, Any] = asdict(self)
         entries: dict[str, Any] = plain.pop("entries")
-        names = "distance", "velocity_factor", "load_factor"
-        derived = {name: getattr(self, name) for name in names}
-        return plain | entries | derived | {"severe": self.is_severe, "certain": self.is_certain}
+        del plain["is_severe"]
+        names = "verdict", "temperature_error", "distance", "velocity_factor", "load_factor"
+        return plain | entries | {name: getattr(self, name) for name in names}
 
 
 def margins(
@@ -170,13 +186,25 @@ def margins(
     >>> import pipeline
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> (margin,) = pipeline.margins(ds, "500 N", "1.6 m/s", friction=0.12)
-    >>> margin.is_severe, f"{margin.distance:.0f} K"
-    (True, '-13 K')
+    >>> margin.verdict, f"{margin.distance:.0f} K"
+    ('severe', '-13 K')
     """
     place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     others = friction, bulk_temperature, critical_temperature, share, criterion, own_laws
     judges = (judge_of(plane_of(scene), *others) for scene in scenes(ds))
     return tuple(margin for judge in judges for margin in judge(*place))
+
+
+def margins_at(
+    ds: xr.Dataset, places: Iterable[tuple[float, float]], **conditions: Any
+) -> Iterator[Margin]:
+    """Margins at loads [N] and velocities [m/s]; none where the sweep does not tell."""
+    places = list(places)
+    for scene in scenes(ds):
+        judge = judge_of(plane_of(scene), **conditions)
+        for place in places:
+            with suppress(InputError):
+                yield from judge(*place)
 
 
 def judge_of(
@@ -189,14 +217,12 @@ def judge_of(
     ends = {name: range_of(ds, name) for name in ("load", "velocity")}
     axes = {name: rise[name].values for name in ends}
     seeds = rise["realization"].values.tolist() if "realization" in rise.dims else [None]
-    is_missing = rise.isnull() & asked(ds)
-    shape = len(seeds), *rise.shape[-2:]
+    is_missing = (rise.isnull() & asked(ds)).values.reshape(len(seeds), *rise.shape[-2:])
     planes = [
-        _Plane(axes["load"], axes["velocity"], values, missing, limit, ends)
-        for values, missing in zip(
-            rise.values.reshape(shape), is_missing.values.reshape(shape), strict=True
-        )
+        _Plane(grid, missing, limit, ends)
+        for grid, missing in zip(grids_of(ds, rise), is_missing, strict=True)
     ]
+    promised = velocity_error(attributes_of(ds))
 
     def judge(load: float, velocity: float) -> tuple[Margin, ...]:
         for name, value in (("load", load), ("velocity", velocity)):
@@ -207,7 +233,7 @@ def judge_of(
                     f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
                 )
         return tuple(
-            _margin(plane, load, velocity, conditions, seed, entries)
+            _margin(plane, load, velocity, conditions, promised, seed, entries)
             for plane, seed in zip(planes, seeds, strict=True)
         )
 
@@ -218,16 +244,15 @@ def judge_of(
 class _Plane:
     """Decisive rises by load and velocity on one surface, and the limit of mild wear [K]."""
 
-    loads: Array
-    velocities: Array
-    rises: Array
+    grid: Grid
     is_missing: Mask
     limit: float
     ends: Mapping[str, tuple[float, float]]
 
     def at_velocity(self, velocity: float, continued: bool = False) -> Array:
         """Rise by load at one velocity [K]."""
-        return np.array([_at(self.velocities, row, velocity, continued) for row in self.rises])
+        x, rows = self.grid.velocities, self.grid.rises
+        return np.array([_at(x, row, velocity, continued) for row in rows])
 
     def along(self, axis: str, load: float, velocity: float, rise: float) -> Transition:
         """Transition along an axis through a place, and through the rise there if that is finite.
@@ -235,17 +260,18 @@ class _Plane:
         At a load or velocity of the sweep it is that of `boundary`. Between them rises go on
         beyond those computed where wear is certainly mild or severe.
         """
-        x, other, place, along = self.velocities, self.loads, load, velocity
-        rises, is_missing, limit, ends = self.rises, self.is_missing, self.limit, self.ends[axis]
+        x, other, place, along = self.grid.velocities, self.grid.loads, load, velocity
+        rises, limit, ends = self.grid.rises, self.limit, self.ends[axis]
+        is_missing = self.is_missing
         if axis == "load":
-            x, other, place, along = self.loads, self.velocities, velocity, load
+            x, other, place, along = other, x, velocity, load
             rises, is_missing = rises.T, is_missing.T
         missing = np.logical_or.reduce(is_missing[_beside(other, place)])
         if place in other:
             return Transition.along(x, rises[other == place][0], limit, ends, missing)
         if axis == "load":
             computed, here = self.at_velocity(velocity), np.array([velocity])
-            going_on = np.array([certain(other, row, here, limit)[0] for row in self.rises])
+            going_on = np.array([certain(other, row, here, limit)[0] for row in self.grid.rises])
         else:
             certainly = [certain(x, row, x, limit) for row in rises]
             rows = np.where(np.isfinite(rises), rises, certainly)
@@ -268,18 +294,21 @@ def _margin(
     load: float,
     velocity: float,
     conditions: Conditions,
+    promised: float | None,
     seed: int | None,
     entries: Mapping[str, float | str],
 ) -> Margin:
     """The margin on one surface."""
-    rise = _at(plane.loads, plane.at_velocity(velocity, continued=True), load)
+    grid = plane.grid
+    rise = _at(grid.loads, plane.at_velocity(velocity, continued=True), load)
     if not math.isfinite(rise):
         raise InputError(
             f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep "
             "to its end, or add points there"
         )
-    is_within = math.isfinite(_at(plane.loads, plane.at_velocity(velocity), load))
-    error = _error(plane, load, velocity) if is_within else _error_beyond(plane, velocity)
+    is_within = math.isfinite(_at(grid.loads, plane.at_velocity(velocity), load))
+    here = grid.rises[np.ix_(grid.loads == load, grid.velocities == velocity)]
+    error = rise_error(grid, load, velocity, promised)
     through = load, velocity, rise if is_within else math.nan
     along_velocity, along_load = (plane.along(axis, *through) for axis in ("velocity", "load"))
     return Margin(
@@ -287,13 +316,15 @@ def _margin(
         velocity=velocity,
         realization=seed,
         decisive_temperature=contact_temperature(rise, conditions),
-        temperature_error=None if error is None else conditions.rise_factor * rise * error,
+        is_severe=bool(Criterion.is_severe(rise, plane.limit)),
+        error=error.times(conditions.rise_factor * rise),
+        is_computed=bool(np.isfinite(here).any()),
         is_continued=not is_within,
         critical_temperature=conditions.known_critical_temperature(),
         critical_velocity=along_velocity.place,
         critical_load=along_load.place,
-        velocity_outcome=OUTCOMES[along_velocity.outcome],
-        load_outcome=OUTCOMES[along_load.outcome],
+        velocity_outcome=outcomes("velocity")[along_velocity.outcome],
+        load_outcome=outcomes("load")[along_load.outcome],
         velocity_range=along_velocity.computed,
         load_range=along_load.computed,
         velocity_bridged=along_velocity.bridged,
@@ -314,40 +345,3 @@ def _beside(x: Array, place: float) -> slice:
     """The abscissa of a place, or the two that it lies between."""
     above = int(np.searchsorted(x, place))
     return slice(above - (above < len(x) and x[above] != place), above + 1)
-
-
-def _error(plane: _Plane, load: float, velocity: float) -> float | None:
-    """Relative error of a rise between the points; None if that is unknown."""
-    loads, velocities, rises = plane.loads, plane.velocities, plane.rises
-    across = 0.0 if load in loads else _left_out(loads, rises.T, load)
-    along = 0.0 if velocity in velocities else _left_out(velocities, rises, velocity)
-    return None if across is None or along is None else across + along
-
-
-def _error_beyond(plane: _Plane, velocity: float) -> float | None:
-    """Relative error of a rise that is continued to a velocity; None if that is unknown.
-
-    The exponent of the power law beyond the points is taken to differ from that of the last two by
-    the standard deviation of all exponents between neighbours. Beside whole diagrams of a worn pin
-    and of one warmer than its disk it was exceeded at none of 14 and at 36 % of 201 points.
-    """
-    exponents, ways = [], [0.0]
-    for row in plane.rises:
-        counts = np.isfinite(row) & (row > 0) & (plane.velocities > 0)
-        x, y = np.log(plane.velocities[counts]), np.log(row[counts])
-        if len(x) >= 2:
-            exponents += list(np.diff(y) / np.diff(x))
-            ways += [x[0] - math.log(velocity), math.log(velocity) - x[-1]]
-    return float(np.std(exponents, ddof=1) * max(ways)) if len(exponents) >= 2 else None
-
-
-def _left_out(x: Array, rows: Array, place: float) -> float | None:
-    """Relative error of interpolation without the lines next to a place, at these lines."""
-    above = int(np.searchsorted(x, place))
-    missed = []
-    for line in (line for line in (above - 1, above) if 0 < line < len(x) - 1):
-        for row in rows[rows[:, line] > 0]:
-            (value,) = interpolated(np.delete(x, line), np.delete(row, line), x[[line]])
-            missed.append(value / row[line] - 1)
-    errors = np.array(missed)[np.isfinite(missed)]
-    return float(np.sqrt(np.mean(errors**2))) if errors.size else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ import xarray as xr
 
 from pipeline.analysis.band import BAND
 from pipeline.analysis.dataset import dataset_of, entry_dims, plane_of
-from pipeline.analysis.margin import Margin, judge_of
+from pipeline.analysis.margin import NOT_DECIDED, Margin, judge_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import columns_of, joined, scenes
 from pipeline.analysis.tables import Column, Table
@@ -39,8 +40,9 @@ def margin_table(
     Returns
     -------
     Table
-        A row for each operating point; over several surfaces the medians, and the number of
-        surfaces with severe wear. A point that the sweep says nothing about has a note instead.
+        A row for each operating point, mild or severe beyond the error of its temperature; over
+        several surfaces the medians, and the number of surfaces with severe wear. A point that the
+        sweep says nothing about has a note instead.
 
     Raises
     ------
@@ -109,7 +111,6 @@ def notes_of(table: Table) -> list[str]:
 _PLACE = Column("load", "load", "N", 6), Column("velocity", "velocity", "m/s", 6)
 _COLUMNS = (
     Column("verdict", "verdict"),
-    Column("certain", "beyond the error"),
     Column("decisive_temperature", "deciding temperature", "°C"),
     Column("temperature_error", "error", "K", 2),
     Column("distance", "below the critical", "K", 3),
@@ -123,8 +124,10 @@ _COLUMNS = (
 _COLUMNS_OF_SEVERAL = (
     Column("verdict", "verdict"),
     Column("severe", "severe"),
+    Column("undecided", NOT_DECIDED),
     Column("variants", "of"),
     Column("decisive_temperature", "deciding temperature", "°C"),
+    Column("temperature_error", "largest error", "K", 2),
     Column("distance", "below the critical", "K", 3),
     Column("distance_low", f"below it, {100 * BAND[0]:g} %", "K", 3),
     Column("distance_high", f"below it, {100 * BAND[-1]:g} %", "K", 3),
@@ -144,21 +147,23 @@ def _note(margins: Sequence[Margin]) -> str | None:
 
 
 def _of_one(margin: Margin) -> tuple[Any, ...]:
-    verdict = "severe" if margin.is_severe else "mild"
-    names = [column.name for column in _COLUMNS[2:]]
-    values = (getattr(margin, name) for name in names)
-    return verdict, margin.is_certain, *values, _note([margin])
+    return *(getattr(margin, column.name) for column in _COLUMNS), _note([margin])
 
 
 def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:
     """Medians over surfaces, and the band of the distance; factors only if all surfaces cross."""
-    severe = sum(margin.is_severe for margin in margins)
-    verdict = {0: "mild", len(margins): "severe"}.get(severe, "severe on some")
+    counts = Counter(margin.verdict for margin in margins)
+    severe, undecided = counts["severe"], counts[NOT_DECIDED]
+    verdict = NOT_DECIDED if undecided else "severe on some"
+    if len(counts) == 1:
+        (verdict,) = counts
+    errors = [margin.temperature_error for margin in margins]
+    error = None if None in errors else max(filter(None, errors), default=0.0)
     low, middle, high = np.quantile([margin.distance for margin in margins], BAND).tolist()
     temperature = float(np.median([margin.decisive_temperature for margin in margins]))
     factors = (
         float(np.median([getattr(margin, name) for margin in margins]))
         for name in ("velocity_factor", "load_factor")
     )
-    values = severe, len(margins), temperature, middle, low, high, *factors
+    values = severe, undecided, len(margins), temperature, error, middle, low, high, *factors
     return verdict, *values, _note(margins)

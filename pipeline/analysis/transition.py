@@ -6,31 +6,46 @@ Where these are not done, or were never asked for, the transition lies beyond wh
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.interpolation import crossing
+from tribo import Criterion
 from tribo.types import Array, Mask
 
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW = range(6)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
 
-OUTCOMES = {
-    CROSSES: "crosses",
-    MILD: "mild throughout",
-    SEVERE: "severe throughout",
-    UNKNOWN: "not known yet",
-    ABOVE: "above what was computed",
-    BELOW: "below what was computed",
-}
-"""Their meanings in words."""
-
 BEYOND = (ABOVE, BELOW)
 """Outcomes that more points would tell."""
+
+
+@functools.cache
+def outcomes(axis: str) -> Mapping[int, str]:
+    """Meanings of the outcomes along ``"velocity"`` or ``"load"``, in the words used everywhere.
+
+    Examples
+    --------
+    >>> outcomes("velocity")[MILD], outcomes("load")[ABOVE]
+    ('mild throughout', 'mild at every load computed')
+    """
+    words = {
+        CROSSES: "crosses",
+        MILD: "mild throughout",
+        SEVERE: "severe throughout",
+        UNKNOWN: "not known yet",
+        ABOVE: f"mild at every {axis} computed",
+        BELOW: f"severe at every {axis} computed",
+    }
+    return MappingProxyType(words)
+
 
 UNITS = {"velocity": "m/s", "load": "N"}
 
@@ -44,7 +59,7 @@ class Transition:
     place : float
         Velocity [m/s] or load [N] of the crossing; NaN where there is none.
     outcome : int
-        One of `OUTCOMES`.
+        Key of `outcomes`.
     computed : tuple of float
         Lowest and highest velocity [m/s] or load [N] computed; NaN where no point is done.
     bridged : int
@@ -54,11 +69,11 @@ class Transition:
     --------
     >>> velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
     >>> Transition.along(velocity, rise, 1200.0, (1.0, 4.0)).worded("velocity")
-    'above what was computed: 1.2 to 2.2 m/s'
-    >>> Transition.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
     'mild at every velocity computed (to 2.2 m/s)'
+    >>> Transition.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
+    'mild throughout'
     >>> Transition.along(velocity, rise, 600.0, (1.0, 4.0)).worded("velocity")
-    'below what was computed: 1.2 to 2.2 m/s'
+    'severe at every velocity computed (from 1.2 m/s)'
     """
 
     place: float
@@ -92,7 +107,7 @@ class Transition:
             return cls(place, CROSSES, computed, across)
         if not done.size:
             outcome = UNKNOWN
-        elif rise[is_done][0] > limit:
+        elif Criterion.is_severe(rise[is_done][0], limit):
             outcome = SEVERE if computed[0] <= ends[0] else BELOW
         else:
             outcome = MILD if computed[1] >= ends[1] else ABOVE
@@ -100,7 +115,7 @@ class Transition:
 
     def worded(self, along: str) -> str:
         """The outcome along ``"velocity"`` or ``"load"`` in words."""
-        return in_words(OUTCOMES[self.outcome], self.computed, along)
+        return in_words(outcomes(along)[self.outcome], self.computed, along)
 
 
 def _bridged(done: Array, missing: Array, place: float) -> int:
@@ -118,24 +133,19 @@ def _bridged(done: Array, missing: Array, place: float) -> int:
 
 
 def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:
-    """One of `OUTCOMES` along ``"velocity"`` or ``"load"``, with the range computed.
+    """One of `outcomes` along ``"velocity"`` or ``"load"``, with how far was computed.
 
     Examples
     --------
     >>> in_words("severe throughout", (1.6, 4.0), "velocity")
-    'severe at every velocity computed (from 1.6 m/s)'
-    >>> in_words("below what was computed", (600.0, 600.0), "load")
-    'below what was computed: 600 N'
+    'severe throughout'
+    >>> in_words("severe at every load computed", (600.0, 750.0), "load")
+    'severe at every load computed (from 600 N)'
     """
     low, high = (f"{end:.4g} {UNITS[along]}" for end in computed)
-    if outcome == OUTCOMES[SEVERE]:
-        return f"severe at every {along} computed (from {low})"
-    if outcome == OUTCOMES[MILD]:
-        return f"mild at every {along} computed (to {high})"
-    if outcome not in (OUTCOMES[beyond] for beyond in BEYOND):
-        return outcome
-    span = high if low == high else f"{low.removesuffix(UNITS[along])}to {high}"
-    return f"{outcome}: {span}"
+    words = outcomes(along)
+    ends = {words[ABOVE]: f" (to {high})", words[BELOW]: f" (from {low})"}
+    return outcome + ends.get(outcome, "")
 
 
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:

@@ -12,13 +12,14 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import dataset_of, entry_dims
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.scenes import scenes, stacked, value_text
+from pipeline.analysis.slow_rise import WORDS, slow_rise
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.warned import NO_WARNING, Warned
-from tribo import WarningKind
+from tribo import Criterion, WarningKind
 from tribo.types import Array, Mask
 
 
@@ -39,10 +40,10 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
     0
     """
     ds = dataset_of(ds)
-    there = has_warning(ds)
+    flags = warnings_of(ds)
+    there = flags != 0
     if not there.any():
         return NO_WARNING
-    flags = ds["warning_flags"].where(there, 0)
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
     near = _beside_boundaries(ds, conditions)
     beside = there if near is None else there & near
@@ -50,14 +51,21 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
         points=int(there.sum()),
         kinds={kind: count for kind, count in counts.items() if count},
         at_boundary=None if near is None else int(beside.sum()),
-        example=_first(ds, beside if beside.any() else there),
+        example=_first(ds, beside if beside.any() else there, flags),
     )
 
 
 def has_warning(ds: xr.Dataset) -> xr.DataArray:
     """Points that are done and carry a warning."""
-    carries: xr.DataArray = (ds["status"] == DONE) & (ds["warning_flags"] != 0)
-    return carries.transpose(..., "load", "velocity", missing_dims="ignore")
+    return warnings_of(ds) != 0
+
+
+def warnings_of(ds: xr.Dataset) -> xr.DataArray:
+    """Sum of the `WarningKind` of each done point: its own, and what its neighbours tell."""
+    flags = ds["warning_flags"].where(ds["status"] == DONE, 0).astype(int)
+    flags = flags | slow_rise(ds) * int(WarningKind.SLOW_RISE)
+    all_flags: xr.DataArray = flags.transpose(..., "load", "velocity", missing_dims="ignore")
+    return all_flags
 
 
 def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
@@ -95,11 +103,12 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
     return near
 
 
-def _first(ds: xr.Dataset, chosen: xr.DataArray) -> str:
+def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
     """The first message of those chosen, and its point; empty if a writer has just cleared it."""
     for place in np.argwhere(chosen.values):
         point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
-        if message := str(point["message"].item()):
+        slow = WORDS if flags.values[tuple(place)] & WarningKind.SLOW_RISE else ""
+        if message := str(point["message"].item()) or slow:
             names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
             values = tuple((name, value_text(ds[name], point[name].item())) for name in names)
             return f"{Point(point['load'].item(), point['velocity'].item(), values)}: {message}"
@@ -114,7 +123,7 @@ def _turns(rise: Array, limit: float) -> Mask:
     >>> _turns(np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0]), 4.0)
     array([False,  True, False,  True,  True,  True])
     """
-    (indices,), severe = np.nonzero(np.isfinite(rise)), rise > limit
+    (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
     turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
     beside = np.zeros(rise.shape, dtype=bool)
     beside[indices[turns]] = beside[indices[turns + 1]] = True

@@ -21,7 +21,7 @@ from pipeline.analysis.boundary_tables import (
     tables_of,
 )
 from pipeline.analysis.scenes import parts_of
-from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNKNOWN
+from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result
 from pipeline.cli.scenes import conditions_in, opened
@@ -48,10 +48,11 @@ def boundary(options: argparse.Namespace) -> Result:
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`, under its names; outcomes and regimes in words."""
     document = {str(name): values.values.tolist() for name, values in crossings.variables.items()}
-    for _, axis in BOUNDARIES:
+    for name, axis in BOUNDARIES:
+        words = outcomes(name.removeprefix("critical_"))
         outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
-        outcomes = np.vectorize(OUTCOMES.__getitem__, otypes=[object])(crossings[outcome])
-        document[outcome] = outcomes.tolist()
+        worded = np.vectorize(words.__getitem__, otypes=[object])(crossings[outcome])
+        document[outcome] = worded.tolist()
         if film in document:
             regimes = np.vectorize(_regime, otypes=[object])(crossings[film], crossings[outcome])
             document[f"regime_at_{axis}"] = regimes.tolist()

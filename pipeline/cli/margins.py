@@ -5,19 +5,20 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import pipeline
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
 from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.margin import NOT_DECIDED, margins_at
 from pipeline.analysis.margin_table import notes_of
+from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import words
-from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNITS, in_words
-from pipeline.cli.next_steps import after_margin, more_of_boundary
+from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, in_words, outcomes
+from pipeline.cli.next_steps import commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.scenes import conditions_in, flags_of, opened, values_in
 from pipeline.cli.unknowns import about, notes, on_risk, samples_of, table_of_intervals
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 
 _ONLY_IN_FILES = (
-    "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
+    "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
 )  # fmt: skip
 """Columns of a table of margins for which a terminal is too narrow."""
 
@@ -48,9 +49,13 @@ def margin(options: argparse.Namespace) -> Result:
         return _of_samples(options, ds, conditions)
     if options.points is None:
         return _of_one(options, ds, conditions)
-    table = pipeline.margin_table(ds, options.points, **conditions)
+    points = OperatingPoints.read(options.points)
+    table = pipeline.margin_table(ds, points, **conditions)
     document, text = _on_points(options, table)
-    return Result(document, text, pipeline.warned(ds, **conditions), [table])
+    commands, lines = _next(options, ds, margins_at(ds, points.places, **conditions), conditions)
+    text += lines
+    warned = pipeline.warned(ds, **conditions)
+    return Result(document | {"next": commands}, text, warned, [table])
 
 
 def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
@@ -63,7 +68,8 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     for part in parts:
         text += [f"{words(ds, part[0].entries)}:"] if part[0].entries else []
         text += _on_surfaces(part) if part[1:] else _on_one(part[0])
-    text += after_margin(attributes_of(ds), options.store, margins)
+    commands, lines = _next(options, ds, margins, conditions)
+    text += lines
     command = None
     if any(map(_is_incomplete, margins)):
         judged = conditions_of(ds, **conditions).as_dict()
@@ -72,7 +78,22 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     here = {"load": [options.load], "velocity": [options.velocity]}
     table = pipeline.margin_table(ds, here, **conditions)
     warned = pipeline.warned(ds, **conditions)
-    return Result(document | {"command": command}, text, warned, [table])
+    return Result(document | {"next": commands, "command": command}, text, warned, [table])
+
+
+def _next(
+    options: argparse.Namespace,
+    ds: xr.Dataset,
+    margins: Iterable[Margin],
+    conditions: dict[str, Any],
+) -> tuple[list[str], list[str]]:
+    """Commands that decide the margins that are not decided, and lines on them."""
+    undecided = [margin for margin in margins if margin.verdict == NOT_DECIDED]
+    if not undecided:
+        return [], []
+    judged = conditions_of(ds, **conditions).as_dict()
+    commands = commands_that_decide(ds, options.store, undecided, judged)
+    return commands, [*lines_on(commands)]
 
 
 def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
@@ -104,25 +125,27 @@ def _on_points(options: argparse.Namespace, table: Table) -> tuple[dict[str, Any
 
 def _is_incomplete(here: Margin) -> bool:
     """A transition beyond the computed points, or across some that are not done."""
-    beyond = {OUTCOMES[outcome] for outcome in BEYOND}
-    is_beyond = bool(beyond & {here.velocity_outcome, here.load_outcome})
+    is_beyond = any(
+        outcome in (outcomes(axis)[code] for code in BEYOND)
+        for axis, outcome in (("velocity", here.velocity_outcome), ("load", here.load_outcome))
+    )
     return is_beyond or here.velocity_bridged + here.load_bridged > 0
 
 
 def _on_one(here: Margin) -> Iterator[str]:
     """Lines on one surface."""
-    verdict = "severe wear" if here.is_severe else "mild wear"
-    unsure = ", but within the error" if here.is_certain is False else ""
-    yield f"{here.load:g} N at {here.velocity:g} m/s: {verdict}{unsure}"
+    wear = "" if here.verdict == NOT_DECIDED else " wear"
+    yield f"{here.load:g} N at {here.velocity:g} m/s: {here.verdict}{wear}"
     deciding = pipeline.display(here.decisive_temperature, "°C", 4)
-    yield f"  deciding temperature  {deciding}{_error(here)}"
+    yield f"  deciding temperature  {deciding} ({_origin(here)})"
+    yield f"  its error             {_error(here)}"
     side = "above" if here.is_severe else "below"
     critical = pipeline.display(here.critical_temperature, "°C", 4)
     yield f"  distance              {abs(here.distance):.1f} K {side} {critical}"
     for name, unit in UNITS.items():
         outcome, bridged = (getattr(here, f"{name}_{part}") for part in ("outcome", "bridged"))
         way = in_words(outcome, getattr(here, f"{name}_range"), name)
-        if outcome == OUTCOMES[CROSSES]:
+        if outcome == outcomes(name)[CROSSES]:
             factor, place = getattr(here, f"{name}_factor"), getattr(here, f"critical_{name}")
             way = f"{factor:.3g} times, severe from {place:.4g} {unit} on"
             if bridged:
@@ -130,17 +153,27 @@ def _on_one(here: Margin) -> Iterator[str]:
         yield f"  in {name:<19}{way}"
 
 
-def _error(here: Margin) -> str:
-    """Error of the deciding temperature and its origin, in words."""
-    error = here.temperature_error
+def _origin(here: Margin) -> str:
+    """Where the deciding temperature comes from, in words."""
+    if here.is_computed:
+        return "computed there"
     if here.is_continued:
-        margin = "" if error is None else f" ± {error:.2g} K"
-        return f"{margin}, continued as a power of the velocity beyond the computed points"
-    if error == 0:
-        return ", without interpolation"
-    if error is None:
-        return ", from too few points about it to tell its error"
-    return f" ± {error:.2g} K, interpolated between points of the sweep"
+        return "continued as a power of the velocity beyond the computed points"
+    return "interpolated between computed points"
+
+
+def _error(here: Margin) -> str:
+    """Error of the deciding temperature and its parts, in words."""
+    parts = {
+        "interpolation": here.error.interpolation,
+        "preset": here.error.preset,
+        "warned points": here.error.warned,
+    }
+    known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
+    unknown = " and ".join(name for name, part in parts.items() if part is None)
+    if unknown:
+        return f"not known, for that of {unknown} is not" + (f" ({known})" if known else "")
+    return f"± {here.temperature_error:.2g} K" + (f": {known}" if known else "")
 
 
 def _document(margins: Sequence[Margin]) -> dict[str, Any]:
@@ -148,17 +181,19 @@ def _document(margins: Sequence[Margin]) -> dict[str, Any]:
     return {
         "load": margins[0].load,
         "velocity": margins[0].velocity,
-        "severe_surfaces": sum(one.is_severe for one in margins),
+        "severe_surfaces": sum(one.verdict == "severe" for one in margins),
+        "undecided_surfaces": sum(one.verdict == NOT_DECIDED for one in margins),
         "surfaces": [one.as_dict() for one in margins],
     }
 
 
 def _on_surfaces(margins: Sequence[Margin]) -> Iterator[str]:
     """Lines on several surfaces: the median, and the range without a tenth at either end."""
-    severe = sum(one.is_severe for one in margins)
+    counts = Counter(one.verdict for one in margins)
+    undecided = f", not decided on {counts[NOT_DECIDED]}" if counts[NOT_DECIDED] else ""
     yield (
-        f"{margins[0].load:g} N at {margins[0].velocity:g} m/s: severe wear on {severe} of "
-        f"{len(margins)} surfaces"
+        f"{margins[0].load:g} N at {margins[0].velocity:g} m/s: severe wear on {counts['severe']} "
+        f"of {len(margins)} surfaces{undecided}"
     )
     low, middle, high = np.quantile([one.decisive_temperature - 273.15 for one in margins], BAND)
     yield f"  deciding temperature  {middle:.4g} °C, on 80 % of them {low:.4g} to {high:.4g} °C"
@@ -172,14 +207,15 @@ def _on_surfaces(margins: Sequence[Margin]) -> Iterator[str]:
         f"{high:.1f} K"
     )
     for name in ("velocity", "load"):
-        outcomes = Counter(getattr(one, f"{name}_outcome") for one in margins)
-        if set(outcomes) == {OUTCOMES[CROSSES]}:
+        crosses = outcomes(name)[CROSSES]
+        counted_outcomes = Counter(getattr(one, f"{name}_outcome") for one in margins)
+        if set(counted_outcomes) == {crosses}:
             factors = [getattr(one, f"{name}_factor") for one in margins]
             low, middle, high = np.quantile(factors, BAND)
             yield f"  in {name:<19}{middle:.3g} times, {low:.3g} to {high:.3g}"
             continue
-        counts = (
-            f"{number} {'cross' if outcome == OUTCOMES[CROSSES] else outcome}"
-            for outcome, number in sorted(outcomes.items())
+        others = (
+            f"{number} {'cross' if outcome == crosses else outcome}"
+            for outcome, number in sorted(counted_outcomes.items())
         )
-        yield f"  in {name:<19}of {len(margins)} surfaces {', '.join(counts)}"
+        yield f"  in {name:<19}of {len(margins)} surfaces {', '.join(others)}"

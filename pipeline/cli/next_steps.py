@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import shlex
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import asked
 from pipeline.analysis.transition import ENTRIES
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.selection import PRESET_BOUNDS
+from pipeline.sweep.selection import velocity_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
     from pipeline.analysis.margin import Margin
 
 _COARSE = 0.05  # error of the boundary velocity from which a table is no more than a first look
-_ACCURACY = "2%"
+_ACCURACIES = (0.05, 0.02, 0.01)  # that are suggested, of the boundary velocity
+_MOST = 5  # commands that are printed
 _BULKS = {
     "bulk_temperature": "temperature.bulk.pin",
     "disk_temperature": "temperature.bulk.disk",
@@ -28,24 +30,45 @@ _BULKS = {
 
 def after_boundary(attributes: Mapping[str, Any], store: Path | str) -> Iterator[str]:
     """Command for a boundary of a higher accuracy, where that of the preset is low."""
-    bound = _bound(attributes)
-    if bound > _COARSE:
+    bound = velocity_error(attributes)
+    if bound and bound > _COARSE and not attributes.get("selection"):
         yield (
             f"preset {attributes['preset']}: velocities may err by up to {100 * bound:g} %, "
-            f"as irg trade measures on a scene; next: {_more_accurate(attributes, store)}"
+            f"as irg trade measures on a scene; next: {_more_accurate(attributes, store, 0.02)}"
         )
 
 
-def after_margin(
-    attributes: Mapping[str, Any], store: Path | str, margins: Iterable[Margin]
-) -> Iterator[str]:
-    """Command that decides a margin which is smaller than the error of the preset."""
-    bound = _bound(attributes)
-    if any(abs(margin.velocity_factor - 1) < bound for margin in margins):
-        yield (
-            f"nearer to the boundary than preset {attributes['preset']} may err "
-            f"({100 * bound:g} %); next: {_more_accurate(attributes, store)}"
-        )
+def commands_that_decide(
+    ds: xr.Dataset, store: Path | str, undecided: Iterable[Margin], judged: Mapping[str, Any]
+) -> list[str]:
+    """Commands that decide margins within their error, each once; none where nothing is known to.
+
+    A point that was asked for and is not done is run. Any other place that is not computed is
+    computed by itself; where it is, or interpolation counts less, a better accuracy decides.
+    """
+    attributes = attributes_of(ds)
+    commands, sharpest = dict[str, None](), math.inf
+    for margin in undecided:
+        interpolation, accuracy = margin.error.interpolation, _accuracy_for(attributes, margin)
+        if interpolation is not None and interpolation <= (margin.error.preset or 0.0):
+            sharpest = min(sharpest, accuracy or math.inf)
+        elif _is_missing(ds, margin):
+            commands[_run_again(ds, store)] = None
+        else:
+            commands[_point(attributes, margin, accuracy, judged)] = None
+    if math.isfinite(sharpest):
+        commands[_more_accurate(attributes, store, sharpest)] = None
+    return list(commands)
+
+
+def lines_on(commands: Sequence[str]) -> Iterator[str]:
+    """Lines on the commands that decide what is not decided."""
+    for command in commands[:_MOST]:
+        yield f"not decided; next: {command}"
+    if more := len(commands[_MOST:]):
+        yield f"and {more} more commands, which --json lists"
+    if not commands:
+        yield "not decided, nor by any accuracy: it is nearer to the boundary than that is known"
 
 
 def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str, Any]) -> str:
@@ -54,11 +77,8 @@ def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str,
     missing = {int(status) for status in ds["status"].values[asked(ds).values]} - {DONE}
     settings = [] if missing else _settings(attributes.get("conditions") or {}, conditions)
     replaced = tuple(setting[: setting.rindex("=") + 1] for setting in settings)
-    words = attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
-    words = [word for word in words if not (replaced and word.startswith(replaced))]
-    if selection := attributes.get("selection"):
-        words.append(f"--accuracy={selection['accuracy']:g}")
-    words += ["-o", str(store)]
+    words = [word for word in _scene_of(attributes) if not (replaced and word.startswith(replaced))]
+    words += [*_accuracy_of(attributes), "-o", str(store)]
     if attributes.get("boundary_only") or not missing:
         words.append("--boundary-only")
     if FAILED in missing:
@@ -95,15 +115,62 @@ def _settings(stored: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[
     return settings
 
 
-def _bound(attributes: Mapping[str, Any]) -> float:
-    """Error of the boundary velocity that the preset of a store keeps to; 0 if unknown."""
-    if attributes.get("selection"):
-        return 0.0
-    return PRESET_BOUNDS.get(str(attributes.get("preset")), 0.0)
+def _accuracy_for(attributes: Mapping[str, Any], margin: Margin) -> float | None:
+    """Accuracy that decides a margin, by how much its preset errs; None if none is better."""
+    bound, preset = velocity_error(attributes), margin.error.preset
+    if bound is None or preset is None:
+        return _ACCURACIES[1]
+    enough = bound * abs(margin.distance) / preset if preset else bound
+    better = [accuracy for accuracy in _ACCURACIES if accuracy < bound]
+    finest = better[-1] if better else None
+    return next((accuracy for accuracy in better if accuracy < enough), finest)
 
 
-def _more_accurate(attributes: Mapping[str, Any], store: Path | str) -> str:
-    scene = attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
-    kept = [word for word in scene if not word.startswith(("--preset=", "--set=preset="))]
+def _is_missing(ds: xr.Dataset, margin: Margin) -> bool:
+    """An operating point of the grid that the store was asked for, and that is not done."""
+    waits = asked(ds) & (ds["status"] != DONE)
+    here = (ds["load"] == margin.load) & (ds["velocity"] == margin.velocity)
+    return bool((waits & here).any())
+
+
+def _run_again(ds: xr.Dataset, store: Path | str) -> str:
+    """Command that computes the points of a store that are pending or failed."""
+    attributes, has_failed = attributes_of(ds), bool((asked(ds) & (ds["status"] == FAILED)).any())
+    words = [*_scene_of(attributes), *_accuracy_of(attributes), "-o", str(store)]
+    words += ["--boundary-only"] if attributes.get("boundary_only") else []
+    return shlex.join(["irg", "run", *words, *(["--retry-failed"] if has_failed else [])])
+
+
+def _point(
+    attributes: Mapping[str, Any], margin: Margin, accuracy: float | None, judged: Mapping[str, Any]
+) -> str:
+    """Command that computes an operating point by itself."""
+    entries = [f"--set={path}={value}" for path, value in margin.entries.items()]
+    surface = [] if margin.realization is None else [f"--realization={margin.realization}"]
+    place = [f"--load={margin.load:.6g} N", f"--velocity={margin.velocity:.6g} m/s"]
+    settings = _settings(attributes.get("conditions") or {}, judged)
+    scene = _scene_of(attributes)
+    if accuracy is not None:
+        scene, place = _without_preset(scene), [*place, f"--accuracy={100 * accuracy:g}%"]
+    return shlex.join(["irg", "point", *scene, *entries, *surface, *place, *settings])
+
+
+def _scene_of(attributes: Mapping[str, Any]) -> list[str]:
+    """Arguments that read the scene of a store."""
+    return attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
+
+
+def _accuracy_of(attributes: Mapping[str, Any]) -> list[str]:
+    """Option with the accuracy that the fidelity of a store was picked for, if it was."""
+    selection = attributes.get("selection")
+    return [f"--accuracy={selection['accuracy']:g}"] if selection else []
+
+
+def _without_preset(words: Iterable[str]) -> list[str]:
+    return [word for word in words if not word.startswith(("--preset=", "--set=preset="))]
+
+
+def _more_accurate(attributes: Mapping[str, Any], store: Path | str, accuracy: float) -> str:
     out = str(store).removesuffix(".zarr") + "_accurate.zarr"
-    return shlex.join(["irg", "run", *kept, f"--accuracy={_ACCURACY}", "-o", out])
+    words = _without_preset(_scene_of(attributes))
+    return shlex.join(["irg", "run", *words, f"--accuracy={100 * accuracy:g}%", "-o", out])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.tables import Column, Table
-from pipeline.analysis.transition import CROSSES, OUTCOMES
+from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.cli.output import Result, tell
 from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
@@ -84,7 +84,7 @@ def _on_variations(result: Variations, table: Table) -> Iterator[str]:
 
     heads = {load: f"at {load:g} N" for load in result.loads}
     yield from table.crossed("critical velocity [m/s]", name, "load", heads, cell).lines()
-    if set(table.as_dict()["outcome"]) - {OUTCOMES[CROSSES]}:
+    if set(table.as_dict()["outcome"]) - {outcomes("velocity")[CROSSES]}:
         yield ""
         yield "in words: no transition between the sweep's velocities"
     yield ""

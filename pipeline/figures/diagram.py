@@ -49,7 +49,7 @@ from pipeline.figures.style import (
 from pipeline.store.schema import PENDING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
-from tribo import InputError
+from tribo import Criterion, InputError
 
 _AS_DRAWN = (
     "the diagram of samples shows the probability of severe wear for the inputs as they were "
@@ -288,7 +288,7 @@ def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> l
 def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
     r, limit = decisive_rise(ds, conditions), rise_limit(conditions)
-    hot, cold = _on_any(r > limit), _on_any(r <= limit)
+    hot, cold = (_on_any(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
     done = hot | cold
     failed = ~done & _on_any(ds["status"] != PENDING)
     pending = ~done & ~failed & _on_any(asked(ds))

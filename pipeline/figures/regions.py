@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.figures.style import BLUE, TINTS, VERMILION
+from tribo import Criterion
 from tribo.types import Array, Mask
 
 _LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions take
@@ -34,7 +35,7 @@ def name_regions(
     x, y = across(plane["velocity"].values), up(plane["load"].values)
     rows = up(np.convolve(loads, [0.5, 0.5], "valid"))
     taken = [(across(point["velocity"]), up(point["normal_load"])) for point in measured]
-    severe, mild = plane.values > limit, plane.values <= limit
+    severe, mild = (of(plane.values, limit) for of in (Criterion.is_severe, Criterion.is_mild))
     for inside, name, colour, tint in (
         (mild, "I/II\nmild wear", BLUE, TINTS["mild"]),
         (severe, "III/III*\nsevere adhesive wear", VERMILION, TINTS["severe"]),

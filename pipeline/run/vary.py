@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.transition import OUTCOMES, Transition
+from pipeline.analysis.transition import Transition, outcomes
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.physics import LeftOut, physics_left_out
 from pipeline.run.sharing import SharedContacts, SharedPoint
@@ -21,7 +21,7 @@ from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
 from pipeline.sweep.warned import NO_WARNING, Warned
-from tribo import Scene
+from tribo import Criterion, Scene
 from tribo.types import Array
 
 
@@ -249,7 +249,8 @@ class _Plane:
 def _beside(rises: Mapping[Point, float], limit: float) -> Iterator[Point]:
     """Points with a neighbour in velocity that has the other kind of wear."""
     for one, other in itertools.pairwise(sorted(rises)):
-        if one.load == other.load and (rises[one] > limit) != (rises[other] > limit):
+        kinds = {bool(Criterion.is_severe(rises[point], limit)) for point in (one, other)}
+        if one.load == other.load and len(kinds) > 1:
             yield from (one, other)
 
 
@@ -275,4 +276,4 @@ def _crossing(
     row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
     velocities, values = np.array(row).T
     crossing = Transition.along(velocities, values, limit, ends)
-    return crossing.place, OUTCOMES[crossing.outcome]
+    return crossing.place, outcomes("velocity")[crossing.outcome]

@@ -22,7 +22,7 @@ import numpy as np
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.rises import at_bulks
-from tribo import Scene, State, failed_share
+from tribo import Criterion, Scene, State, failed_share
 from tribo.corrections import moment_of
 from tribo.types import Array, Indices
 
@@ -146,7 +146,7 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     rise, quantiles = float(rises[worst]), columns["rise_quantile"][worst]
     judged = conditions.critical_temperature is not None
     return Verdict(
-        is_severe=rise > rise_limit(conditions) if judged else None,
+        is_severe=Criterion.is_severe(rise, rise_limit(conditions)) if judged else None,
         time=float(columns["time"][worst]),
         decisive_temperature=contact_temperature(rise, conditions),
         max_temperature=contact_temperature(float(quantiles[-1]), conditions),

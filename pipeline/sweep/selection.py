@@ -3,16 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from tribo import Fidelity
+from tribo import PRESETS, Fidelity
 
 KEPT_FIELDS = ("temperature_interval", "heat_model", "heat_kernel")
 """Fields of a scene's own fidelity that it keeps: what it asks to see, and how heat acts."""
 
-PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
+PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01, "reference": 0.01}
 """Relative error of the boundary velocity that a preset is to keep to, see CHOOSING.md."""
+
+
+def velocity_error(attributes: Mapping[str, Any]) -> float | None:
+    """Largest known relative error of the boundary velocity of a store; None if none is known.
+
+    It is what was measured where the fidelity was picked for its accuracy, and else what its
+    preset promises, which what a scene asks to see and how heat acts leave as it is.
+
+    Examples
+    --------
+    >>> velocity_error({"preset": "draft"}), velocity_error({"preset": None})
+    (0.08, None)
+    """
+    if selection := attributes.get("selection"):
+        return float(max(selection["error"], selection.get("coarser") or 0.0))
+    name = attributes.get("preset") or _preset_of(attributes)
+    return PRESET_BOUNDS.get(str(name))
+
+
+def _preset_of(attributes: Mapping[str, Any]) -> str | None:
+    """Preset that the fidelity of a store is but for the fields that a scene keeps."""
+    fidelity = dict((attributes.get("scene") or {}).get("fidelity") or {})
+    fidelity.pop("type", None)  # which the hash of the scene has
+    kept = {name: fidelity[name] for name in KEPT_FIELDS if name in fidelity}
+    for name in PRESET_BOUNDS:
+        if asdict(replace(PRESETS[name], **kept)) == fidelity:
+            return name
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,26 +132,47 @@ class Selection:
         }
         return cls(**{**data, **nested})
 
+    @property
+    def largest_error(self) -> float:
+        """Largest relative error of the boundary velocity that is known."""
+        return max(self.error, self.coarser or 0.0)
+
     def __str__(self) -> str:
-        asked = f"accuracy {100 * self.accuracy:g} %"
         err = f"errs by at most {100 * self.error:.2g} % at any load"
-        if self.error > self.accuracy:
+        if self.largest_error > self.error:
+            err = (
+                f"errs by up to {100 * self.largest_error:.3g} %, by which elements of twice the "
+                "pixels' size move it: give smaller pixels"
+            )
+        elif self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"
-        picked = self.trials[-1]
-        dropped = [
-            f"{trial.name} may err by {100 * trial.error:.2g} % with "
-            f"{picked.work / trial.work:.2g} times less"
-            for trial in self.trials[:-1]
-        ]
-        why = f" ({', '.join(dropped)})" if dropped else ""
+        tried = ", ".join(trial.name for trial in self.trials[:-1])
+        why = f" ({tried}: not accurate enough)" if tried else ""
         saves = self.saving >= 1
         less = f"{self.saving:.2g} times less" if saves else f"{1 / self.saving:.2g} times the"
-        pixels = "its pixels cannot be joined to larger ones"
-        if self.coarser is not None:
-            pixels = f"elements of twice their size move it by {100 * self.coarser:.2g} %"
+        alone = "" if self.coarser is not None else "; its pixels cannot be joined to larger ones"
         return (
-            f"{asked}: picked {self.name}, whose boundary {err}, against nearly exact steps on the "
-            f"scene's pixels, with {less} work{why}; the errors have a margin for loads that were "
-            f"not probed, those of irg trade have none; {pixels}; the probe took "
+            f"accuracy {100 * self.accuracy:g} %: picked {self.name}, whose boundary velocity "
+            f"{err}, with {less} work than nearly exact steps{why}{alone}; the probe took "
             f"{self.seconds:.1f} s"
         )
+
+
+def error_in_words(attributes: Mapping[str, Any]) -> str:
+    """The one error of a store: the largest known of its boundary velocity, and its origin.
+
+    Examples
+    --------
+    >>> error_in_words({"preset": "draft"})
+    'boundary velocities may err by up to 8 %, which preset draft keeps to on most scenes'
+    """
+    if selection := attributes.get("selection"):
+        return str(Selection.from_dict(selection))
+    error = velocity_error(attributes)
+    if error is None:
+        return "how far boundary velocities err is not known: --accuracy measures it"
+    name = attributes.get("preset") or _preset_of(attributes)
+    return (
+        f"boundary velocities may err by up to {100 * error:g} %, which preset {name} keeps to on "
+        "most scenes"
+    )

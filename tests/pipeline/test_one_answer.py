@@ -13,7 +13,7 @@ import pipeline
 from pipeline.analysis.boundary_tables import tables_of
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OUTCOMES, SEVERE
+from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, SEVERE, outcomes
 from pipeline.cli import main, values
 from pipeline.cli.crossings import document_of
 from pipeline.figures.diagram import diagram
@@ -163,7 +163,7 @@ def test_the_command_that_is_named_computes_what_was_beyond(
     ask += ["150 degC"]
     assert main(ask) == 0
     document = json.loads(capsys.readouterr().out)
-    assert set(document["outcome_at_load"]) & {OUTCOMES[outcome] for outcome in BEYOND}
+    assert set(document["outcome_at_load"]) & {outcomes("velocity")[code] for code in BEYOND}
     assert main([*shlex.split(document["command"])[1:], "-q", "--workers", "1"]) == 0
     capsys.readouterr()
     assert main(ask) == 0
@@ -235,8 +235,10 @@ def test_margins_documents_and_tables_say_what_the_boundary_says(name, changes):
         for k, margin in enumerate(pipeline.margins(ds, load, velocity, **changes)):
             surface = crossings.isel(dict.fromkeys({"realization"} & {*crossings.dims}, k))
             assert margin.is_severe == true[k, i, j]
-            assert margin.velocity_outcome == OUTCOMES[int(surface["outcome_at_load"][i])]
-            assert margin.load_outcome == OUTCOMES[int(surface["outcome_at_velocity"][j])]
+            code = int(surface["outcome_at_load"][i])
+            assert margin.velocity_outcome == outcomes("velocity")[code]
+            code = int(surface["outcome_at_velocity"][j])
+            assert margin.load_outcome == outcomes("load")[code]
             assert margin.velocity_bridged == surface["bridged_at_load"][i]
             assert margin.load_bridged == surface["bridged_at_velocity"][j]
             np.testing.assert_equal(
@@ -250,7 +252,8 @@ def assert_documents_say(crossings):
     document = document_of(crossings)
     for axis, table in zip(("load", "velocity"), tables_of(crossings), strict=True):
         outcome = crossings[f"outcome_at_{axis}"].values
-        worded = np.vectorize(OUTCOMES.get)(outcome).tolist()
+        along = {"load": "velocity", "velocity": "load"}[axis]
+        worded = np.vectorize(outcomes(along).get)(outcome).tolist()
         assert document[f"outcome_at_{axis}"] == worded
         if "quantile" not in crossings:
             assert table.as_dict()[f"outcome_at_{axis}"] == worded
@@ -273,7 +276,8 @@ def test_a_diagram_draws_no_boundary_that_was_not_found(name, changes):
         expected = bool(crossings["bridged_at_load"].any())
         assert any("across points not done" in text for text in texts) == expected
     elif not is_drawn:
-        words = OUTCOMES[crossings[f"outcome_at_{single[0]}"].item()].removesuffix(" throughout")
+        along = {"load": "velocity", "velocity": "load"}[single[0]]
+        words = outcomes(along)[crossings[f"outcome_at_{single[0]}"].item()]
         assert any(f"no transition: {words}" in text for text in texts)
 
 

@@ -52,6 +52,8 @@ class WarningKind(IntFlag):
     COARSE_PIXELS = 32
     BEYOND_SHAPE = 64
     FEW_TURNS = 128
+    SLOW_RISE = 256
+    """Told by a whole sweep: a point does not know how its rise grows with the velocity."""
 
     @property
     def label(self) -> str:

@@ -27,7 +27,8 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of
-from pipeline.analysis.transition import OUTCOMES, range_of
+from pipeline.analysis.margin_error import error_table
+from pipeline.analysis.transition import outcomes, range_of
 from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
@@ -102,7 +103,8 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "film": _film(attributes, ds),
         "chosen": bool(attributes.get("boundary_only")),
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
-        "outcomes": list(OUTCOMES.values()),
+        "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
+        "errors": packed(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
         "deciding": conditions.decisive.temperature,
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),

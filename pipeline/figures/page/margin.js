@@ -77,7 +77,10 @@ function marginRows() {
   const { load, velocity, conditions } = chosen;
   if (!isInside()) return reasonAgainst(load, velocity, sweep.loads, sweep.velocities);
   const margins = surfaces()
-    .map((surface) => sweep.margin(surface, load, velocity, conditions))
+    .map((surface) => ({
+      ...sweep.margin(surface, load, velocity, conditions),
+      share: errorAt(surface, load, velocity),
+    }))
     .filter(({ rise }) => Number.isFinite(rise));
   if (!margins.length) return "Too few points about this place are done.";
   const temperatures = margins.map(({ rise }) => temperature(rise));
@@ -87,7 +90,11 @@ function marginRows() {
     const critical = conditions.critical_temperature ?? NaN;
     const velocities = margins.map((margin) => margin.velocity);
     const loads = margins.map((margin) => margin.load);
-    rows.unshift(["wear", wearOf(margins.map(({ rise }) => rise > riseLimit(conditions)))]);
+    const errors = margins.map(({ share }, k) => share * (temperatures[k] - temperature(0)));
+    const kinds = temperatures.map((kelvin, k) => verdictOf(critical - kelvin, errors[k]));
+    rows.unshift(["wear", verdictsText(kinds)]);
+    const largest = Math.max(...errors);
+    rows.push(["its error", Number.isNaN(largest) ? "not known" : `± ${shown(largest, 2)} K`]);
     rows.push(["distance to critical", banded(temperatures.map((kelvin) => critical - kelvin), "K", 3)]);
     rows.push(["severe at this load", wayText(velocities, velocity, "velocity", "m/s")]);
     rows.push(["severe at this velocity", wayText(loads, load, "load", "N")]);
@@ -96,6 +103,35 @@ function marginRows() {
     rows.push(["note", "the temperature is continued beyond the computed points"]);
   }
   return rows;
+}
+
+/**
+ * Relative error of the rise at a place, which Python has tabulated; NaN where it is not known.
+ * @param {number} surface @param {number} load @param {number} velocity
+ */
+function errorAt(surface, load, velocity) {
+  const { loads, velocities, errors } = sweep;
+  const slot = (/** @type {number[]} */ x, /** @type {number} */ value) =>
+    x.includes(value) ? 2 * x.indexOf(value) : 2 * above(x, value) - 1;
+  const row = surface * (2 * loads.length - 1) + slot(loads, load);
+  return errors[row * (2 * velocities.length - 1) + slot(velocities, velocity)];
+}
+
+/**
+ * Kind of wear beyond the error of the temperature, as pipeline.Margin.verdict.
+ * @param {number} distance critical less deciding temperature @param {number} error NaN if unknown
+ */
+function verdictOf(distance, error) {
+  if (!(Math.abs(distance) > error)) return "not decided";
+  return distance < 0 ? "severe" : "mild";
+}
+
+/** Kinds of wear on several surfaces in words. @param {string[]} kinds */
+function verdictsText(kinds) {
+  if (kinds.length === 1) return kinds[0];
+  const count = (/** @type {string} */ kind) => kinds.filter((other) => other === kind).length;
+  const open = count("not decided");
+  return `severe on ${count("severe")} of ${kinds.length}${open ? `, not decided on ${open}` : ""}`;
 }
 
 /**
@@ -133,16 +169,13 @@ function bandedText(quantiles, unit, digits = 4) {
 
 /**
  * Transitions in words, and their ratio to the present value.
- * @param {Transition[]} transitions @param {number} now @param {string} along @param {string} unit
+ * @param {Transition[]} transitions @param {number} now @param {"velocity" | "load"} along
+ * @param {string} unit
  */
 function wayText(transitions, now, along, unit) {
   const ends = transitions.map((transition) => transition.ends);
-  const areAll = (/** @type {(pair: Ends) => boolean} */ holds) => ends.every(holds);
-  if (areAll(([low]) => low === Infinity)) return `at no ${along} computed`;
-  if (areAll(([, high]) => high === -Infinity)) return `at every ${along} computed`;
-  if (areAll(([low]) => Number.isNaN(low))) return "not known";
-  if (areAll(([low, high]) => high === Infinity && low < high)) return "above what was computed";
-  if (areAll(([low, high]) => low === -Infinity && low < high)) return "below what was computed";
+  const codes = new Set(transitions.map(({ outcome }) => outcome));
+  if (codes.size === 1 && !codes.has(CROSSES)) return outcomeWords(transitions[0], along, unit);
   const quantiles = BAND.map((share) => quantileOfEnds(ends, share));
   const times = Number.isFinite(quantiles[1]) ? `, ${shown(quantiles[1] / now, 3)} times` : "";
   return `${bandedText(quantiles, unit)}${times}${bridgedText(transitions)}`;

@@ -19,7 +19,8 @@
  *   quantiles: number[], wear_rates: number[], bulk_ratios: number[], shares: number[],
  *   surfaces: number[] | null, status: string, asked: string, moments: string,
  *   moment_times: string, rises: string, decisive: string, numbers: Numbers[], deciding: string,
- *   outcomes: string[], range: {velocity: Ends, load: Ends}, messages: Object<string, string>,
+ *   errors: string, outcomes: {velocity: string[], load: string[]},
+ *   range: {velocity: Ends, load: Ends}, messages: Object<string, string>,
  *   fields: Fields, friction_band: Ends | null, film: Film | null}} Content result of
  *   pipeline.figures.page.content
  * @typedef {{rises: number[][][], isMissing: boolean[][][], along: Line[][], across: Line[][],
@@ -48,6 +49,8 @@ class Sweep {
     this.asked = new Uint8Array(bytes(content.asked));
     this.moments = new Int32Array(bytes(content.moments));
     this.times = new Float32Array(bytes(content.moment_times));
+    /** Relative errors of the rise by surface, on and between the loads, and the velocities. */
+    this.errors = new Float32Array(bytes(content.errors));
     this.numbers = content.numbers.map(({ values }) => new Float32Array(bytes(values)));
     this.everyDeciding = new Float64Array(bytes(content.decisive));
     this.everyRise = new Float32Array(bytes(content.rises));

@@ -59,13 +59,22 @@ function table(caption, heads, rows, words = 0) {
   );
 }
 
+/**
+ * Outcome in words, with how far was computed, as pipeline.analysis.transition has it.
+ * @param {Transition} transition @param {"velocity" | "load"} along @param {string} unit
+ */
+function outcomeWords({ outcome, computed }, along, unit) {
+  const [from, to] = computed.map((end) => `${shown(end)} ${unit}`);
+  const reach = outcome === ABOVE ? ` (to ${to})` : outcome === BELOW ? ` (from ${from})` : "";
+  return content.outcomes[along][outcome] + reach;
+}
+
 /** Count of crossings, and the reasons of the others. @param {Summary} row @param {string} unit */
 function outcomeText({ transitions }, unit) {
-  const words = content.outcomes;
+  const along = unit === "N" ? "load" : "velocity";
+  const words = content.outcomes[along];
   if (transitions.length === 1) {
-    const [{ outcome, computed }] = transitions;
-    const range = [...new Set(computed)].map((end) => shown(end)).join(" to ");
-    return words[outcome] + (outcome > UNKNOWN ? `: ${range} ${unit}` : "") + bridgedText(transitions);
+    return outcomeWords(transitions[0], along, unit) + bridgedText(transitions);
   }
   const counts = words.map((_, code) => transitions.filter(({ outcome }) => outcome === code).length);
   const texts = counts.map((count, code) =>
@@ -155,7 +164,7 @@ function csv({ places, rows, head, title, unit }) {
     const bridged = transitions.map((transition) => transition.bridged);
     const last = isBand
       ? [...counts, bridged.filter(Boolean).length]
-      : [content.outcomes[outcomes[0]], bridged[0]];
+      : [content.outcomes[unit === "N" ? "load" : "velocity"][outcomes[0]], bridged[0]];
     return [places[k], ...values, ...last, ...conditions];
   });
   const bulks = ["bulk temperature [K]", "bulk temperature of the disk [K]"];

@@ -5,13 +5,14 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.transition import MILD
-from pipeline.store.schema import PENDING
+from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.pipeline.figures.page import sweeps
-from tribo import InputError
+from tribo import InputError, WarningKind
 
 LIMIT = synthetic.limit()
 
@@ -26,7 +27,7 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
     result = margin(synthetic.sweep(), load, velocity)
     warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
     assert result.decisive_temperature == pytest.approx(warm, rel=1e-12)
-    assert result.temperature_error == pytest.approx(0.0, abs=1e-9)
+    assert result.error.interpolation == pytest.approx(0.0, abs=1e-9)
     assert result.distance == pytest.approx(418.15 - warm, abs=1e-9)
     assert result.is_severe == (warm > 418.15)
     critical = synthetic.critical_velocity(load, LIMIT)
@@ -54,19 +55,74 @@ def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
     for load, velocity in places:
         result = margin(ds, load, velocity)
         true = 298.15 + 0.1 * wavy(load, velocity, 0.9)
-        assert result.temperature_error < 3.0
-        covered.append(abs(result.decisive_temperature - true) <= result.temperature_error)
+        assert result.error.interpolation < 3.0
+        covered.append(abs(result.decisive_temperature - true) <= result.error.interpolation)
     assert np.mean(covered) > 0.85
 
 
-def test_a_verdict_within_the_error_is_not_certain():
+@pytest.mark.parametrize(("load", "velocity"), [(400.0, 2.25), (425.0, 2.1), (400.0, 2.1)])
+@pytest.mark.parametrize(("side", "verdict"), [(1, "mild"), (-1, "severe")])
+def test_a_verdict_within_the_error_is_not_decided(load, velocity, side, verdict):
     ds = synthetic.sweep(rise=wavy)
-    at_a_point = margin(ds, 400.0, 2.25)
-    assert at_a_point.temperature_error == 0.0
-    assert at_a_point.is_certain
-    tight = margin(ds, 425.0, 2.1)
-    limit = {"critical_temperature": tight.decisive_temperature + 0.5 * tight.temperature_error}
-    assert margin(ds, 425.0, 2.1, **limit).is_certain is False
+    here = margin(ds, load, velocity)
+    for share, expected in ((0.9, "not decided"), (1.1, verdict)):
+        critical = here.decisive_temperature + side * share * here.temperature_error
+        judged = margin(ds, load, velocity, critical_temperature=critical)
+        assert judged.verdict == judged.as_dict()["verdict"] == expected
+
+
+@pytest.mark.parametrize("bound", [("draft", 0.08), ("standard", 0.03), ("fine", 0.01)])
+def test_the_error_of_a_preset_in_velocity_is_one_of_temperature_through_the_exponent(bound):
+    preset, error = bound
+    here = margin(synthetic.sweep(preset=preset), 400.0, 2.0)
+    rise = here.decisive_temperature - 298.15
+    assert here.error.preset == pytest.approx(rise * ((1 + error) ** 0.7 - 1), rel=1e-9)
+    assert here.temperature_error == here.error.preset
+
+
+def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
+    here = margin(synthetic.sweep(preset=None), 400.0, 0.5)
+    assert (here.temperature_error, here.verdict) == (None, "not decided")
+    picked = {"accuracy": 0.02, "error": 0.01, "coarser": 0.05}
+    known = margin(synthetic.sweep(preset=None, selection=picked), 400.0, 0.5)
+    rise = known.decisive_temperature - 298.15
+    assert known.temperature_error == pytest.approx(rise * (1.05**0.7 - 1), rel=1e-9)
+
+
+def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_undecides():
+    ds = synthetic.sweep()
+    clean = margin(ds, 425.0, 2.1)
+    for kind, share in ((WarningKind.FEW_STEPS, 0.1), (WarningKind.CONTACT_AT_EDGE, None)):
+        flags = xr.where((ds["load"] == 400) & (ds["velocity"] == 2.0), int(kind), 0)
+        warned = ds.assign(warning_flags=flags)
+        beside, far = margin(warned, 425.0, 2.1), margin(warned, 425.0, 3.1)
+        rise = beside.decisive_temperature - 298.15
+        assert beside.error.warned == (share and pytest.approx(share * rise))
+        assert far.error.warned == 0.0
+    assert (clean.error.warned, beside.verdict) == (0.0, "not decided")
+
+
+@pytest.mark.parametrize("status", [PENDING, FAILED])
+@pytest.mark.parametrize("also", [(), ((400.0, 1.75), (450.0, 2.0))])
+def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(status, also):
+    missing = dict.fromkeys(((400.0, 2.0), *also), status)
+    partial, whole = synthetic.sweep(rise=wavy, status=missing), synthetic.sweep(rise=wavy)
+    masked = whole.where((whole["load"] != 400.0) | (whole["velocity"] != 2.0))
+    true = margin(whole, 400.0, 2.0)
+    assert true.is_computed
+    assert true.error.interpolation == 0.0
+    for ds in (partial, masked.assign(status=partial["status"])):
+        here = margin(ds, 400.0, 2.0)
+        off = abs(here.decisive_temperature - true.decisive_temperature)
+        assert not here.is_computed
+        assert 0 < off <= here.error.interpolation
+
+
+def test_a_wider_gap_is_known_less_well():
+    far = {(400.0, velocity): PENDING for velocity in (1.5, 1.75, 2.0, 2.25, 2.5)}
+    near = margin(synthetic.sweep(rise=wavy, status={(400.0, 2.0): PENDING}), 400.0, 2.0)
+    wide = margin(synthetic.sweep(rise=wavy, status=far), 400.0, 2.0)
+    assert wide.error.interpolation > 2 * near.error.interpolation
 
 
 def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():
@@ -85,8 +141,8 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     result = margin(synthetic.sweep(status=far), 425.0, 1.0)
     warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
     assert result.decisive_temperature == pytest.approx(warm, rel=1e-9)
-    assert result.temperature_error == pytest.approx(0.0, abs=1e-6)
-    assert json.loads(json.dumps(result.as_dict()))["certain"] is True
+    assert result.error.interpolation == pytest.approx(0.0, abs=1e-6)
+    assert json.loads(json.dumps(result.as_dict()))["verdict"] == "mild"
 
 
 def test_what_is_continued_tells_its_error():
@@ -98,7 +154,7 @@ def test_what_is_continued_tells_its_error():
             beyond, true = margin(searched, load, velocity), margin(whole, load, velocity)
             if beyond.is_continued:
                 off = beyond.decisive_temperature - true.decisive_temperature
-                missed.append(off / beyond.temperature_error)
+                missed.append(off / beyond.error.interpolation)
     assert len(missed) >= 10
     assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0
 

@@ -4,8 +4,14 @@ import shlex
 
 import pytest
 
+from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.margin import margins
-from pipeline.cli.next_steps import after_boundary, after_margin, more_of_boundary, next_tests
+from pipeline.cli.next_steps import (
+    after_boundary,
+    commands_that_decide,
+    more_of_boundary,
+    next_tests,
+)
 from pipeline.cli.parser import parse
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.schema import DONE, FAILED, PENDING
@@ -29,7 +35,9 @@ def test_a_boundary_at_draft_is_followed_by_one_of_known_accuracy():
     assert options.accuracy == 0.02
     assert str(options.output) == "out/look_accurate.zarr"
     assert not list(after_boundary({"preset": "standard"}, "look.zarr"))
-    assert not list(after_boundary(DRAFT | {"selection": {"accuracy": 0.02}}, "look.zarr"))
+    assert not list(
+        after_boundary(DRAFT | {"selection": {"accuracy": 0.02, "error": 0.07}}, "look.zarr")
+    )
 
 
 def test_the_settings_of_a_scene_can_be_typed_again():
@@ -42,10 +50,37 @@ def test_the_settings_of_a_scene_can_be_typed_again():
     assert dict(parse(["run", *sweep.about.arguments]).set) == settings
 
 
-@pytest.mark.parametrize(("velocity", "count"), [(1.2, 1), (0.9, 0)])
-def test_a_margin_below_the_error_of_the_preset_is_not_relied_on(velocity, count):
-    near = margins(synthetic.sweep(), 750.0, velocity)
-    assert len(list(after_margin(DRAFT, "look.zarr", near))) == count
+def deciding(ds, load, velocity, **conditions):
+    near = margins(ds, load, velocity, **conditions)
+    assert [here.verdict for here in near] == ["not decided"]
+    judged = conditions_of(ds, **conditions).as_dict()
+    return [shlex.split(line)[1:] for line in commands_that_decide(ds, "look.zarr", near, judged)]
+
+
+@pytest.mark.parametrize(("velocity", "accuracy"), [(1.25, 0.01), (1.2, 0.02), (1.165, 0.05)])
+def test_a_margin_within_the_error_of_its_preset_is_decided_by_a_better_one(velocity, accuracy):
+    ds = synthetic.sweep(**DRAFT)
+    (command,) = deciding(ds, 750.0, velocity)
+    options = parse(command)
+    assert str(options.output) == "look_accurate.zarr"
+    assert options.accuracy == accuracy
+
+
+@pytest.mark.parametrize(("status", "retry"), [(PENDING, False), (FAILED, True)])
+def test_a_margin_at_a_point_that_is_not_done_is_decided_by_running_it(status, retry):
+    jagged = synthetic.jagged(0.1)
+    ds = synthetic.sweep(rise=jagged, status={(400.0, 2.25): status}, arguments=["edge.toml"])
+    (command,) = deciding(ds, 400.0, 2.25)
+    options = parse(command)
+    assert (str(options.output), options.retry_failed) == ("look.zarr", retry)
+
+
+def test_a_margin_between_coarse_points_is_decided_by_computing_the_place():
+    ds = synthetic.sweep(rise=synthetic.jagged(0.1), arguments=["edge.toml"], preset="standard")
+    (command,) = deciding(ds, 410.0, 2.2, friction=0.099)
+    options = parse(command)
+    assert (command[0], options.load, options.velocity) == ("point", 410.0, 2.2)
+    assert dict(options.set) == {"friction.coefficient": 0.099}
 
 
 @pytest.mark.parametrize(

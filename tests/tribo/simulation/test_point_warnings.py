@@ -47,6 +47,7 @@ def test_kinds_keep_the_bits_that_stores_have():
         "coarse pixels": 32,
         "beyond shape": 64,
         "few turns": 128,
+        "slow rise": 256,
     }
 
 

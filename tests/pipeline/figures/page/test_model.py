@@ -11,7 +11,7 @@ import pipeline
 from pipeline.analysis.dataset import variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
-from pipeline.analysis.transition import OUTCOMES
+from pipeline.analysis.transition import outcomes
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
@@ -77,10 +77,9 @@ def test_the_boundary_is_that_of_the_command(kind):
                 crossings += int(expected[f"crossing_at_{axis}"].sum())
             else:
                 same(column(table, words), expected[name])
-                outcomes = expected[f"outcome_at_{axis}"].values.tolist()
-                assert [row["outcome"] for row in table] == [
-                    OUTCOMES[outcome] for outcome in outcomes
-                ]
+                codes = expected[f"outcome_at_{axis}"].values.tolist()
+                meanings = outcomes(name.removeprefix("critical_"))
+                assert [row["outcome"] for row in table] == [meanings[code] for code in codes]
                 crossings += int(np.isfinite(expected[name]).sum())
             bridged = expected[f"bridged_at_{axis}"]
             if "crossing_at_load" in expected:
@@ -100,7 +99,8 @@ def test_the_margin_is_that_of_the_command(kind):
     return argument.map(([load, velocity]) => {
       const { rise, ...ways } = sweep.margin(0, load, velocity, chosen.conditions);
       const along = [ways.velocity, ways.load].flatMap(({ place, outcome }) => [place, outcome]);
-      return [temperature(rise), ...along, ways.velocity.bridged, ways.load.bridged];
+      const error = errorAt(0, load, velocity) * (temperature(rise) - temperature(0));
+      return [error, temperature(rise), ...along, ways.velocity.bridged, ways.load.bridged];
     });
     """
     draw = np.random.default_rng(3)
@@ -108,12 +108,14 @@ def test_the_margin_is_that_of_the_command(kind):
     places += [[450.0, 1.55], [333.0, 1.8]]
     for place, row in zip(places, run(ds, margin, places), strict=True):
         (expected,) = pipeline.margins(ds, *place)
-        temperature, velocity, along, load, up, *bridged = row
+        error, temperature, velocity, along, load, up, *bridged = row
+        assert error == pytest.approx(expected.temperature_error, rel=0.3)
         same(
             [temperature, velocity, load],
             [expected.decisive_temperature, expected.critical_velocity, expected.critical_load],
         )
-        assert (OUTCOMES[along], OUTCOMES[up]) == (expected.velocity_outcome, expected.load_outcome)
+        words = outcomes("velocity")[along], outcomes("load")[up]
+        assert words == (expected.velocity_outcome, expected.load_outcome)
         assert bridged == [expected.velocity_bridged, expected.load_bridged]
 
 

@@ -1,0 +1,268 @@
+"""Error of the deciding rise at a place of a sweep, in three parts that belong together.
+
+Interpolation, 0 only where that very point is done; the preset, whose promised error of the
+boundary velocity becomes one of the rise through the exponent n of rise ∝ Vⁿ; and warnings of the
+points that the rise rests on. A part that nothing tells is None, and so is the whole.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # loads its parts when they are used
+import xarray as xr
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.slow_rise import SLOWEST
+from pipeline.analysis.warned_points import warnings_of
+from pipeline.sweep.selection import velocity_error
+from tribo import WarningKind
+from tribo.types import Array, Indices
+
+_OF_WARNED = {
+    WarningKind.FEW_STEPS: 0.10,
+    WarningKind.FEW_TURNS: 0.10,
+    WarningKind.PRESENT_HEAT: 0.25,
+    WarningKind.COARSE_PIXELS: 0.70,
+    WarningKind.FEW_NODES: 0.80,
+    WarningKind.SLOW_RISE: 0.05,
+}
+"""Largest relative error of the rise that was seen with each warning; others have none known."""
+
+
+@dataclass(frozen=True, slots=True)
+class RiseError:
+    """Relative error of a rise by its three parts; None where nothing tells a part.
+
+    Examples
+    --------
+    >>> RiseError(0.01, 0.05, 0.0).total, RiseError(None, 0.05, 0.0).total
+    (0.060000000000000005, None)
+    """
+
+    interpolation: float | None
+    preset: float | None
+    warned: float | None
+
+    @property
+    def total(self) -> float | None:
+        """Sum of the parts; None where one is."""
+        parts = (self.interpolation, self.preset, self.warned)
+        return None if None in parts else sum(filter(None, parts))
+
+    def times(self, factor: float) -> RiseError:
+        """The parts in other units; 0 where nothing is warmed, whatever they are."""
+        if factor == 0:
+            return RiseError(0.0, 0.0, 0.0)
+        parts = (self.interpolation, self.preset, self.warned)
+        return RiseError(*(None if part is None else factor * part for part in parts))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grid:
+    """Deciding rises by load and velocity [K], NaN where not done, and flags of the warnings."""
+
+    loads: Array
+    velocities: Array
+    rises: Array
+    flags: Indices
+
+    def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
+        """Rows that the rise at a place is taken from, and the points of each.
+
+        The point itself where it is done; else the nearest done ones on either side.
+        """
+        own = self.loads == load
+        reached = np.isfinite(self.rises).sum(axis=1) >= 2  # which go on beyond their ends
+        reached |= np.isfinite(self.rises[:, self.velocities == velocity]).any(axis=1)
+        beside = _beside(self.loads, own if (own & reached).any() else reached, load)
+        points = (
+            (int(row), _beside(self.velocities, np.isfinite(self.rises[row]), velocity))
+            for row in beside
+        )
+        return [(row, places) for row, places in points if places.size]
+
+
+def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[Grid]:
+    """Grid of each surface of a sweep, by its deciding rises."""
+    shape = -1, *rise.shape[-2:]
+    flags = warnings_of(ds).transpose(*rise.dims).values.reshape(shape)
+    axes = rise["load"].values, rise["velocity"].values
+    return [Grid(*axes, *values) for values in zip(rise.values.reshape(shape), flags, strict=True)]
+
+
+def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
+    """Relative error of the rise on and midway between the loads and the velocities of a sweep.
+
+    Its shape is (n_surface, 2 n_load − 1, 2 n_velocity − 1); NaN where it is not known.
+    """
+    promised = velocity_error(attributes_of(ds))
+    loads, velocities = (_with_middles(rise[name].values) for name in ("load", "velocity"))
+
+    def at(grid: Grid, load: float, velocity: float) -> float:
+        total = rise_error(grid, load, velocity, promised).total
+        return math.nan if total is None else total
+
+    planes = [[[at(grid, f, v) for v in velocities] for f in loads] for grid in grids_of(ds, rise)]
+    return np.array(planes, dtype=float)
+
+
+def _with_middles(x: Array) -> list[float]:
+    """Abscissae, and those midway between each two of them.
+
+    Examples
+    --------
+    >>> _with_middles(np.array([1.0, 2.0, 4.0]))
+    [1.0, 1.5, 2.0, 3.0, 4.0]
+    """
+    ends = np.repeat(x, 2)
+    middles: list[float] = ((ends[1:] + ends[:-1]) / 2).tolist()
+    return middles
+
+
+def rise_error(grid: Grid, load: float, velocity: float, velocity_error: float | None) -> RiseError:
+    """Relative error of the rise at a place, whose preset errs so much in velocity."""
+    rows = grid.rests_on(load, velocity)
+    return RiseError(
+        _interpolation(grid, rows, load, velocity),
+        _preset(grid, rows, velocity, velocity_error),
+        _warned(int(flags) for row, places in rows for flags in grid.flags[row, places]),
+    )
+
+
+def _beside(x: Array, is_done: Array, place: float) -> Indices:
+    """Indices of the done abscissa at a place, or of the nearest on either side.
+
+    Beyond the outermost of them the last two, through which a power law goes on.
+
+    Examples
+    --------
+    >>> x, done = np.array([1.0, 2.0, 3.0, 4.0]), np.array([True, False, True, True])
+    >>> [_beside(x, done, place).tolist() for place in (2.0, 3.0, 5.0)]
+    [[0, 2], [2], [2, 3]]
+    """
+    (done,) = np.nonzero(is_done)
+    same: Indices = done[x[done] == place]
+    if same.size:
+        return same
+    above = int(np.clip(np.searchsorted(x[done], place), 1, max(len(done) - 1, 1)))
+    either_side: Indices = done[above - 1 : above + 1]
+    return either_side
+
+
+def _interpolation(
+    grid: Grid, rows: list[tuple[int, Indices]], load: float, velocity: float
+) -> float | None:
+    """Error of interpolating, or of continuing beyond the points; None if that is unknown."""
+    if not rows:
+        return None
+    parts: list[float | None] = []
+    if [grid.loads[row] for row, _ in rows] != [load]:
+        ends = grid.loads[[row for row, _ in rows]]
+        parts.append(_left_out(grid, "load", load, float(np.ptp(ends))))
+    gaps = [grid.velocities[places] for _, places in rows if grid.velocities[places[0]] != velocity]
+    if gaps and all(gap[0] < velocity < gap[-1] for gap in gaps):
+        widest = max(float(np.ptp(gap)) for gap in gaps)
+        parts.append(_left_out(grid, "velocity", velocity, widest))
+    elif gaps:
+        parts.append(_beyond(grid, velocity))
+    return None if None in parts else sum(filter(None, parts))
+
+
+def _left_out(grid: Grid, axis: str, place: float, gap: float) -> float | None:
+    """Error of interpolation along an axis, by that at done points when they are left out.
+
+    It grows as the square of the distance of the points: where they leave a wider gap about the
+    place than about those left out, each miss counts so much more.
+    """
+    x = grid.loads if axis == "load" else grid.velocities
+    missed, widths = _misses(grid, axis, int(np.searchsorted(x, place)), bool((x == place).any()))
+    errors = missed * np.maximum(1.0, gap / widths) ** 2
+    return float(np.sqrt(np.mean(errors**2))) if errors.size else None
+
+
+@functools.lru_cache(maxsize=1024)  # of many places between the same points
+def _misses(grid: Grid, axis: str, above: int, is_on: bool) -> tuple[Array, Array]:
+    """Relative misses at the points next to a place, on all lines, and the gaps without them."""
+    x, rows = grid.velocities, grid.rises
+    if axis == "load":
+        x, rows = grid.loads, grid.rises.T
+    is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
+    missed, widths = [np.empty(0)], [np.empty(0)]
+    for mask in np.unique(is_known, axis=0):
+        (known,) = np.nonzero(mask)
+        alike = np.log(rows[(is_known == mask).all(axis=1)][:, known])
+        first = int(np.searchsorted(known, above))
+        on_point = is_on and first < len(known) and known[first] == above
+        for line in (first - 1, first + on_point):
+            if 0 < line < len(known) - 1:
+                others = np.delete(np.arange(len(known)), line)
+                curve = scipy.interpolate.PchipInterpolator(
+                    np.log(x[known[others]]), alike[:, others], axis=1
+                )
+                missed.append(np.expm1(curve(math.log(x[known[line]])) - alike[:, line]))
+                width = x[known[line + 1]] - x[known[line - 1]]
+                widths.append(np.full(len(alike), width))
+    return np.concatenate(missed), np.concatenate(widths)
+
+
+def _beyond(grid: Grid, velocity: float) -> float | None:
+    """Error of continuing to a velocity; None if that is unknown.
+
+    The exponent of the power law beyond the points is taken to differ from that of the last two by
+    the standard deviation of all exponents between neighbours. Beside whole diagrams of a worn pin
+    and of one warmer than its disk it was exceeded at none of 14 and at 36 % of 201 points.
+    """
+    slopes, ways = [], [0.0]
+    for row in grid.rises:
+        counts = np.isfinite(row) & (row > 0) & (grid.velocities > 0)
+        x, y = np.log(grid.velocities[counts]), np.log(row[counts])
+        if len(x) >= 2:
+            slopes += list(np.diff(y) / np.diff(x))
+            ways += [x[0] - math.log(velocity), math.log(velocity) - x[-1]]
+    return float(np.std(slopes, ddof=1) * max(ways)) if len(slopes) >= 2 else None
+
+
+def _preset(
+    grid: Grid, rows: list[tuple[int, Indices]], velocity: float, velocity_error: float | None
+) -> float | None:
+    """Error of the rise that an error of the boundary velocity is; None if that is unknown.
+
+    Exponents count from `SLOWEST`, down to which the promise was tried, to 1, which no contact
+    exceeds, and which is taken where there is one velocity alone.
+    """
+    if velocity_error is None or not rows:
+        return None
+    exponents = [_exponent(grid.velocities, grid.rises[row], velocity) for row, _ in rows]
+    steepest = min(max(*exponents, SLOWEST), 1.0)
+    return math.expm1(steepest * math.log1p(velocity_error))
+
+
+def _exponent(x: Array, y: Array, place: float) -> float:
+    """Exponent d ln(y)/d ln(x) between the done points about a place; 1 where it is not known.
+
+    Examples
+    --------
+    >>> x = np.array([1.0, 2.0, 4.0])
+    >>> round(_exponent(x, 10 * x**0.6, 2.0), 12), _exponent(x[:1], x[:1], 1.0)
+    (0.6, 1.0)
+    """
+    is_known = np.isfinite(y) & (y > 0) & (x > 0)
+    x, y = x[is_known], y[is_known]
+    if len(x) < 2:
+        return 1.0
+    low = int(np.clip(np.searchsorted(x, place) - 1, 0, len(x) - 2))
+    high = int(np.clip(np.searchsorted(x, place, "right"), low + 1, len(x) - 1))
+    return math.log(y[high] / y[low]) / math.log(x[high] / x[low])
+
+
+def _warned(flags: Iterable[int]) -> float | None:
+    """Error that warnings of points stand for; None where one has no size."""
+    kinds = {kind for number in flags for kind in WarningKind if kind & number}
+    if kinds - _OF_WARNED.keys():
+        return None
+    return max((_OF_WARNED[kind] for kind in kinds), default=0.0)
