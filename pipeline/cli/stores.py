@@ -14,6 +14,8 @@ from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_v
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import criterion_in, opened
 from pipeline.store.place import ROOT
+from pipeline.store.root import read_attributes
+from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 
@@ -31,6 +33,7 @@ def status(options: argparse.Namespace) -> Result:
         return Result(table.as_dict(), text)
     state = pipeline.summary(options.store)
     selection = pipeline.stored_selection(options.store)
+    attributes = read_attributes(options.store) or {}
     document = {
         "title": state.title,
         "points": state.total,
@@ -41,6 +44,7 @@ def status(options: argparse.Namespace) -> Result:
         "running": state.running is not None,
         "points_per_minute": None if state.rate is None else 60 * state.rate,
         "time_to_go": state.time_to_go,
+        "velocity_error": velocity_error(attributes),
         "selection": selection.as_dict() if selection else None,
     }
     text = [
@@ -48,7 +52,7 @@ def status(options: argparse.Namespace) -> Result:
         f"{state.total} points: {state.done} done, {len(state.failed)} failed, "
         f"{state.pending} pending",
         *_pace(state),
-        *([str(selection)] if selection else []),
+        error_in_words(attributes),
         *(f"failed: {point}" for point in state.failed),
     ]
     warned = pipeline.warned(options.store) if state.warned else NO_WARNING

@@ -21,7 +21,7 @@ from pipeline.analysis.margin_table import margin_table, notes_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import Column, Table
-from pipeline.analysis.transition import CROSSES, OUTCOMES
+from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fit import fitted
@@ -31,7 +31,7 @@ from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.description import on_plane
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.selection import PRESET_BOUNDS, Selection
+from pipeline.sweep.selection import error_in_words
 from tribo import InputError
 
 Part = str | Table | Figure
@@ -39,8 +39,7 @@ Part = str | Table | Figure
 
 _DPI = 200
 _LONG = {
-    "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome",
-    "temperature_error", "note",
+    "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
 }  # fmt: skip
 """Columns of a table of margins for which a page is too narrow."""
 _MODEL = (
@@ -135,7 +134,7 @@ def _answer(boundaries: xr.Dataset) -> str:
     crossings = velocities.where(crosses, drop=True)
     if not crossings.size:
         codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
-        words = " or ".join(OUTCOMES[code] for code in codes)
+        words = " or ".join(outcomes("velocity")[code] for code in codes)
         return f"Answer: no transition is known among the points computed: {words}."
     places = [crossings[0], crossings[-1]] if crossings.size > 1 else [crossings[0]]
     text = " and ".join(
@@ -234,17 +233,8 @@ def _meaning(path: str) -> str:
 
 def _fidelity(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Numerical choices, and the error of the boundary that they bring."""
-    preset, selection = attributes.get("preset"), attributes.get("selection")
-    if selection:
-        yield f"Picked for its accuracy on this scene: {Selection.from_dict(selection)}."
-    elif bound := PRESET_BOUNDS.get(str(preset)):
-        yield (
-            f"Preset {preset}: its boundary velocity may err by up to {100 * bound:g} %, against "
-            "nearly exact steps. On this scene the error was not measured: irg run with --accuracy "
-            "does so."
-        )
-    else:
-        yield f"Preset {preset or 'of its own'}: its error was not measured."
+    words = error_in_words(attributes)
+    yield f"{words[0].upper()}{words[1:]}."
     columns = Column("entry", "choice"), Column("value", "value")
     choices = entries_of({"scene": {"fidelity": (attributes.get("scene") or {}).get("fidelity")}})
     rows = ((path.removeprefix("fidelity."), text) for path, text in choices.items())

@@ -73,10 +73,14 @@ def test_a_few_points_are_judged_before_the_reference_is_taken(sweep, points):
     assert "more than asked for" in str(strict)
 
 
-def test_every_foretold_error_is_said_to_be_against_the_pixels():
-    said = str(choose_fidelity(UNWORN, 0.05, points=(Point(300.0, 1.5),)))
-    assert "against nearly exact steps on the scene's pixels" in said
-    assert "elements of twice their size move it by" in said
+def test_one_error_is_said_the_largest_known():
+    selection = choose_fidelity(UNWORN, 0.05, points=(Point(300.0, 1.5),))
+    said = str(selection)
+    assert "work than nearly exact steps" in said
+    assert "errs by" in said
+    moved = str(replace(selection, error=0.002, coarser=3.4))
+    assert "errs by up to 340 %" in moved
+    assert "0.2 %" not in moved
     odd = UNWORN.changed(
         pixels=Grid((121, 61), (3.2e-6, 3.2e-6)), fidelity=Fidelity(pixels_per_element=1)
     )
