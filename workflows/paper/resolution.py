@@ -40,7 +40,7 @@ _Row = dict[int, list[float]]
 
 def fig6(study: Study) -> Report:
     """Highest temperature at 750 N and 1.25 m/s on other grids and with other steps."""
-    sweep = study.scene("irg_transition")
+    sweep = study.scene("table4")
     if study.preset is None:
         sweep = sweep.changed(fidelity=_PAPER)
     seeds, decisive = study.seeds(1), sweep.conditions.decisive

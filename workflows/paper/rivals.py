@@ -69,7 +69,7 @@ def _mean(values: Array) -> float:
 
 def rivals(study: Study) -> Report:
     """Blok's flash temperature, power, PV and F·Vⁿ at the four transitions, and the film."""
-    sweep = study.scene("irg_transition")
+    sweep = study.scene("table4")
     conditions = sweep.conditions
     loads, velocities = TABLE_4.normal_load, TABLE_4.velocity
     seeds = study.stages(study.seeds(_SURFACES), "surface {}".format)

@@ -39,7 +39,7 @@ _Outcomes = Mapping[str, Mapping[str, _Outcome]]
 
 def sensitivity(study: Study) -> Report:
     """Temperatures at Table 4's transitions, and critical velocities, for other surfaces."""
-    sweep = study.scene("irg_transition")
+    sweep = study.scene("table4")
     rough = sweep.scene.roughness
     if not isinstance(rough, SelfAffineRoughness):
         raise InputError(f"the scene {sweep.about.name} must have a random surface, as in Table 4")

@@ -36,7 +36,7 @@ _SHARES = 100 * TABLE_4.failed_share  # [%]
 
 def table4(study: Study) -> Report:
     """Contact width, failed share and temperatures at the four measured transitions."""
-    sweep = study.scene("irg_transition")
+    sweep = study.scene("table4")
     data = _simulated(study, sweep)
     values = _compared(data, sweep.conditions)
     local_shares = mean(data["failed_percent"]["local"])

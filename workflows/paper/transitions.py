@@ -46,7 +46,7 @@ _LOOKS = {
 
 def white_oil(study: Study) -> list[Transition]:
     """The transitions of Table 4, in their scene."""
-    scene = study.scene("irg_transition")
+    scene = study.scene("table4")
     return [(scene, row) for row in TABLE_4]
 
 

@@ -39,7 +39,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
     assert sweep == sweep_of_fields(
         pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=steel),
         disk=steel,
-        pixels=tribo.Grid((480, 480), (0.816e-6, 0.95e-6), (False, True)),
+        pixels=tribo.Grid((576, 480), (0.816e-6, 0.95e-6), (False, True)),
         loading=tribo.Ramp(rate=150.0, reference_load=750.0),
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
         wear=tribo.Wear(1.2e-15, "swept"),
@@ -61,7 +61,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         independent=False,
         preset="standard",
     )
-    assert sweep.scene.grid.shape == (240, 240)
+    assert sweep.scene.grid.shape == (288, 240)
     assert sweep.scene.grid.spacing == pytest.approx((1.632e-6, 1.9e-6), rel=1e-15)
 
 
