@@ -16,7 +16,6 @@ from pipeline.figures.style import figure_path, save_figure
 from pipeline.scene.faults import did_you_mean
 from pipeline.sweep.stages import staged
 from tribo import InputError
-from workflows.paper.evidence import evidence
 from workflows.paper.gallery import page
 from workflows.paper.held_load import fig5
 from workflows.paper.inference import inverse
@@ -45,7 +44,7 @@ _MAKERS: dict[str, Callable[[Study], Report]] = {
     maker.__name__: maker
     for maker in (
         *(fig4, fig5, fig6, fig8, fig10, band),
-        *(table4, table6, rivals, sensitivity, inverse, steel, evidence),
+        *(table4, table6, rivals, sensitivity, inverse, steel),
     )
 }
 

@@ -21,7 +21,7 @@ from workflows.paper.publication import (
     TABLE_4,
     TABLE_6,
 )
-from workflows.paper.report import Report, Table, line, mean, spread
+from workflows.paper.report import Report, Table, agree, line, mean, spread
 from workflows.paper.study import Study
 from workflows.paper.transitions import (
     Transition,
@@ -72,9 +72,9 @@ def inverse(study: Study) -> Report:
         "inverse",
         values,
         verdicts={
-            "white_oil": abs(values["mean"] - printed) < 5,
+            "white_oil": agree(critical["white oil"], 4 * [printed], ROOM_CELSIUS),
             "oil_a": values["oil_a_spread"] < 15,
-            "wear_rate": 0.7 < float(mean(chosen)) / SPECIFIC_WEAR_RATE < 1.4,
+            "wear_rate": agree([[mean(chosen)]], [SPECIFIC_WEAR_RATE]),
             "wear_rates_of_oil_a": all(max(pair) < 1.4 * min(pair) for pair in of_a)
             and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *chosen),
             "heating": heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,

@@ -92,6 +92,24 @@ def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any])
     return Finding(printed, computed, bool(agrees), why)
 
 
+_NEAR = 0.1  # relative: see `agree`
+
+
+def agree(computed: Any, printed: Any, zero: Any = 0.0) -> bool:
+    """Whether numbers agree with printed ones, by the rule of the page.
+
+    Each mean over the surfaces, the last axis, lies within a tenth of the printed number or within
+    twice its own standard deviation; of temperatures the tenth is of the rise above `zero`.
+
+    Examples
+    --------
+    >>> agree([[10.0, 11.0]], [9.6]), agree([[10.0, 10.2]], [9.0]), agree([[160.0]], [155.0], 145.0)
+    (True, False, False)
+    """
+    allowed = np.maximum(_NEAR * np.abs(np.subtract(printed, zero)), 2 * spread(computed))
+    return bool((np.abs(mean(computed) - printed) <= allowed).all())
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
     """Texts in columns; a row of one text is a heading within the table."""

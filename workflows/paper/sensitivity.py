@@ -27,7 +27,7 @@ _SMOOTH_RA, _SMOOTH_LENGTH = 0.2, 12.0  # that fit the unworn widths and the sha
 _SMOOTHER = f"{_SMOOTH_RA:g} µm, length {_SMOOTH_LENGTH:g} µm"
 _SURFACES = 4
 _OFF = "critical_velocity_off"
-_GOOD = 0.15  # relative, of the boundary velocity
+_GOOD = 0.1  # relative, of the boundary velocity, as in report.agree
 
 
 _Outcome = dict[str, Array]

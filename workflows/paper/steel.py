@@ -1,113 +1,102 @@
-"""Conductivity of the steel, from the measured transitions of both oils."""
+"""Conductivity of the steel: what it does to the transitions of both oils."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.interpolate import CubicSpline
-from scipy.special import logsumexp
 
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, in_house_style
+from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.run.vary import vary
+from pipeline.sweep.model import Sweep
+from tribo import contacts, heated
 from tribo.types import Array
-from workflows.paper.eight import (
-    SURFACES,
-    Physics,
-    Transitions,
-    log_evidence,
-    rounded,
-    transitions_of,
-)
-from workflows.paper.report import Report, Table, line
+from workflows.paper.report import Report, Table, agree, line
 from workflows.paper.study import Study
+from workflows.paper.transitions import celsius_of, end_at, oil_a, white_oil
 
-_NODES = (15.0, 21.0, 27.0, 33.0, 39.0, 45.0, 51.0, 60.0, 70.0)  # W/(m K)
-_FINE = np.linspace(_NODES[0], _NODES[-1], 221)
+_SURFACES = 4
+_CONDUCTIVITIES = (15.0, 21.0, 27.0, 33.0, 39.0, 45.0, 51.0, 60.0, 70.0)  # W/(m K)
 _SOFT, _HARD = 45.0, 21.0  # of the paper's table, and measured of the through-hardened steel
-_SETS = {
-    "white oil alone": ("white oil",),
-    "oil A alone": ("oil A",),
-    "both oils": ("white oil", "oil A"),
-}
-_LOOKS = dict(zip(_SETS, (BLUE, VERMILION, BLACK), strict=True))
-_STEADY = 0.2  # of the conductivity that was taken, which the transitions have to allow
+_ONE = 30.0  # K: within which the paper calls temperatures of oil A alike
 
 
 def steel(study: Study) -> Report:
-    """Conductivity against critical temperature, by white oil, oil A and both."""
-    transitions = transitions_of(study, ("swept",), _NODES)
-    warmings = np.array([Physics(K).warming(transitions) for K in _NODES])
-    fine = CubicSpline(_NODES, warmings)(_FINE)
-    posteriors = {name: _posterior(transitions, fine, oils) for name, oils in _SETS.items()}
-    boundary, bulks = _boundary(study), transitions.bulk_celsius
-    named = [
-        f"{oil}, {load:g} N, {bulk:g} °C"
-        for oil, load, bulk in zip(transitions.oil, transitions.load, bulks, strict=True)
-    ]
-    critical = {K: bulks + np.exp(row) for K, row in zip(_NODES, warmings, strict=True)}
-    both = posteriors["both oils"]
+    """Critical velocities and temperatures with other conductivities of both bodies."""
+    tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
+    names, by_oil = [], {}
+    for oil, transitions in tests.items():
+        bulks = [celsius(scene.conditions.bulk_temperature) for scene, _ in transitions]
+        names += [
+            f"  {oil}, {row.normal_load:g} N, {bulk:g} °C"
+            for (_, row), bulk in zip(transitions, bulks, strict=True)
+        ]
+        by_oil[oil] = np.stack([_critical(study, *transition) for transition in transitions])
+    means = {
+        oil: dict(zip(_CONDUCTIVITIES, its.mean(axis=1).T, strict=True))
+        for oil, its in by_oil.items()
+    }
+    boundary = _boundary(study)
+    white, of_a = means["white oil"], means["oil A"]
+    printed = float(celsius(tests["white oil"][0][0].conditions.known_critical_temperature()))
+    bulk = float(celsius(tests["white oil"][0][0].conditions.bulk_temperature))
     values: dict[str, Any] = {
         "soft": _SOFT,
         "hard": _HARD,
-        "surfaces": len(study.seeds(SURFACES)),
-        **{f"{name.split()[0]}_{key}": its[key] for name, its in posteriors.items() for key in its},
+        "surfaces": len(study.seeds(_SURFACES)),
+        "critical": printed,
+        "white_soft": white[_SOFT],
+        "white_hard": white[_HARD],
+        "oil_soft": of_a[_SOFT],
+        "oil_hard": of_a[_HARD],
+        "apart_soft": _apart(of_a[_SOFT]),
+        "apart_hard": _apart(of_a[_HARD]),
         "changes": boundary["change"],
     }
+    taken = by_oil["white oil"][:, :, _CONDUCTIVITIES.index(_SOFT)]
     return Report.of(
         "steel",
         values,
         verdicts={
-            "conductivity": abs(both["mean"] / _SOFT - 1) < _STEADY,
-            "hardened": both["odds"] < 1,
+            "white_oil": agree(taken, len(taken) * [printed], bulk),
+            "oil_a": float(np.ptp(of_a[_SOFT])) <= _ONE,
         },
-        table=Table(
-            ("", f"K {_SOFT:g} W/(m K)", f"K {_HARD:g} W/(m K)"),
-            (
-                ("critical velocity at friction 0.1 [m/s]",),
-                *(
-                    line(f"  {load:g} N", pair, ".2f")
-                    for load, *pair in zip(
-                        boundary["load"], boundary["soft"], boundary["hard"], strict=True
-                    )
-                ),
-                ("critical temperature from each transition [°C]",),
-                *(
-                    line(f"  {name}", pair)
-                    for name, *pair in zip(named, critical[_SOFT], critical[_HARD], strict=True)
-                ),
-            ),
-        ),
-        data={
-            "critical_celsius_by_conductivity": {f"{K:g}": row for K, row in critical.items()},
-            "conductivity": posteriors,
-            "boundary": boundary,
-        },
-        figure=_draw(transitions, fine, posteriors),
+        table=_table(names, means, boundary),
+        data={"conductivity": _CONDUCTIVITIES, "critical_celsius": by_oil, "boundary": boundary},
+        figure=_draw(by_oil, printed),
     )
 
 
-def _posterior(transitions: Transitions, warmings: Array, oils: Sequence[str]) -> dict[str, Any]:
-    """Conductivity by the transitions of some oils, evenly likely before."""
-    log, critical = log_evidence(transitions, warmings, oils=oils)
-    probability = np.exp(log - logsumexp(log))
-    mean = float(probability @ _FINE)
-    below = np.cumsum(probability)
-    low, high = (float(np.interp(level, below, _FINE)) for level in (0.05, 0.95))
-    odds = np.exp(np.interp(_SOFT, _FINE, log) - np.interp(_HARD, _FINE, log))
-    return {
-        "mean": mean,
-        "sd": float(np.sqrt(probability @ (_FINE - mean) ** 2)),
-        "low": low,
-        "high": high,
-        "odds": float(1 / odds),
-        "times": rounded(float(odds)),
-        "density": (probability / (_FINE[1] - _FINE[0])).tolist(),
-        "critical": critical[oils[0]].tolist(),
-    }
+def _critical(study: Study, scene: Sweep, row: Any) -> Array:
+    """Critical temperature from a transition [°C], shape (surfaces, conductivities).
+
+    A contact is simulated once for all conductivities.
+    """
+    found = []
+    for seed in study.seeds(_SURFACES):
+        surface = scene.on_surface(seed)
+        *_, contact = contacts(surface, row.normal_load, row.velocity)
+        for conductivity in _CONDUCTIVITIES:
+            other = _conducting(surface, conductivity)
+            end = end_at(other, heated(other, contact, row.velocity), row.friction)
+            found.append(float(celsius_of(end, scene.conditions.decisive)))
+    study.tell(f"{row.normal_load:g} N at {row.velocity:g} m/s")
+    return np.reshape(found, (-1, len(_CONDUCTIVITIES)))
+
+
+def _conducting(scene: Sweep, conductivity: float) -> Sweep:
+    pin = replace(scene.pin.material, thermal_conductivity=conductivity)
+    disk = replace(scene.disk, thermal_conductivity=conductivity)
+    return replace(scene, pin=replace(scene.pin, material=pin), disk=disk)
+
+
+def _apart(of_oil_a: Array) -> float:
+    """Critical temperature at the lower bulk temperature above that at the higher one [K]."""
+    return float(of_oil_a[:2].mean() - of_oil_a[2:].mean())
 
 
 def _boundary(study: Study) -> dict[str, Any]:
@@ -128,32 +117,39 @@ def _boundary(study: Study) -> dict[str, Any]:
     }
 
 
+def _table(
+    names: list[str], means: Mapping[str, Mapping[float, Array]], boundary: Mapping[str, Any]
+) -> Table:
+    velocities = zip(boundary["load"], boundary["soft"], boundary["hard"], strict=True)
+    soft, hard = (np.concatenate([its[K] for its in means.values()]) for K in (_SOFT, _HARD))
+    return Table(
+        ("", f"K {_SOFT:g} W/(m K)", f"K {_HARD:g} W/(m K)"),
+        (
+            ("critical velocity at friction 0.1 [m/s]",),
+            *(line(f"  {load:g} N", pair, ".2f") for load, *pair in velocities),
+            ("critical temperature from each transition [°C]",),
+            *(line(name, pair) for name, *pair in zip(names, soft, hard, strict=True)),
+        ),
+    )
+
+
 @in_house_style
-def _draw(transitions: Transitions, warmings: Array, posteriors: Mapping[str, Any]) -> Figure:
-    figure = Figure(figsize=(7.0, 3.4))
-    left, right = figure.subplots(1, 2)
-    labelled = set()
-    for oil, bulk, row in zip(transitions.oil, transitions.bulk_celsius, warmings.T, strict=True):
-        label = f"{oil}, bulk {bulk:.0f} °C"
-        left.plot(
-            _FINE, bulk + np.exp(row), color=BLUE if oil == "white oil" else VERMILION,
-            ls="-" if bulk < 50 else "--", label=None if label in labelled else label, lw=1.2,
-        )  # fmt: skip
-        labelled.add(label)
-    left.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")
-    left.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
-    left.set_title("from each measured transition", loc="left")
-    for name, posterior in posteriors.items():
-        right.plot(_FINE, posterior["density"], color=_LOOKS[name], label=name)
-    for K, label in ((_SOFT, "taken, as annealed"), (_HARD, "measured, hardened")):
-        right.axvline(K, color=GREY, ls=":", lw=1.2)
-        right.annotate(
-            label, (K, 1.0), (3, -3), xycoords=("data", "axes fraction"), va="top", fontsize=8,
+def _draw(by_oil: Mapping[str, Array], printed: float) -> Figure:
+    figure = Figure(figsize=(7.0, 3.8))
+    axes = figure.subplots()
+    for oil, colour in (("white oil", BLUE), ("oil A", VERMILION)):
+        for number, curve in enumerate(by_oil[oil].mean(axis=1)):
+            hot = oil == "oil A" and number > 1
+            label = {0: oil, 2: "oil A, bulk 100 °C" if hot else None}.get(number)
+            axes.plot(_CONDUCTIVITIES, curve, color=colour, ls="--" if hot else "-", label=label)
+    axes.axhline(printed, color=GREEN, lw=1.2, label=f"white oil on the rig, {printed:g} °C")
+    for K, text in ((_SOFT, "taken, as annealed"), (_HARD, "measured, hardened")):
+        axes.axvline(K, color=GREY, ls=":", lw=1.2)
+        axes.annotate(
+            text, (K, 1.0), (3, -3), xycoords=("data", "axes fraction"), va="top", fontsize=8,
             textcoords="offset points", color=GREY, rotation=90,
         )  # fmt: skip
-    right.set_ylim(0, 1.4 * right.get_ylim()[1])  # room for the names of both
-    right.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="probability per W/(m K)")
-    right.set_title("what the transitions say", loc="left")
-    for axes in (left, right):
-        axes.legend(loc="upper right", fontsize=7.5)
+    axes.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
+    axes.set_title("from each measured transition", loc="left")
+    axes.legend(loc="upper right", fontsize=7.5)
     return figure

@@ -13,8 +13,8 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Sweep
 from tribo.criterion import Criterion
-from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, line, mean
+from workflows.paper.publication import ROOM_CELSIUS, TABLE_4
+from workflows.paper.report import Report, Table, agree, line, mean
 from workflows.paper.study import Study
 from workflows.paper.transitions import (
     HIGHEST,
@@ -26,8 +26,7 @@ from workflows.paper.transitions import (
     on_surfaces,
 )
 
-_BAND = 10.0  # K: within which the paper's highest temperatures lie
-_GOOD = 0.05  # relative, of a friction coefficient
+_STEP = 0.05  # relative, of a friction coefficient, to see how steep a share is
 _LONGER = 4  # patches of the disk in a row, to see what hangs on the length of the patch
 _FEW = 4  # surfaces for that
 _WIDTHS = 1e6 * TABLE_4.unworn_width  # [µm]
@@ -39,15 +38,14 @@ def table4(study: Study) -> Report:
     sweep = study.scene("table4")
     data = _simulated(study, sweep)
     values = _compared(data, sweep.conditions)
-    local_shares = mean(data["failed_percent"]["local"])
     return Report.of(
         "table4",
         values,
         verdicts={
-            "width": abs(values["width_off"]).max() < 15,
-            "share": abs(values["needed"] / values["friction"] - 1).max() < _GOOD,
-            "highest": abs(values["apart"]).max() < _BAND and values["interval"] <= _BAND,
-            "local": local_shares.min() > 5,
+            "width": agree(data["unworn_width_um"], _WIDTHS),
+            "share": agree(data["failed_percent"]["swept"], _SHARES),
+            "highest": agree(data["max_celsius"]["swept"], TABLE_4.max_celsius, ROOM_CELSIUS),
+            "local": agree(data["failed_percent"]["local"], _SHARES),
         },
         table=_table(data, sweep.conditions),
         data=data,
@@ -106,10 +104,10 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
         "bearing_off": bearing,
         "why": "why_between" if bearing.max() <= 0 <= outer.min() else "why",
         "needed": mean(data["friction_for_printed_share"]),
-        "good": _GOOD,
+        "good": _STEP,
         "shares": shares,
         "alike": alike,
-        "steep": _GOOD * friction * (shares - alike)[other] / (TABLE_4.friction - friction)[other],
+        "steep": _STEP * friction * (shares - alike)[other] / (TABLE_4.friction - friction)[other],
         "maxima": maxima,
         "apart": maxima - TABLE_4.max_celsius,
         "interval": np.ptp(maxima),
