@@ -73,9 +73,8 @@ def rivals(study: Study) -> Report:
     conditions = sweep.conditions
     loads, velocities = TABLE_4.normal_load, TABLE_4.velocity
     seeds = study.stages(study.seeds(_SURFACES), "surface {}".format)
-    smaller = sweep.changed(store_fields=False)
     ends = on_surfaces(
-        [(smaller, row) for row in TABLE_4], seeds, partial(beside_boundary, step=_STEP)
+        [(sweep, row) for row in TABLE_4], seeds, partial(beside_boundary, step=_STEP)
     )
     criteria = _criteria(sweep, mean(ends["rise"]), mean(ends["exponent"]))
     critical = mean(velocities[:, None] * (1 + ends["velocity_off"]))

@@ -30,7 +30,7 @@ def steel(study: Study) -> Report:
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     names, by_oil = [], {}
     for oil, transitions in tests.items():
-        bulks = [celsius(scene.conditions.bulk_temperature) for scene, _ in transitions]
+        bulks = [celsius(sweep.conditions.bulk_temperature) for sweep, _ in transitions]
         names += [
             f"  {oil}, {row.normal_load:g} N, {bulk:g} °C"
             for (_, row), bulk in zip(transitions, bulks, strict=True)
@@ -71,27 +71,30 @@ def steel(study: Study) -> Report:
     )
 
 
-def _critical(study: Study, scene: Sweep, row: Any) -> Array:
+def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
     """Critical temperature from a transition [°C], shape (surfaces, conductivities).
 
     A contact is simulated once for all conductivities.
     """
     found = []
     for seed in study.seeds(_SURFACES):
-        surface = scene.on_surface(seed)
-        *_, contact = contacts(surface, row.normal_load, row.velocity)
+        surface = sweep.on_surface(seed)
+        *_, contact = contacts(surface.scene, row.normal_load, row.velocity)
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)
-            end = end_at(other, heated(other, contact, row.velocity), row.friction)
-            found.append(float(celsius_of(end, scene.conditions.decisive)))
+            end = end_at(other, heated(other.scene, contact, row.velocity), row.friction)
+            found.append(float(celsius_of(end, sweep.conditions.decisive)))
     study.tell(f"{row.normal_load:g} N at {row.velocity:g} m/s")
     return np.reshape(found, (-1, len(_CONDUCTIVITIES)))
 
 
-def _conducting(scene: Sweep, conductivity: float) -> Sweep:
-    pin = replace(scene.pin.material, thermal_conductivity=conductivity)
-    disk = replace(scene.disk, thermal_conductivity=conductivity)
-    return replace(scene, pin=replace(scene.pin, material=pin), disk=disk)
+def _conducting(sweep: Sweep, conductivity: float) -> Sweep:
+    pin, disk = sweep.scene.pin, sweep.scene.disk
+    material = replace(pin.material, thermal_conductivity=conductivity)
+    return sweep.changed(
+        pin=replace(pin, material=material),
+        disk=replace(disk, thermal_conductivity=conductivity),
+    )
 
 
 def _apart(of_oil_a: Array) -> float:
