@@ -14,7 +14,7 @@ from pipeline.analysis.tables import TABLES, Column, Table, writable_path
 from pipeline.cli.output import Result, counted, tell
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import PLACE, flags_of, one_scene_of, selected, values_in
-from pipeline.cli.unknowns import posterior
+from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep

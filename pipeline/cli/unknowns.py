@@ -9,7 +9,6 @@ from contextlib import suppress
 from dataclasses import astuple
 from functools import partial
 from operator import itemgetter
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, criterion_in, flags_of, values_in, weighing
-from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.answers import table_of_lines
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
@@ -28,11 +26,10 @@ from tribo import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pipeline.sweep.unknown import Unknown
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.points import MarginIntervals, Risk
     from pipeline.uncertain.sensitivity import Sensitivity
-    from pipeline.uncertain.weigh import Judged, Posterior
+    from pipeline.uncertain.weigh import Posterior
 
 
 _LOAD = Column("load", "load", "N")
@@ -219,70 +216,6 @@ def _on_indices(indices: Sensitivity, table: Table) -> Iterator[str]:
             )
 
 
-def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
-    """Print and draw the inputs as the tests leave them, and the tests to make next."""
-    if options.next is None and (options.target or options.bulk_temperature):
-        name = "--for" if options.target else "--bulk-temperature"
-        raise InputError(f"{name} belongs to --next, which is not given")
-    if any(isinstance(bulk, dict) for bulk in options.bulk_temperature or ()):
-        raise InputError(
-            "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
-        )
-    with working("reading samples"):
-        datasets = [pipeline.open_sweep(store) for store in stores]
-        pairs = zip(stores, datasets, strict=True)
-        ensembles = [_ensemble(*pair, **criterion_in(options)) for pair in pairs]
-    with working("weighing the inputs by the tests"):
-        weighed = pipeline.posterior(ensembles, **values_in(options, "scatter"))
-    document, text = weighed.as_dict(), list(_on_inputs(weighed))
-    if options.next is None:
-        command = next_tests(stores, options.scatter)
-        text.append(f"next: the test that tells most: {command}")
-    else:
-        with working("ranking tests"):
-            document["next"], lines = _next(options, weighed)
-        text += lines
-    draw = partial(pipeline.draw_posterior, weighed)
-    warned = sum(map(pipeline.warned, datasets), NO_WARNING)
-    return Result(document, text, warned, [_in_si(weighed)], draw)
-
-
-def _ensemble(store: Path, ds: xr.Dataset, **criterion: Any) -> Ensemble:
-    """Samples of one store among several, which an error names."""
-    try:
-        return pipeline.Ensemble.of(ds, **criterion)
-    except InputError as error:
-        raise InputError(f"{store}: {error}") from error
-
-
-def _next(
-    options: argparse.Namespace, weighed: Posterior
-) -> tuple[list[dict[str, Any]], list[str]]:
-    """Measurements ranked for a target, or a batch of tests, as plain data and as text."""
-    about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
-    if options.next > 1:
-        ranked = pipeline.plan_tests(weighed, options.next, **about)
-        head = f"{options.next} tests to make next, each beside those before it"
-    else:
-        ranked = pipeline.candidates(weighed, **about)[:_SHOWN]
-        head = "measurements to make next, the best first"
-    unknown = {one.path: one for one in weighed.unknown}.get(options.target or "")
-
-    def worded(spread: float) -> str:
-        if unknown is None or unknown.is_relative:
-            return f"± {100 * spread:.2g} %"
-        return f"± {unknown.spread.of(spread):.2g}{unknown.spread.suffix}"
-
-    target = options.target or "the boundary, in velocity"
-    lines = [f"{head}; {target} is known to {worded(ranked[0].before)} today"]
-    lines += [
-        f"  to {worded(test.spread):10} (by {100 * test.narrows:.0f} %)  {test.what}"
-        for test in ranked
-    ]
-    names = ("what", "test", "spread", "narrows")
-    return [{name: getattr(test, name) for name in names} for test in ranked], lines
-
-
 def samples_of(
     options: argparse.Namespace, ds: xr.Dataset, **conditions: Any
 ) -> tuple[Ensemble, Posterior | None]:
@@ -328,93 +261,30 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
     """Basis of the numbers."""
     basis = "as the scene assumes them"
     if weighed:
-        basis = f"given {weighed.evidence}, {_scatter(weighed)}"
+        basis = f"given {weighed.evidence}, {scatter_in_words(weighed)}"
     yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
     yield from (f"  {one}" for one in ensemble.fixed)
     if weighed:
-        yield _draws(weighed)
+        yield draws_in_words(weighed)
     if ensemble.missing:
         yield f"  {ensemble.missing} samples are left out: not done at every load"
 
 
-def _draws(weighed: Posterior) -> str:
+def draws_in_words(weighed: Posterior) -> str:
     """Number of draws that the numbers rest on, in words."""
     effective, count = weighed.draws.effective, len(weighed.draws.weights)
     return f"  effective sample size {effective:.0f} of {count}"
 
 
-def _scatter(weighed: Posterior) -> str:
+def scatter_in_words(weighed: Posterior) -> str:
     """Scatter of the velocities, as said and as inferred."""
     low, middle, high = (100 * value for value in weighed.inferred_scatter)
     said = f"velocities said to scatter by {100 * weighed.scatter:g} %"
     if not weighed.judged:
         return said
-    return f"{said}: by the tests {middle:.2g} % ({low:.2g} to {high:.2g})"
-
-
-def _on_inputs(weighed: Posterior) -> Iterator[str]:
-    """Lines on each input, before and after, and on each test."""
-    samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
-    yield f"{weighed.evidence}, {_scatter(weighed)}; {samples} samples"
-    if len(weighed.ensembles) > 1:
-        yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
-    yield from dict.fromkeys(f"  {one}" for sweep in weighed.ensembles for one in sweep.fixed)
-    yield _draws(weighed)
-    heads = ("input", "before", "after", "90 % within")
-    summaries = zip(weighed.summary(), weighed.unknown, strict=True)
-    rows = tuple(_before_and_after(*pair) for pair in summaries)
-    yield from Table(tuple(Column(head, head) for head in heads), rows).lines()
-    for a, b, correlation in weighed.hidden():
-        signed = f"{correlation:+.2f}".replace("-", "−")
-        yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
-    for judged in weighed.judged:
-        low, middle, high = judged.critical_velocity
-        yield f"{_place(weighed, judged)}, computed {middle:.3g} ({low:.3g} to {high:.3g})"
-    yield from (
-        f"warning: {_place(weighed, judged)}: the other tests leave this a probability of "
-        f"{judged.probability:.1g}; look at the test, or leave it out"
-        for judged in weighed.judged
-        if judged.contradicts
-    )
-
-
-def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:
-    """Path of an input, its mean and spread before and after, and 90 % of it, in its units."""
-    mean, spread = unknown.shown, unknown.spread
-    if unknown.kind == "list":
-        odds = row["posterior"]["probability"]
-        best = max(odds, key=odds.__getitem__)
-        value = f"{mean.of(float(best)):g}{mean.suffix}"
-        return unknown.path, f"one of {len(odds)}", f"{value} likeliest, {odds[best]:.2f}", ""
-    before, after = (
-        f"{mean.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"
-        for name in ("prior", "posterior")
-    )
-    within = " to ".join(f"{mean.of(value):.4g}" for value in row["posterior"]["interval"])
-    unit = mean.suffix if spread == mean else f"{mean.suffix}, ± in{spread.suffix}"
-    return unknown.path, before, after, f"{within}{unit}"
-
-
-def _in_si(weighed: Posterior) -> Table:
-    """Mean and spread of each input before and after, in SI."""
-    words = {"prior": "before", "posterior": "after"}
-    moments = [(name, moment) for name in words for moment in ("mean", "sd")]
-    columns = (Column(f"{name}_{moment}", f"{words[name]} {moment}") for name, moment in moments)
-    rows = (
-        (row["path"], row["unit"], *(row[name].get(moment) for name, moment in moments))
-        for row in weighed.summary()
-    )
-    return Table((Column("input", "input"), Column("unit", "unit"), *columns), tuple(rows))
-
-
-def _place(weighed: Posterior, judged: Judged) -> str:
-    """Test, in words."""
-    test = judged.test
-    words = [f"{judged.sweep + 1}: at" if len(weighed.ensembles) > 1 else "at"]
-    words.append(f"{test['normal_load']:g} N")
-    if "bulk_temperature" in test:
-        words.append(f"and a bulk of {pipeline.display(test['bulk_temperature'], '°C')}")
-    outcome = test.get("outcome")
-    velocity = f"{test['velocity']:g} m/s"
-    words.append(f"{outcome} at {velocity}" if outcome else f"measured {velocity}")
-    return " ".join(words)
+    ends = {
+        "above": "; it may be larger, which is not considered",
+        "below": "; it may be smaller, which is not considered",
+    }
+    cut_off = ends.get(weighed.cut_off, "")
+    return f"{said}: by the tests {middle:.2g} % ({low:.2g} to {high:.2g}{cut_off})"

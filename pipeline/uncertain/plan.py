@@ -1,35 +1,37 @@
 """The next test: candidates, ranked by the spread of a target that each is expected to leave.
 
-A candidate is tried on truths drawn from what is known today: each gives the result that the test
-would have, scatter and measured friction included, all draws are weighed by it, and the spread that
-is left is averaged. So what is promised is what is had where the samples are right.
+A candidate is tried on truths drawn from what is known today. Each learns by a filter of its own
+(`pipeline.uncertain.learning`) the result that the test would have, scatter and measured friction
+included, and the spread that is left is averaged. No truth is among what it is weighed against, so
+many tests promise what is had, too.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr, softmax
+from scipy.special import ndtri
 
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.evidence import distances_of
 from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
+from pipeline.uncertain.learning import Features, Knowledge, Measurement
 from pipeline.uncertain.weigh import Posterior
 from tribo import InputError
 from tribo.types import Array
 
-_Measurement = tuple[str, Array, dict[str, float] | None]
-"""Words, logarithm of the likelihood of results by truth and draw, and the `Candidate.test`."""
 WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
-_DRAWS, _TRUTHS = 1024, 96
+_TRUTHS = 128
 _SCORES_APART = 2 * 1.645  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
 _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
@@ -101,8 +103,8 @@ def candidates(
     True
     """
     plan = _Plan(posterior, target, bulk_temperatures)
-    ranked = (plan.candidate(*measurement) for measurement in plan.measurements())
-    return tuple(sorted(ranked, key=lambda candidate: candidate.spread))
+    ranked = [plan.candidate(one, plan.left(one)) for one in plan.measurements()]
+    return tuple(sorted([*ranked, *plan.lists()], key=lambda candidate: candidate.spread))
 
 
 def plan_tests(
@@ -132,112 +134,130 @@ def plan_tests(
     """
     if count < 1:
         raise InputError(f"count is {count}; it must be at least 1")
-    plan, planned = _Plan(posterior, target, bulk_temperatures), []
-    so_far = np.zeros((_TRUTHS, len(plan.values)))
+    plan = _Plan(posterior, target, bulk_temperatures)
+    tests = [one for one in plan.measurements() if one.test]
+    planned = []
     for _ in range(count):
-        ranked = [
-            (plan.candidate(what, log_likelihood + so_far, test), log_likelihood)
-            for what, log_likelihood, test in plan.measurements()
-            if test
-        ]
-        best, log_likelihood = min(ranked, key=lambda pair: pair[0].spread)
-        so_far += log_likelihood
-        planned.append(best)
+        best = min(tests, key=plan.left)
+        plan.learn(best)
+        planned.append(plan.candidate(best))
     return tuple(planned)
 
 
 class _Plan:
-    """Draws of today, those of them that are taken as truths, and the target."""
+    """Truths drawn from what is known today, what each has learnt so far, and the target."""
 
     def __init__(
         self, posterior: Posterior, target: str | None, bulks: Sequence[float | str]
     ) -> None:
         self._posterior, self._ensemble = posterior, posterior.ensemble
-        # Of equal weight, so that truths are the first of them.
         self._chance = np.random.default_rng(self._ensemble.design.seed)
         draws = posterior.draws
-        kept = self._chance.choice(len(draws.weights), _DRAWS, p=draws.weights)
-        self._all = draws.inputs[kept]
-        self._inputs = self._all[:, posterior.columns[0]]
-        self._scatters = self._scatters_of_draws()
+        kept = self._chance.choice(len(draws.weights), _TRUTHS, p=draws.weights)
+        self._features = Features(posterior.unknown, draws, draws.inputs[kept])
+        self._columns = posterior.columns[0]
+        self._scatters = self._scatters_of_truths()
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
-        self._boundary = log_boundary(
-            self._ensemble, self._inputs, self._ensemble.loads, with_error=False
-        )[0]
-        self.values = self._target(target)
-        self.before = math.sqrt(float(self.values.var(axis=0).mean()))
+        self._target = self._slopes_of_target(target)
+        self._known = Knowledge.of(self._features)
+        self._before = self._known.spread(self._target)
 
-    def _target(self, target: str | None) -> Array:
-        """Values of the target by draw, shape (n, n_target)."""
-        if target is None:
-            return self._boundary
-        for quantity, column in zip(self._posterior.unknown, self._all.T, strict=True):
-            if quantity.path == target and quantity.kind != "list":
-                return np.asarray(np.log(column) if quantity.is_relative else column)[:, None]
+    def _of_sweep(self, inputs: Array) -> Array:
+        """Inputs of the sweep whose tests are planned, among all."""
+        return np.asarray(inputs[:, self._columns])
+
+    def _slopes_of_target(self, target: str | None) -> Array:
+        """Slopes of the target by the features at each truth, shape (n_target, n, n_feature)."""
         loads = self._ensemble.loads
-        try:
-            load = to_si(target, "400 N")
-        except UnitError:
-            load = math.nan
-        if not loads[0] <= load <= loads[-1]:
-            unknown = self._posterior.unknown
-            paths = ", ".join(quantity.path for quantity in unknown if quantity.kind != "list")
-            raise InputError(
-                f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
-                f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
+        for number, quantity in enumerate(self._posterior.unknown):
+            if quantity.path == target and quantity.kind != "list":
+                return self._features.of_input(number)[None]
+        load = math.nan
+        if target is not None:
+            try:
+                load = to_si(target, "400 N")
+            except UnitError:
+                load = math.nan
+            if not loads[0] <= load <= loads[-1]:
+                unknown = self._posterior.unknown
+                paths = ", ".join(quantity.path for quantity in unknown if quantity.kind != "list")
+                raise InputError(
+                    f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
+                    f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
+                )
+        wanted = loads if target is None else np.array([load])
+        return self._features.slopes(
+            lambda inputs: (
+                log_boundary(self._ensemble, self._of_sweep(inputs), wanted, with_error=False)[0].T
             )
-        return log_boundary(self._ensemble, self._inputs, [load], with_error=False)[0]
+        )[1]
 
-    def _scatters_of_draws(self) -> Array:
-        """Scatter of each draw, which all its tests share, unless the log gives it, shape (n,)."""
+    def _scatters_of_truths(self) -> Array:
+        """Scatter of each truth, which all its tests share, unless the log gives it, shape (n,)."""
         tests = [judged.test for judged in self._posterior.judged]
         said = [t["velocity_scatter"] / t["velocity"] for t in tests if "velocity_scatter" in t]
         if said:
-            return np.full(_DRAWS, np.mean(said))
+            return np.full(_TRUTHS, np.mean(said))
         low, middle, high = self._posterior.inferred_scatter
-        scores = self._chance.standard_normal(_DRAWS) / _SCORES_APART
+        scores = ndtri((self._chance.permutation(_TRUTHS) + 0.5) / _TRUTHS) / _SCORES_APART
         return np.asarray(middle * (high / low) ** scores)
 
-    def candidate(
-        self, what: str, log_likelihood: Array, test: dict[str, float] | None
-    ) -> Candidate:
-        """A measurement with the spread that a likelihood of draws leaves, averaged over truths."""
-        weights = softmax(log_likelihood, axis=1)
-        mean = weights @ self.values
-        variance = weights @ self.values**2 - mean**2
-        spread = math.sqrt(max(float(variance.mean()), 0.0))
-        return Candidate(what, spread, self.before, test)
+    def left(self, measurement: Measurement) -> float:
+        """Spread of the target that a measurement is expected to leave."""
+        return self._known.expected(measurement, self._target)
 
-    def measurements(self) -> Iterator[_Measurement]:
-        """All that could be measured, each with results drawn anew."""
+    def learn(self, measurement: Measurement) -> None:
+        """Let each truth learn the result that a measurement has of it."""
+        self._known = self._known.after(measurement, self._chance)
+
+    def candidate(self, measurement: Measurement, spread: float | None = None) -> Candidate:
+        """A measurement with the spread that it leaves; that of today if not given."""
+        left = self._known.spread(self._target) if spread is None else spread
+        return Candidate(measurement.what, left, self._before, measurement.test)
+
+    def measurements(self) -> Iterator[Measurement]:
+        """All that could be measured."""
         yield from self._tests()
-        for load, column in zip(self._ensemble.loads.tolist(), self._boundary.T, strict=True):
+        truths, loads = self._of_sweep(self._features.truths), self._ensemble.loads
+        boundary, _ = log_boundary(self._ensemble, truths, loads, with_error=False)
+        for load, column in zip(loads.tolist(), boundary.T, strict=True):
             middle = math.exp(float(np.median(column)))
             velocity = float(np.clip(middle, *self._ensemble.velocities))
-            width = self._ensemble.width(self._inputs, load, velocity)
-            error = math.hypot(WIDTH_SCATTER, float(np.mean(width.error)))
+            error = self._ensemble.width(truths, load, velocity).error
+            values, slopes = self._features.slopes(partial(self._log_width, load, velocity))
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
-            yield what, self._measured(width.values, np.full(_DRAWS, error)), None
-        for quantity, column in zip(self._posterior.unknown, self._all.T, strict=True):
+            yield Measurement(what, values[0], slopes[0], np.hypot(WIDTH_SCATTER, error))
+        for number, quantity in enumerate(self._posterior.unknown):
             if quantity.kind == "list":
-                same = column[:_TRUTHS, None] == column
-                yield f"{quantity.path} itself", np.where(same, 0.0, -np.inf), None
                 continue
-            values = np.log(column) if quantity.is_relative else column
             name = "friction" if quantity.path == FRICTION else quantity.path
+            place = self._features.numbers(number).start
+            values, slopes = self._features.of_truths[:, place], np.zeros_like(self._known.mean)
+            slopes[:, place] = 1.0
             what = f"{name}, to a tenth of its spread today"
-            error = max(_KNOWN * float(values.std()), 1e-300)
-            yield what, self._measured(values, np.full(_DRAWS, error)), None
+            yield Measurement(what, values, slopes, np.full(_TRUTHS, _KNOWN))
 
-    def _tests(self) -> Iterator[_Measurement]:
+    def _log_width(self, load: float, velocity: float, inputs: Array) -> Array:
+        """Logarithm of the contact's width at a point, shape (1, n)."""
+        return self._ensemble.width(self._of_sweep(inputs), load, velocity).values[None]
+
+    def lists(self) -> Iterator[Candidate]:
+        """Inputs that are one of a list, which could be found out."""
+        for number, quantity in enumerate(self._posterior.unknown):
+            if quantity.kind == "list":
+                known = self._known.knowing(self._features.numbers(number))
+                left = known.spread(self._target)
+                yield Candidate(f"{quantity.path} itself", left, self._before)
+
+    def _tests(self) -> Iterator[Measurement]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""
-        ensemble = self._ensemble
+        ensemble, inputs = self._ensemble, self._of_sweep(self._features.truths)
         bulks = self._bulks
         if not bulks:
-            bulk = float(np.median(ensemble.values(BULK, self._inputs)))
-            critical = float(np.median(ensemble.values(CRITICAL, self._inputs)))
+            bulk = float(np.median(ensemble.values(BULK, inputs)))
+            critical = float(np.median(ensemble.values(CRITICAL, inputs)))
             bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
-        about = self._friction_of_tests()
+        about = self._friction_of_tests(inputs)
         low, high = ensemble.velocities
         middle = math.sqrt(low * high)
         for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
@@ -245,28 +265,38 @@ class _Plan:
             judged = test | about
             if bulk == ensemble.conditions.bulk_temperature:
                 del judged["bulk_temperature"]  # which may be unknown
-            distances = distances_of(ensemble, [judged], self._inputs)
-            log_velocity = math.log(middle) - distances.values[0]
-            deviation = np.hypot(np.sqrt(distances.variance[0]), self._scatters)
+            log_velocity, deviation, slopes = self._transition(judged)
             where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
             likely = math.exp(float(np.median(log_velocity)))
             if low <= likely <= high:
                 what = f"the transition at {where}, about {likely:.3g} m/s"
-                likelihood = self._measured(log_velocity, deviation, *np.log([low, high]))
-                yield what, likelihood, test | {"velocity": likely}
+                ends = math.log(low), math.log(high)
+                at_likely = test | {"velocity": likely}
+                yield Measurement(what, log_velocity, slopes, deviation, *ends, at_likely)
             shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
             velocities = np.exp(np.quantile(log_velocity, shares)).clip(low, high)
             for velocity in np.unique(velocities).tolist():
                 what = f"a test at {where}, {velocity:.3g} m/s"
-                likelihood = self._outcome((math.log(velocity) - log_velocity) / deviation)
-                yield what, likelihood, test | {"velocity": velocity}
+                ends, place = (math.log(velocity),) * 2, test | {"velocity": velocity}
+                yield Measurement(what, log_velocity, slopes, deviation, *ends, place)
 
-    def _friction_of_tests(self) -> dict[str, float]:
+    def _transition(self, test: Mapping[str, Any]) -> tuple[Array, Array, Array]:
+        """Logarithm of each truth's critical velocity, its deviation in a test, and its slopes."""
+        place = math.log(test["velocity"])
+
+        def critical(inputs: Array) -> Array:
+            distances = distances_of(self._ensemble, [test], self._of_sweep(inputs))
+            return np.stack([place - distances.values[0], distances.variance[0]])
+
+        (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
+        return log_velocity, np.hypot(np.sqrt(variance), self._scatters), slopes
+
+    def _friction_of_tests(self, inputs: Array) -> dict[str, float]:
         """Friction of the next test and its scatter, by the log; neither if that has no friction.
 
         Before the first test friction is taken to be measured, only as well as it is known today.
         """
-        values = self._ensemble.values(FRICTION, self._inputs)
+        values = self._ensemble.values(FRICTION, inputs)
         tests = [judged.test for judged in self._posterior.judged]
         measured = [test for test in tests if test.get("friction") is not None]
         if tests and not measured:
@@ -277,25 +307,3 @@ class _Plan:
             "friction": float(np.median(frictions)),
             "friction_scatter": float(np.mean(scatters)),
         }
-
-    def _measured(
-        self, values: Array, deviation: Array, low: float = -math.inf, high: float = math.inf
-    ) -> Array:
-        """Likelihood of a number that is measured with an error, and may lie beyond two ends."""
-        chance = self._chance.standard_normal(_TRUTHS)
-        results = values[:_TRUTHS] + deviation[:_TRUTHS] * chance
-        log: Array = -0.5 * ((results[:, None] - values) / deviation) ** 2 - np.log(deviation)
-        log[results < low] = log_ndtr((low - values) / deviation)
-        log[results > high] = log_ndtr((values - high) / deviation)
-        return log
-
-    def _outcome(self, z: Array) -> Array:
-        """Likelihood of a test that turns severe with the probability Φ(z).
-
-        As many truths turn severe as are expected to, or chance would rank tests.
-        """
-        severe = np.clip(ndtr(z), 1e-12, 1 - 1e-12)
-        count = np.cumsum(np.append(self._chance.random(), severe[:_TRUTHS]))
-        is_severe = np.diff(np.floor(count)) > 0
-        log: Array = np.where(is_severe[:, None], np.log(severe), np.log1p(-severe))
-        return log

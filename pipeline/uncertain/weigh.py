@@ -16,6 +16,7 @@ import numpy as np
 from scipy.special import logsumexp, ndtr, softmax
 
 from pipeline.sweep.unknown import Unknown, correlations
+from pipeline.uncertain.criticism import cut_off, explains, faults
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import (
     SIGNS,
@@ -56,6 +57,8 @@ class Judged(NamedTuple):
         Critical velocity there that 5, 50 and 95 % stay below, given all tests [m/s].
     probability : float
         Probability of its outcome, or of a transition as far off, given all others.
+    is_blamed : bool
+        False if the model does not fit the others, either, so that it may be wrong instead.
 
     Examples
     --------
@@ -69,11 +72,12 @@ class Judged(NamedTuple):
     sweep: int
     critical_velocity: tuple[float, float, float]
     probability: float
+    is_blamed: bool = True
 
     @property
     def contradicts(self) -> bool:
-        """True if the others hardly allow it."""
-        return self.probability < _CONTRADICTS
+        """True if the others hardly allow it, and the model fits them."""
+        return self.is_blamed and self.probability < _CONTRADICTS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,6 +100,10 @@ class Posterior:
         Relative standard deviation that velocities are said to have.
     inferred_scatter : tuple of float
         That which 5, 50 and 95 % stay below, given the tests.
+    faults : tuple of str
+        Reasons why the model does not fit the tests, in words.
+    cut_off : {"", "above", "below"}
+        End at which the inferred scatter is cut off, since no larger or smaller one is considered.
 
     Examples
     --------
@@ -114,6 +122,13 @@ class Posterior:
     judged: tuple[Judged, ...]
     scatter: float
     inferred_scatter: tuple[float, float, float]
+    faults: tuple[str, ...] = ()
+    cut_off: str = ""
+
+    @property
+    def fits(self) -> bool:
+        """True if nothing speaks against the model; else no test is said to contradict others."""
+        return not self.faults
 
     @property
     def ensemble(self) -> Ensemble:
@@ -199,6 +214,9 @@ class Posterior:
             "fixed": {one.unknown.path: one.value for sw in self.ensembles for one in sw.fixed},
             "scatter": self.scatter,
             "inferred_scatter": _by_share(self.inferred_scatter),
+            "inferred_scatter_cut_off": self.cut_off or None,
+            "fits": self.fits,
+            "faults": list(self.faults),
             "samples": [len(ensemble.inputs) for ensemble in self.ensembles],
             "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
@@ -269,21 +287,43 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         distances, z, likelihoods, joint = judge(after)
         joint -= logsumexp(joint, axis=1, keepdims=True)  # as draws have equal weights
         draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
-    sweeps = [number for number, one in enumerate(ensembles) for _ in one.tests]
-    rows = zip(tests, sweeps, distances.values, z, likelihoods, strict=True)
-    judged = tuple(
-        Judged(
-            test,
-            sweep,
-            draws.interval(test["velocity"] * np.exp(-distance)),
-            _probability(test, score, softmax(joint - likelihood)),
-        )
-        for test, sweep, distance, score, likelihood in rows
+    inferred = _inferred(scatters, softmax(joint))
+    wrong = faults(unknown, draws, scatter, inferred)
+
+    def judged() -> Iterator[Judged]:
+        sweeps = [number for number, one in enumerate(ensembles) for _ in one.tests]
+        rows = zip(tests, sweeps, distances.values, z, likelihoods, strict=True)
+        for test, sweep, distance, score, likelihood in rows:
+            weights = softmax(joint - likelihood)  # without the test
+            others = Draws(draws.inputs, weights.sum(axis=1))
+            yield Judged(
+                test,
+                sweep,
+                draws.interval(test["velocity"] * np.exp(-distance)),
+                _probability(test, score, weights),
+                not wrong or explains(unknown, others, scatter, _inferred(scatters, weights)),
+            )
+
+    by_others = tuple(judged())
+    return Posterior(
+        ensembles,
+        unknown,
+        columns,
+        before,
+        draws,
+        by_others,
+        scatter,
+        inferred,
+        faults=() if any(one.contradicts for one in by_others) else wrong,
+        cut_off=cut_off(softmax(joint).sum(axis=0)),
     )
-    of_scatter = Draws(scatters[:, None], softmax(joint).sum(axis=0))
+
+
+def _inferred(scatters: Array, weights: Array) -> tuple[float, float, float]:
+    """Scatters that 5, 50 and 95 % stay below, by weights of draws and scatters."""
+    of_scatter = Draws(scatters[:, None], weights.sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
-    inferred = low, middle, high
-    return Posterior(ensembles, unknown, columns, before, draws, judged, scatter, inferred)
+    return low, middle, high
 
 
 def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[Any, ...]]:

@@ -244,6 +244,44 @@ def test_a_test_that_all_others_contradict_is_named():
     assert sum(judged.contradicts for judged in posterior.judged) == 1
 
 
+WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
+
+
+def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_test():
+    measured = transitions(np.array([418.15, 1.2e-15, 0.1, 4.5e-6]), 0.03, seed=1, loads=EIGHT)
+    sound = pipeline.posterior(ensemble((WIDE, RATE, FRICTION), tests=measured))
+    assert sound.fits
+    falling = [
+        dict(entry, velocity=entry["velocity"] ** 1.4)  # as µ ~ V to the power -0.2 makes it
+        for entry in measured
+    ]
+    wrong = pipeline.posterior(ensemble((WIDE, RATE, FRICTION), tests=falling))
+    assert not wrong.fits
+    assert wrong.faults[0].startswith("the tests scatter by")
+    assert min(judged.probability for judged in wrong.judged) < 0.2
+    assert not any(judged.contradicts for judged in wrong.judged)
+    assert wrong.as_dict()["fits"] is False
+
+
+def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():
+    hot = np.array([468.15, 1.2e-15, 0.1, 4.5e-6])
+    cool = Unknown(CRITICAL.path, "uniform", (383.15, 423.15), "K")
+    posterior = pipeline.posterior(ensemble((cool, LENGTH), tests=transitions(hot, 0.02, seed=3)))
+    assert not posterior.fits
+    assert "temperature.critical is pressed against the end" in " ".join(posterior.faults)
+    usual = pipeline.posterior(ensemble((WIDE, LENGTH), tests=transitions(hot - [20, 0, 0, 0])))
+    assert usual.fits
+
+
+def test_a_scatter_beyond_those_considered_is_cut_off_and_says_so():
+    truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
+    wild = transitions(truth, 0.2, seed=4, loads=EIGHT)
+    posterior = pipeline.posterior(ensemble(tests=wild), 0.02)
+    assert posterior.cut_off == "above"
+    assert posterior.as_dict()["inferred_scatter_cut_off"] == "above"
+    assert pipeline.posterior(ensemble(tests=wild), 0.2).cut_off == ""
+
+
 def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
     narrow = Unknown(CRITICAL.path, "normal", (418.15, 1.0), "K")
     truth = np.array([418.15, 1.2e-15, 0.1, 5.5e-6])
@@ -351,6 +389,33 @@ def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond,
     assert (beyond > 4) == (most_beyond > 0)
     assert beyond <= most_beyond
     assert math.sqrt(np.mean(np.square(had))) == pytest.approx(planned.spread, rel=0.2)
+
+
+@pytest.mark.parametrize("bulks", [["25 degC"], ["25 degC", "60 degC"]])
+def test_many_planned_tests_promise_the_spread_that_is_had(bulks):
+    """A truth that is among the draws it is weighed against would promise half of it."""
+    idle = OBVIOUS | {"friction_scatter": 0.002}
+    samples = ensemble((WIDE, RATE, FRICTION, LENGTH), tests=[idle])
+    batch = pipeline.plan_tests(pipeline.posterior(samples), 20, CRITICAL.path, bulks)
+    had = []
+    for number, truth in enumerate(drawn((WIDE, RATE, FRICTION, LENGTH), 7, 8)[:5]):
+        chance = np.random.default_rng(number)
+        tests = []
+        for planned in batch:
+            place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
+            limit = (truth[0] - place["bulk_temperature"]) / truth[2]
+            there = rise(truth[None, 1:], place["normal_load"], 1.0, (RATE, FRICTION, LENGTH))[0]
+            velocity = (limit / there) ** (1 / EXPONENT) * math.exp(0.05 * chance.normal())
+            friction = truth[2] * math.exp(0.02 * chance.normal())
+            about = {
+                "velocity": max(velocity, 0.5),
+                "friction": friction,
+                "friction_scatter": 0.002,
+            }
+            tests.append(place | about | ({"outcome": "severe"} if velocity < 0.5 else {}))
+        after = pipeline.posterior(dataclasses.replace(samples, tests=tuple(tests)))
+        had.append(next(after.summary())["posterior"]["sd"])
+    assert 0.8 < batch[-1].spread / math.sqrt(np.mean(np.square(had))) < 1.2
 
 
 def test_tests_are_planned_at_the_friction_that_the_log_has():

@@ -1,0 +1,209 @@
+"""What measurements teach of the unknown inputs: a Kalman filter for each of many truths.
+
+What is known of the inputs is a Gaussian, whose covariance is that of the draws of today. About
+each truth the result of a measurement is linear in the inputs, with slopes that are taken there. A
+number is learnt as a Kalman filter does. Of a result beyond an end, as of a test that is mild or
+severe, only the side is learnt: mean and variance are those of a Gaussian that is cut off there
+(assumed density; Minka, Expectation propagation, UAI 2001).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.special import log_ndtr, ndtr
+
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.inputs import Draws
+from tribo.types import Array
+
+_STEP = 0.25  # of the spread of an input, over which slopes are taken
+_LEAST = 1e-300  # of a spread
+_OUTERMOST = 12.0  # normal score, beyond which no result lies
+_LOG_ROOT = 0.5 * math.log(2 * math.pi)
+
+
+class Features:
+    """Truths among the inputs, and coordinates in which draws of them have a spread of about 1.
+
+    Inputs have their values, or the logarithm of those of which ratios count. A list has one for
+    each value: 1/√p where it is the one, and 0 elsewhere, if it has the probability p.
+    """
+
+    def __init__(self, unknown: Sequence[Unknown], draws: Draws, truths: Array) -> None:
+        self.truths = truths
+        self._unknown = tuple(unknown)
+        self._spreads = [_spread(one, draws, draws.inputs[:, i]) for i, one in enumerate(unknown)]
+        of_draws = self._of(draws.inputs)
+        self.mean = draws.mean(of_draws)
+        away = of_draws - self.mean
+        self.covariance: Array = (draws.weights * away.T) @ away
+        self.of_truths = self._of(truths)
+
+    def _of(self, inputs: Array) -> Array:
+        """Coordinates of inputs (n, n_unknown), shape (n, n_feature)."""
+        columns = []
+        for one, column, spread in zip(self._unknown, inputs.T, self._spreads, strict=True):
+            if one.kind == "list":
+                pairs = zip(one.parameters, spread, strict=True)
+                columns += [np.where(column == value, 1 / width, 0.0) for value, width in pairs]
+            else:
+                columns.append((np.log(column) if one.is_relative else column) / spread)
+        return np.stack(columns, axis=1)
+
+    def numbers(self, number: int) -> slice:
+        """Coordinates of an input."""
+        sizes = [len(one.parameters) if one.kind == "list" else 1 for one in self._unknown]
+        begin = sum(sizes[:number])
+        return slice(begin, begin + sizes[number])
+
+    def of_input(self, number: int) -> Array:
+        """Slopes of an input, which is no list, by the coordinates, shape (n, n_feature)."""
+        slopes = np.zeros_like(self.of_truths)
+        slopes[:, self.numbers(number)] = self._spreads[number]
+        return slopes
+
+    def slopes(self, function: Callable[[Array], Array]) -> tuple[Array, Array]:
+        """Outputs (m, n) at the truths, and their slopes by the coordinates, (m, n, n_feature)."""
+        shifted, widths = [self.truths], []
+        for number, (one, spread) in enumerate(zip(self._unknown, self._spreads, strict=True)):
+            column = self.truths[:, number]
+            if one.kind == "list":
+                for value, width in zip(one.parameters, spread, strict=True):
+                    shifted.append(_with_column(self.truths, number, np.full_like(column, value)))
+                    widths.append(np.full_like(column, 1 / width))
+                continue
+            place = self.numbers(number).start
+            # Towards the mean, so that no truth is led beyond what is possible.
+            step = -_STEP * np.where(self.of_truths[:, place] > self.mean[place], 1.0, -1.0)
+            by = step * spread
+            moved = column * np.exp(by) if one.is_relative else column + by
+            shifted.append(_with_column(self.truths, number, moved))
+            widths.append(step)
+        outputs = np.stack([function(inputs) for inputs in shifted], axis=-1)
+        return outputs[..., 0], (outputs[..., 1:] - outputs[..., :1]) / np.stack(widths, axis=-1)
+
+
+def _spread(one: Unknown, draws: Draws, column: Array) -> Any:
+    """Spread of an input; of a list the root of the probability of each value."""
+    if one.kind == "list":
+        shares = [draws.mean(column == value) for value in one.parameters]
+        return np.sqrt(np.maximum(shares, 1e-12))
+    values = np.log(column) if one.is_relative else column
+    return max(math.sqrt(float(draws.mean((values - draws.mean(values)) ** 2))), _LEAST)
+
+
+def _with_column(inputs: Array, number: int, column: Array) -> Array:
+    other = inputs.copy()
+    other[:, number] = column
+    return other
+
+
+class Measurement(NamedTuple):
+    """A measurement, with the result that it has of each truth.
+
+    ``values`` (n,) are true results, ``slopes`` (n, n_feature) those about each truth, and
+    ``deviation`` (n,) is the standard deviation of what is measured. Beyond ``low`` or ``high``
+    only that is learnt; a test that is mild or severe has both at its velocity. ``test`` is its
+    place.
+    """
+
+    what: str
+    values: Array
+    slopes: Array
+    deviation: Array
+    low: float = -math.inf
+    high: float = math.inf
+    test: dict[str, float] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """What each truth has learnt: a mean (n, n_feature) and a covariance of the coordinates."""
+
+    truths: Array
+    mean: Array
+    covariance: Array
+
+    @classmethod
+    def of(cls, features: Features) -> Knowledge:
+        """Knowledge of today, the same for each truth."""
+        truths = features.of_truths
+        mean = np.broadcast_to(features.mean, truths.shape)
+        covariance = np.broadcast_to(features.covariance, (*truths.shape, truths.shape[1]))
+        return cls(truths, mean, covariance)
+
+    def spread(self, target: Array) -> float:
+        """Standard deviation of a target by its slopes (m, n, n_feature), root mean square."""
+        return math.sqrt(max(float(self._variances(target).mean()), 0.0))
+
+    def expected(self, measurement: Measurement, target: Array) -> float:
+        """Spread of a target that a measurement is expected to leave."""
+        together, predicted, deviation = self._predicted(measurement)
+        low, high = _ends(measurement, predicted, deviation)
+        moved = np.einsum("mnf,nf->mn", target, together) / deviation
+        variances = self._variances(target) - _explained(low, high) * moved**2
+        return math.sqrt(max(float(variances.mean()), 0.0))
+
+    def after(self, measurement: Measurement, chance: np.random.Generator) -> Knowledge:
+        """What is known after a measurement, whose error is drawn for each truth."""
+        together, predicted, deviation = self._predicted(measurement)
+        low, high = _ends(measurement, predicted, deviation)
+        error = measurement.deviation * chance.standard_normal(len(self.truths))
+        result = (measurement.values + error - predicted) / deviation
+        below, above = _hazard(low), _hazard(-high)
+        shift = np.where(result < low, -below, np.where(result > high, above, result))
+        by_end = np.where(result < low, below * (below + low), above * (above - high))
+        learnt = np.where((result < low) | (result > high), by_end, 1.0)
+        gain = together / deviation[:, None]
+        covariance = self.covariance - np.einsum("n,nf,ng->nfg", learnt, gain, gain)
+        return Knowledge(self.truths, self.mean + shift[:, None] * gain, covariance)
+
+    def knowing(self, part: slice) -> Knowledge:
+        """What is known where some of the coordinates are."""
+        inside, across = self.covariance[:, part, part], self.covariance[:, part, :]
+        explained = across.transpose(0, 2, 1) @ np.linalg.pinv(inside, hermitian=True) @ across
+        return Knowledge(self.truths, self.mean, self.covariance - explained)
+
+    def _variances(self, target: Array) -> Array:
+        return np.asarray(np.einsum("mnf,nfg,mng->mn", target, self.covariance, target))
+
+    def _predicted(self, measurement: Measurement) -> tuple[Array, Array, Array]:
+        """Covariance of the coordinates with the result, its mean, and its standard deviation."""
+        slopes = measurement.slopes
+        together = np.einsum("nfg,ng->nf", self.covariance, slopes)
+        predicted = measurement.values + np.sum(slopes * (self.mean - self.truths), axis=1)
+        variance = np.maximum(np.sum(slopes * together, axis=1), 0.0) + measurement.deviation**2
+        return together, predicted, np.sqrt(variance)
+
+
+def _ends(measurement: Measurement, predicted: Array, deviation: Array) -> tuple[Array, Array]:
+    """Ends beyond which only the side is learnt, as normal scores."""
+    low, high = (
+        np.clip((end - predicted) / deviation, -_OUTERMOST, _OUTERMOST)
+        for end in (measurement.low, measurement.high)
+    )
+    return low, high
+
+
+def _hazard(score: Array) -> Array:
+    """Density of a normal score over the probability below it."""
+    return np.asarray(np.exp(-0.5 * score**2 - _LOG_ROOT - log_ndtr(score)))
+
+
+def _explained(low: Array, high: Array) -> Array:
+    """Share of the variance of a result that is learnt if only the side is known beyond two ends.
+
+    Examples
+    --------
+    >>> infinite = np.array([8.0])
+    >>> print(_explained(-infinite, infinite).round(6), _explained(0 * infinite, 0 * infinite))
+    [1.] [0.63661977]
+    """
+    density = [np.exp(-0.5 * end**2 - _LOG_ROOT) for end in (low, high)]
+    within = ndtr(high) - ndtr(low) - high * density[1] + low * density[0]
+    return np.asarray(within + density[0] * _hazard(low) + density[1] * _hazard(-high))
