@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import dask
-from distributed import Client, Future, wait
-from distributed.scheduler import KilledWorker
+from distributed import Client, Future
 from distributed.utils import silence_logging_cmgr
 
 from pipeline.run.local import processes
@@ -225,31 +224,6 @@ def require_same_code(theirs: Versions, worker: str) -> None:
             f"{theirs['folder']}, and this program code {ours['code']} from {ours['folder']}; "
             f"{_INSTALL}"
         )
-
-
-def is_processed(connection: Connection, keys: Collection[str]) -> bool:
-    """Presence of any of these tasks on a live worker."""
-    client, patience = connection.client, connection.patience
-    with _losses_named():
-        # As client.processing(), which may wait for ever.
-        processing = client.sync(client.scheduler.processing, callback_timeout=patience)
-        return any(key in keys for tasks in processing.values() for key in tasks)
-
-
-def wait_for_any(futures: Collection[Future], seconds: float) -> None:
-    """Wait until one of these tasks ends, or a time has passed [s]."""
-    if futures and not any(future.done() for future in futures):
-        with _losses_named(), suppress(TimeoutError):
-            wait(futures, timeout=seconds, return_when="FIRST_COMPLETED")
-
-
-def gathered(future: Future, seconds: float) -> Any:
-    """Result of a task that has ended; None if it does not arrive within a time [s]."""
-    with _losses_named():
-        try:
-            return future.result(timeout=seconds)
-        except (TimeoutError, KilledWorker):
-            return None
 
 
 @contextmanager

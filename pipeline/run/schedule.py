@@ -1,84 +1,77 @@
-"""Computes chains of points on the threads of a cluster.
+"""Computes the points of a sweep as tasks of Dask.
 
-A task computes points of one chain for about a second, and the next task of the chain depends on
-the trunk that it leaves. Short chains of one surface share a task. Dask decides what runs where,
-and runs a task again if its trunk was lost. Records of the points go to the driver, whose writer
-commits them; points whose records were lost with a worker are submitted anew.
+A task computes one point, or the points at one load that share a contact, and depends on the task
+of the next lower load on its ramp. Dask decides what runs where, and computes a trunk again that
+was lost. Of the ramps only so many are under way that each thread has one point waiting: the graph
+depends on no time. About once a second each worker is asked for the records that lie there; the
+writer commits them, and only then are they told as done.
 
-A worker that dies takes with it whatever it was given to do, and does not say what it died of. So
-the point at which each lost task was is suspected, and tried again in the end on a worker that
-computes nothing else. Kills from outside hit the same point again now and then, but not time after
-time: a point fails that kills even workers of its own.
+A worker that dies takes with it whatever it was given, and does not say what it died of. So each
+point that it was given is suspected, and tried again in the end on a worker that computes nothing
+else. Kills from outside hit the same point again now and then, but not time after time: a point
+fails that kills even workers of its own. Workers that leave in good order accuse nobody; a point
+that several of them had begun is too long for any.
 """
 
 from __future__ import annotations
 
 import itertools
 import pickle
-from bisect import bisect_left
+import threading
+import uuid
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import (
-    LOST,
-    Connection,
-    gathered,
-    is_processed,
-    require_same_code,
-    share,
-    threads_of,
-    wait_for_any,
-)
+from pipeline.run.cluster import LOST, Connection, require_same_code, share, threads_of
+from pipeline.run.reports import Reports
 from pipeline.run.source import SAFE, ExecutionError
+from pipeline.run.suspects import STARTS, Suspects
 from pipeline.run.versions import other_packages, packages_of
-from pipeline.run.work import compute_points, records_of
+from pipeline.run.work import Report, compute_points
 from pipeline.run.writer import Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.stages import duration
 
-TRIALS = 5  # alone, that a point may be lost in before it is called failed
-_STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
-_JOINED = 48  # points of a task: such short ones as fill a stretch, and few to be sent
-_POLL = 2.0  # [s] after which to look for workers that came or went
+_AHEAD = 2  # points for each thread: one that it computes, and one that waits
+_POLL = 1.0  # [s] between looks at the workers, and at what lies there
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
 _END = 300.0  # [s] without a worker that computes, after which the sweep is given up
 _KILLED = (
     "every worker process that computed it died, and the next one again: "
     "out of memory, or killed from outside"
 )
+_TOO_LONG = (
+    "begun on {} workers, each of which left before it was done, after {}: let workers live "
+    "longer, or take a coarser fidelity"
+)
 
 
-@dataclass(frozen=True, slots=True)
-class _Chain:
-    """Points still to compute on one ramp, and the trunk to go on from, if there is one.
+@dataclass(slots=True, eq=False)
+class _Ramp:
+    """Points still to compute on one ramp, a task for each load, and the task below the next."""
 
-    One that was lost with a worker is wary: each task computes one point of it.
+    loads: deque[tuple[Point, ...]]
+    below: Future | None = None
+
+
+@dataclass(slots=True, eq=False)
+class _Task:
+    """Points that a task computes, and its ramp; and its worker, if they are tried alone.
+
+    `begun` are the workers that were seen computing it, and when first and last [s].
     """
 
     points: tuple[Point, ...]
-    trunk: Future | None = None
-    is_wary: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class _Task:
-    """Points that a task computes, its result and their records; its worker if it runs alone."""
-
-    points: tuple[Point, ...]
-    stretch: Future
-    records: Future
+    future: Future
+    ramp: _Ramp
     alone_on: str | None = None
-    is_wary: bool = False
-
-    @property
-    def keys(self) -> tuple[str, str]:
-        """Names of both for Dask."""
-        return self.stretch.key, self.records.key
+    begun: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def compute(
@@ -99,168 +92,212 @@ def compute(
     ExecutionError
         If the cluster is lost, or nothing moves any more.
     """
-    workers = threads_of(connection)
-    run = _Run(connection, sweep, writer, map(_Chain, waiting))
-    while run.waiting or run.running or run.losses:
-        workers = threads_of(connection)
-        run.submit(workers)
-        wait_for_any([task.records for task in run.running], _POLL)
-        moved = run.look(workers)
-        report(writer.written())
-        run.watch(moved)
+    news = threading.Event()
+    with Reports(connection, news) as reports:
+        run = _Run(connection, sweep, writer, reports, map(_ramp_of, waiting))
+        silence = _Silence(connection)
+        while run.is_under_way():
+            moved = run.look()
+            run.submit()
+            report(writer.written())
+            silence.watch(moved, run.computes, run.running)
+            news.wait(_POLL)
+            news.clear()
     writer.flush()
     report(writer.written())
 
 
-class _Run:
-    """Chains that wait for a thread, tasks that run, and points that workers may die of.
+def _ramp_of(chain: Iterable[Point]) -> _Ramp:
+    loads = itertools.groupby(chain, key=lambda point: point.load)
+    return _Ramp(deque(tuple(points) for _, points in loads))
 
-    `losses` are the suspects, and how often each was lost while it was tried alone.
+
+class _Run:
+    """Ramps of which the next point can begin, and tasks.
+
+    `running` are those that have not ended, `computed` those whose records still lie on a worker.
+    `computes` is true if a worker said so when it was asked last.
     """
 
     def __init__(
-        self, connection: Connection, sweep: Sweep, writer: Writer, waiting: Iterable[_Chain]
+        self,
+        connection: Connection,
+        sweep: Sweep,
+        writer: Writer,
+        reports: Reports,
+        ramps: Iterable[_Ramp],
     ) -> None:
-        self._connection, self._client = connection, connection.client
-        self._writer, self._sweep = writer, sweep
+        self._connection, self._writer, self._reports = connection, writer, reports
         with_fields = "pressure" in writer.store.arrays
         self._pickled = pickle.dumps((sweep.changed(chosen=None), with_fields))
         self._parcel = share(connection, self._pickled)
-        self.waiting = deque(waiting)
+        self._numbers = itertools.count()
+        self._label = uuid.uuid4().hex[:8]  # a scheduler may know tasks of other runs
+        self._ramps = deque(ramps)
+        self._suspects = Suspects()
+        self._workers: Counter[str] = Counter()
+        self._looked = -_POLL
         self.running: list[_Task] = []
-        self.losses: dict[Point, int] = {}
+        self.computed: dict[str, _Task] = {}
+        self.computes = True
+
+    def is_under_way(self) -> bool:
+        """True as long as a point is not known as done or failed."""
+        return bool(self._ramps or self.running or self.computed or self._suspects)
+
+    # Tasks begin
+
+    def submit(self) -> None:
+        """Give the workers points; in the end, give each one suspect alone.
+
+        Dask counts the death of a worker against all tasks that it was given, so it is given few.
+        """
+        while self._ramps and len(self.running) < _AHEAD * self._workers.total():
+            ramp = self._ramps.popleft()
+            self._start(ramp, ramp.loads.popleft())
+        is_usual = self._ramps or any(task.alone_on is None for task in self.running)
+        if is_usual or not self._suspects:
+            return
+        self._workers = threads_of(self._connection)  # one that is gone would count as a loss
+        tried = {task.points[0] for task in (*self.running, *self.computed.values())}
+        free = set(self._workers) - {task.alone_on for task in self.running}
+        for worker, point in zip(free, self._suspects.besides(tried), strict=False):
+            self._start(_Ramp(deque()), (point,), worker)
+
+    def _start(self, ramp: _Ramp, points: tuple[Point, ...], alone_on: str | None = None) -> None:
+        parcel = self._parcel
+        if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
+            parcel = self._parcel = share(self._connection, self._pickled)
+        name = f"point-{_in_short(points)}-{self._label}-{next(self._numbers)}"
+        arguments = (compute_points, name, parcel, points, ramp.below)
+        future = self._connection.client.submit(*arguments, key=name, workers=alone_on)
+        future.add_done_callback(self._reports.wake)
+        self.running.append(_Task(points, future, ramp, alone_on))
+
+    # Tasks end
+
+    def look(self) -> bool:
+        """See what has become of the tasks; return whether any has ended."""
+        ended = [task for task in self.running if task.future.done()]
+        self.running = [task for task in self.running if task not in ended]
+        for task in ended:
+            self._end(task)
+        for key, task in [*self.computed.items()]:
+            if task.future.status in ("error", "cancelled"):  # lost, and once more when repeated
+                del self.computed[key]
+                self._recover(task)
+            elif self._has_lost_its_worker(task) and not task.future.done():
+                del self.computed[key]  # still suspected, and so tried again
+        self._look_at_workers()
+        return bool(ended)
+
+    def _look_at_workers(self) -> None:
+        """Now and then, ask them for records; take what they have answered meanwhile."""
+        now, is_last = self._connection.clock(), not (self._ramps or self.running)
+        are_there = any(task.future.status == "finished" for task in self.computed.values())
+        if now - self._looked >= _POLL or (is_last and are_there):
+            self._looked = now
+            self._workers = threads_of(self._connection)
+            self._reports.ask(self._workers, list(self.computed))
+        for worker, answer in self._reports.answers():
+            self._take(worker, answer, now)
+        self.computes = self._reports.computes(self._workers)
+        for task in [task for task in self.running if self._is_given_up(task)]:
+            self.running.remove(task)
+
+    def _end(self, task: _Task) -> None:
+        if task.future.status != "finished":
+            self._recover(task)
+            return
+        task.ramp.below = task.future
+        self._go_on(task.ramp)
+        task.ramp = _Ramp(deque())  # if its record is lost, its points are alone
+        self.computed[task.future.key] = task
+
+    def _go_on(self, ramp: _Ramp) -> None:
+        if ramp.loads:
+            self._ramps.appendleft(ramp)
+
+    def _take(self, worker: str, answer: Report, now: float) -> None:
+        """Take the records that a worker has, and note what it computes."""
+        require_same_code(answer.versions, worker)
+        if answer.records and other_packages(answer.versions):
+            self._writer.store.note_worker(packages_of(answer.versions))
+        for key, content in answer.records.items():
+            if self.computed.pop(key, None):  # not if another worker has a copy
+                self._settle(pickle.loads(content))
+        for task in self.running:
+            if task.future.key == answer.now:
+                task.begun[worker] = task.begun.get(worker, (now, now))[0], now
+
+    def _settle(self, records: Iterable[PointRecord]) -> None:
+        """Take records of points that are done or have failed."""
+        records = tuple(records)
+        self._writer.add(records)
+        for record in records:
+            self._suspects.acquit(record.point)
+
+    def _recover(self, task: _Task) -> None:
+        """Go on after a loss; suspect the points of the task if it was lost itself."""
+        error = task.future.exception() if task.future.status == "error" else None
+        if error is None or isinstance(error, CancelledError):
+            raise ExecutionError(LOST)
+        if isinstance(error, ExecutionError):  # of a worker that cannot run this program
+            raise error
+        if isinstance(error, KilledWorker) and error.task != task.future.key:
+            # What it depends on was lost too often: its ramp begins again.
+            task.ramp.below = None
+            task.ramp.loads.appendleft(task.points)
+        else:
+            killed = isinstance(error, KilledWorker)
+            self._accuse(task, _KILLED if killed else f"{type(error).__name__}: {error}")
+        self._go_on(task.ramp)
+
+    def _accuse(self, task: _Task, reason: str) -> None:
+        alone = task.alone_on is not None
+        guilty = [point for point in task.points if self._suspects.accuse(point, alone)]
+        self._settle(PointRecord(point, None, reason) for point in guilty)
+
+    def _has_lost_its_worker(self, task: _Task) -> bool:
+        """True of a task that may run nowhere, since the worker that it was given alone is gone."""
+        return task.alone_on is not None and task.alone_on not in self._workers
+
+    def _is_given_up(self, task: _Task) -> bool:
+        """True of a task whose own worker is gone, and of one that worker after worker leaves."""
+        if self._has_lost_its_worker(task):
+            self._accuse(task, _KILLED)
+            return True
+        left = [times for worker, times in task.begun.items() if worker not in self._workers]
+        if len(left) < STARTS:
+            return False
+        self._connection.client.cancel([task.future])
+        spans = ", ".join(duration(last - first) for first, last in left)
+        reason = _TOO_LONG.format(len(left), spans)
+        self._settle(PointRecord(point, None, reason) for point in task.points)
+        self._go_on(task.ramp)
+        return True
+
+
+def _in_short(points: tuple[Point, ...]) -> str:
+    """Place of a task for the dashboard, such as ``600N-1.5ms``, and how many share its contact."""
+    first, others = points[0], len(points) - 1
+    return f"{first.load:g}N-{first.velocity:g}ms" + f"-and-{others}-more" * bool(others)
+
+
+class _Silence:
+    """The time in which nothing has ended, and in which no worker has computed [s].
+
+    A point may take its time: as long as a worker computes one, there is no limit. But if tasks
+    wait and no worker computes one, something is wrong.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
         self._ended = self._computed = connection.clock()
         self._word = _WORD
 
-    def submit(self, workers: Counter[str]) -> None:
-        """Give the workers a task for each thread; in the end, give each one suspect alone.
-
-        Dask counts the death of a worker against all tasks that it was given, so it is given no
-        more than it can begin at once.
-        """
-        if self.waiting or any(task.alone_on is None for task in self.running):
-            while self.waiting and len(self.running) < workers.total():
-                self._start(self._next(workers.total()))
-            return
-        tried = {task.points[0] for task in self.running}
-        free = set(workers) - {task.alone_on for task in self.running}
-        suspects = sorted(self.losses, key=lambda point: self.losses[point])
-        untried = (point for point in suspects if point not in tried)
-        for worker, point in zip(free, untried, strict=False):
-            self._start(_Chain((point,)), worker)
-
-    def _next(self, threads: int) -> _Chain:
-        """Take the next chain: the first, so that few trunks are kept; near the end the longest."""
-        if self._are_many(threads):
-            return self._joined(self.waiting.popleft(), threads)
-        chain = max(self.waiting, key=lambda chain: len(chain.points))
-        self.waiting.remove(chain)
-        return chain
-
-    def _are_many(self, threads: int) -> bool:
-        """True if more chains wait than keep the workers busy to the end."""
-        return len(self.waiting) + len(self.running) >= 2 * threads
-
-    def _joined(self, chain: _Chain, threads: int) -> _Chain:
-        """A chain with its neighbours of the same surface that wait behind it, if many do."""
-        first, place, points = chain, chain.points[0].variant, list(chain.points)
-        while not self._sweep.plane.independent and self._are_many(threads) and self.waiting:
-            after = self.waiting[0]
-            if after.trunk or after.is_wary or chain.is_wary or after.points[0].variant != place:
-                break
-            # Those of the coarse pass are far apart, and begin on all workers at once: joined, the
-            # first picture of 10 000 points would have a few velocities of one end alone.
-            if self._rank(after) != self._rank(chain) + 1:
-                break
-            chain = after
-            if len(points) + len(after.points) > _JOINED:
-                break
-            points += self.waiting.popleft().points
-        return replace(first, points=tuple(points))
-
-    def _rank(self, chain: _Chain) -> int:
-        """Place of a chain's velocity among those of the sweep."""
-        return bisect_left(self._sweep.plane.velocities, chain.points[0].velocity)
-
-    def _put_back(
-        self, left: Iterable[Point], trunk: Future | None = None, is_wary: bool = False
-    ) -> None:
-        """Let points wait again, each ramp as a chain; the first one has a trunk."""
-        ramps = itertools.groupby(left, key=self._sweep.contact_of)
-        chains = [_Chain(tuple(points), None, is_wary) for _, points in ramps]
-        if chains:
-            chains[0] = replace(chains[0], trunk=trunk)
-        self.waiting.extendleft(reversed(chains))
-
-    def _start(self, chain: _Chain, worker: str | None = None) -> None:
-        parcel = self._parcel
-        if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
-            self._parcel = share(self._connection, self._pickled)
-        points = deque(chain.points)  # in a tuple, Dask would look for tasks point by point
-        arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
-        stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
-        records = self._client.submit(records_of, stretch, pure=False, workers=worker)
-        self.running.append(_Task(chain.points, stretch, records, worker, chain.is_wary))
-
-    def look(self, workers: Counter[str]) -> bool:
-        """See what has become of the tasks; return whether any has ended."""
-        ended = [task for task in self.running if self._has_ended(task, workers)]
-        self.running = [task for task in self.running if task not in ended]
-        return bool(ended)
-
-    def _has_ended(self, task: _Task, workers: Counter[str]) -> bool:
-        died = task.alone_on is not None and task.alone_on not in workers
-        if not (died or task.records.done()):
-            return False
-        error = _error(task)
-        if isinstance(error, ExecutionError):
-            raise error
-        if died or error:
-            self._recover(task, error)
-            return True
-        result = gathered(task.records, self._connection.patience)
-        if result is None:
-            return False  # lost on the way; Dask computes it again
-        theirs, content = result
-        require_same_code(theirs, f"that computed {task.points[0]}")
-        if other_packages(theirs):
-            self._writer.store.note_worker(packages_of(theirs))
-        records: tuple[PointRecord, ...] = pickle.loads(content)
-        self._settle(records)
-        if left := task.points[len(records) :]:
-            self._put_back(left, task.stretch, task.is_wary)
-        return True
-
-    def _settle(self, records: Collection[PointRecord]) -> None:
-        """Take records of points that are done or have failed."""
-        self._writer.add(records)
-        for record in records:
-            self.losses.pop(record.point, None)
-
-    def _recover(self, task: _Task, error: BaseException | None) -> None:
-        """Go on point by point after a loss; suspect the point at which that is lost."""
-        alone = task.alone_on is not None
-        if isinstance(error, KilledWorker) and error.task not in task.keys:
-            # What it depends on was lost too often; it goes on without.
-            if not alone:
-                self._put_back(task.points, None, task.is_wary)
-            return
-        if len(task.points) > 1 and not task.is_wary:  # it may have been at any of them
-            self._put_back(task.points, None, is_wary=True)
-            return
-        suspect, *others = task.points
-        self.losses[suspect] = self.losses.get(suspect, 0) + alone
-        self._put_back(others, None, task.is_wary)
-        if self.losses[suspect] >= TRIALS:
-            killed = error is None or isinstance(error, KilledWorker)
-            reason = _KILLED if killed else f"{type(error).__name__}: {error}"
-            self._settle([PointRecord(suspect, None, reason)])
-
-    def watch(self, moved: bool) -> None:
+    def watch(self, moved: bool, computes: bool, running: Sequence[_Task]) -> None:
         """Tell the user if nothing has ended for long.
-
-        A point may take its time: as long as a worker computes one, there is no limit. But if tasks
-        wait and no worker has been given one, something is wrong.
 
         Raises
         ------
@@ -268,11 +305,9 @@ class _Run:
             If no worker computes any more.
         """
         now = self._connection.clock()
-        keys = {key for task in self.running for key in task.keys}
-        others = f" and {n} more" if (n := len(self.running) - 1) > 0 else ""
         if moved:
             self._ended, self._word = now, _WORD
-        if moved or is_processed(self._connection, keys):
+        if moved or computes:
             self._computed = now
         silence = now - self._ended
         words = f"no point has been finished for {silence:.0f} s"
@@ -280,16 +315,6 @@ class _Run:
             raise ExecutionError(f"{words}, and no worker computes any; {SAFE}")
         if silence >= self._word:
             self._word *= 2
-            first = next((f"{task.points[0]}{others}" for task in self.running), "a worker")
+            others = f" and {n} more" if (n := len(running) - 1) > 0 else ""
+            first = next((f"{task.points[0]}{others}" for task in running), "a worker")
             self._connection.tell(f"{words}; waiting for {first}")
-
-
-def _error(task: _Task) -> BaseException | None:
-    """Reason why a task did not finish, if it did not."""
-    for future in (task.stretch, task.records):
-        error: BaseException | None = future.exception() if future.status == "error" else None
-        if future.status == "cancelled" or isinstance(error, CancelledError):
-            return ExecutionError(LOST)
-        if error:
-            return error
-    return None

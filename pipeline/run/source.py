@@ -45,8 +45,8 @@ CONFIGURATION = {
     "distributed.scheduler.active-memory-manager.start": False,
 }
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
-THREADS = 2
-"""Threads of a worker: while one waits, the other computes."""
+THREADS = 1
+"""Threads of a worker."""
 Tell = Callable[[str], None]
 
 

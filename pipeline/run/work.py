@@ -1,19 +1,19 @@
-"""Tasks of a worker: points of a chain, one after the other.
+"""What a worker does: the task of a point, and what it tells the driver while it computes.
 
-The trunk at the end stays on the worker for the next task of the chain; the driver takes the
-records alone, and writes them.
+A task leaves its result on the worker, since the next point of the ramp continues its trunk. The
+driver takes the records alone, some times a minute, without a task.
 """
 
 from __future__ import annotations
 
 import functools
-import itertools
 import pickle
 import threading
-import time
-from collections.abc import Iterable
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
+
+from distributed import Worker
 
 from pipeline.run.source import SAFE, ExecutionError
 from pipeline.run.versions import Versions, versions
@@ -22,60 +22,61 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_points
 from tribo import InputError
 
-# Buffers of the transforms are shared within a process. The second thread computes while the
-# results of the first are on their way.
+# Buffers of the transforms are shared within a process.
 _one_at_a_time = threading.Lock()
+_now: str | None = None  # name of the task that holds it
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
-    """Result of a task: its points, and the trunk of a ramp that the next load continues."""
+class Computed:
+    """Result of a task: records of its points, and the trunk that the next load continues."""
 
     records: tuple[PointRecord, ...]
     trunk: Trunk | None
-    ramp: tuple[Any, ...] | None
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Dask rebuilds arrays at odd addresses, where NumPy sums in another order: last digits of
         # a point would depend on whether its trunk had travelled. Bytes are unpickled as usual.
-        return _unpickled, (pickle.dumps((self.records, self.trunk, self.ramp)),)
+        return _unpickled, (pickle.dumps((self.records, self.trunk)),)
 
 
-def _unpickled(parts: bytes) -> Stretch:
-    return Stretch(*pickle.loads(parts))
+def _unpickled(parts: bytes) -> Computed:
+    return Computed(*pickle.loads(parts))
+
+
+class Report(NamedTuple):
+    """What a worker tells: its versions, the task that it computes, and pickled records by task."""
+
+    versions: Versions
+    now: str | None
+    records: dict[str, bytes]
 
 
 def compute_points(
-    parcel: bytes, points: Iterable[Point], before: Stretch | None, seconds: float
-) -> Stretch:
-    """Compute points of one or more chains, at least one, until the time is up.
+    name: str, parcel: bytes, points: Sequence[Point], below: Computed | None
+) -> Computed:
+    """Compute a point, or points at one load that share a contact, on from the load below.
 
-    A point that fails is recorded, and the next one continues the same trunk. The parcel is a
-    pickled sweep, and whether fields are stored.
+    One that fails is recorded, and the next load continues the same trunk. The name is that of the
+    task, the parcel a pickled sweep, and whether fields are stored.
     """
+    global _now
     sweep, with_fields = _unpacked(parcel)
-    trunk, ramp = (before.trunk, before.ramp) if before else (None, None)
-    end = time.monotonic() + seconds
-    records: list[PointRecord] = []
-    for (contact, _), rows in itertools.groupby(
-        points, key=lambda point: (sweep.contact_of(point), point.load)
-    ):
-        if contact != ramp:
-            trunk, ramp = None, contact
-        new, trunk = _computed(sweep, tuple(rows), trunk, with_fields)
-        records += new
-        if time.monotonic() > end:
-            break
-    return Stretch(tuple(records), trunk, ramp)
+    with _one_at_a_time:
+        _now = name
+        try:
+            records, trunk = _computed(sweep, points, below.trunk if below else None, with_fields)
+        finally:
+            _now = None
+    return Computed(tuple(records), trunk)
 
 
 def _computed(
-    sweep: Sweep, points: tuple[Point, ...], trunk: Trunk | None, with_fields: bool
+    sweep: Sweep, points: Sequence[Point], trunk: Trunk | None, with_fields: bool
 ) -> tuple[list[PointRecord], Trunk | None]:
     """Records of points of one contact, and the trunk after them."""
     try:
-        with _one_at_a_time:
-            results = run_points(sweep, points, trunk)
+        results = run_points(sweep, points, trunk)
     except Exception as error:
         if len(points) > 1:  # the others may have a solution
             alone = [_computed(sweep, (point,), None, with_fields)[0] for point in points]
@@ -84,9 +85,13 @@ def _computed(
     return [packed(result.record(with_fields)) for result in results], results[0].trunk
 
 
-def records_of(stretch: Stretch) -> tuple[Versions, bytes]:
-    """Pickled records of a task, without its trunk, and the versions that computed them."""
-    return versions(), pickle.dumps(stretch.records)
+def report(keys: Collection[str], dask_worker: Worker) -> Report:
+    """Records of those of these tasks whose results lie on a worker, and what it does.
+
+    It runs in the worker's event loop, so that a long point does not keep finished ones waiting.
+    """
+    found = {key: dask_worker.data[key].records for key in keys if key in dask_worker.data}
+    return Report(versions(), _now, {key: pickle.dumps(records) for key, records in found.items()})
 
 
 @functools.lru_cache(maxsize=1)

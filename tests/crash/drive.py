@@ -15,7 +15,7 @@ from pathlib import Path
 from unittest import mock
 
 from pipeline.cli import main as irg
-from pipeline.run import schedule, writer
+from pipeline.run import suspects, writer
 from pipeline.run import sweep as running
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError, Source
@@ -119,7 +119,7 @@ def _unlocked():
 
 
 def _all_blamed():
-    return mock.patch.object(schedule, "TRIALS", 0)
+    return mock.patch.object(suspects, "TRIALS", 0)
 
 
 MISTAKES = {

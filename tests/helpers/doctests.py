@@ -3,7 +3,7 @@
 A plugin of pytest, so that it reaches the packages: their folders hold no tests of their own.
 """
 
-import pickle
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -47,12 +47,15 @@ def folder_with_results(tmp_path_factory):
 def _compute(scene, path):
     """Compute a scene here, without a cluster."""
     import pipeline
-    from pipeline.run.work import compute_points
     from pipeline.store.create import writing
-    from pipeline.sweep.plan import chains, points
+    from pipeline.store.packing import packed
+    from pipeline.sweep.plan import chains, points, run_points
 
     sweep = pipeline.load_scene(scene)
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
         for chain in chains(points(sweep), sweep):
-            parcel = pickle.dumps((sweep, sweep.record.fields))
-            store.commit(compute_points(parcel, chain, None, 1e9).records)
+            trunk = None
+            for _, places in itertools.groupby(chain, key=lambda point: point.load):
+                results = run_points(sweep, tuple(places), trunk)
+                trunk = results[0].trunk
+                store.commit([packed(result.record(sweep.record.fields)) for result in results])

@@ -80,7 +80,7 @@ ROOMS = {
     ),
     "store": (["pipeline/store"], ["pipeline/store", f"{PIPELINE}/store"]),
     "schedule": (
-        files_of("pipeline/run/*.py", "schedule work writer"),
+        files_of("pipeline/run/*.py", "reports schedule suspects work writer"),
         files_of(f"{PIPELINE}/run/test_*.py", "schedule writer"),
     ),
     "implicit_end": (

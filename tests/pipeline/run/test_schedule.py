@@ -1,10 +1,10 @@
-"""Results of a task, and the fate of lost ones (pipeline/run/schedule.py and work.py).
+"""Tasks of points, and the fate of lost ones (pipeline/run/schedule.py, suspects.py and work.py).
 
 Workers that really die are in test_sweep.py.
 """
 
 import pickle
-from collections import Counter, deque
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -13,10 +13,11 @@ import xarray as xr
 import pipeline
 import tribo
 from pipeline.analysis.attributes import attributes_of
-from pipeline.run import order, schedule, work
+from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection
-from pipeline.run.schedule import TRIALS, compute
+from pipeline.run.schedule import compute
 from pipeline.run.source import ExecutionError, Source, unheard
+from pipeline.run.suspects import STARTS, TRIALS
 from pipeline.run.writer import Writer
 from pipeline.store.create import writing
 from pipeline.store.progress import summarized
@@ -30,11 +31,10 @@ SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 8).tolist()))
 
 @pytest.fixture
 def compute_sweep(tmp_path, monkeypatch):
-    """A function that computes a sweep in tasks of some duration, on a client without a cluster."""
+    """A function that computes a sweep on a client without a cluster."""
+    monkeypatch.setattr(schedule, "_POLL", 0.01)
 
-    def compute_all(seconds=1e9, client=None, tell=None):
-        monkeypatch.setattr(schedule, "_STRETCH", seconds)
-        monkeypatch.setattr(schedule, "_POLL", 0.01)
+    def compute_all(client=None, tell=None):
         ended = []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = chains(points(SWEEP), SWEEP)
@@ -63,24 +63,19 @@ def assert_is_as_computed_alone(store, place):
             assert stored.tobytes() == expected[name].tobytes()
 
 
-def test_short_points_share_a_task_with_the_next_of_their_chain_and_with_other_chains(
-    compute_sweep,
-):
-    """As long as enough chains are left for other workers."""
+def test_each_point_is_a_task_whatever_it_takes(compute_sweep):
     client = LocalClient(workers=2)
     store, ended = compute_sweep(client=client)
-    assert [len(task[1]) for task in client.tasks] == [15, 3, 3, 3]
+    assert sorted(client.tasks) == sorted((place,) for place in points(SWEEP))
     assert ended == {"done": 24}
     for place in points(SWEEP)[9:12]:
         assert_is_as_computed_alone(store, place)
 
 
-def test_a_point_that_fails_costs_no_other_of_its_task(compute_sweep, monkeypatch):
+def test_a_point_that_fails_costs_no_other_of_its_ramp(compute_sweep, monkeypatch):
     bad = points(SWEEP)[10]
     monkeypatch.setattr(work, "run_points", failing_at(bad))
-    client = LocalClient()
-    store, ended = compute_sweep(client=client)
-    assert len(client.tasks) == 2
+    store, ended = compute_sweep()
     assert ended == {"done": 23, "failed": 1}
     (failed,) = summarized(store).failed
     assert (failed.load, failed.velocity) == bad[:2]
@@ -89,12 +84,14 @@ def test_a_point_that_fails_costs_no_other_of_its_task(compute_sweep, monkeypatc
         assert_is_as_computed_alone(store, place)
 
 
-@pytest.mark.parametrize("number", [1, 2])
-def test_a_trunk_from_any_task_gives_the_same_numbers(number):
-    """As when Dask runs a task again for its trunk, and that comes less far or farther."""
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_a_trunk_from_any_lower_load_gives_the_same_numbers(number):
+    """As when Dask computes a trunk again that was lost, or none is left."""
     parcel, (first, second, third) = pickle.dumps((SWEEP, False)), points(SWEEP)[:3]
-    before = work.compute_points(parcel, (first, second)[:number], None, 1e9)
-    (*_, record) = work.compute_points(parcel, (third,), before, 1e9).records
+    below = None
+    for place in (first, second)[:number]:
+        below = pickle.loads(pickle.dumps(work.compute_points("", parcel, (place,), below)))
+    (record,) = work.compute_points("", parcel, (third,), below).records
     for name, values in run_point(SWEEP, *third).columns.items():
         assert record.data[name].tobytes() == values.tobytes()
 
@@ -105,7 +102,7 @@ def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(co
     store, ended = compute_sweep(client=client)
     assert ended == {"done": 16, "failed": 8}
     assert set(store.points_at(np.nonzero(store.flags == FAILED))) == deadly
-    alone = [task[1] for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
+    alone = [task for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
     assert Counter(alone) == {(place,): TRIALS for place in deadly}
     for place in points(SWEEP)[:3:2]:
         assert_is_as_computed_alone(store, place)
@@ -113,7 +110,7 @@ def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(co
 
 def test_workers_that_are_killed_from_outside_cost_no_point(compute_sweep):
     client = LocalClient(workers=2, is_hit=lambda number: number % 3 == 0)
-    _, ended = compute_sweep(seconds=0.0, client=client)
+    _, ended = compute_sweep(client=client)
     assert ended == {"done": 24}
 
 
@@ -128,68 +125,97 @@ def test_the_packages_of_workers_that_differ_are_stored(compute_sweep, monkeypat
         assert "some points computed by workers with python" in ds.attrs["history"]
 
 
-class Lossy(LocalClient):
-    """A client of which finished tasks are lost with their worker, and then finished again."""
+class Forgetful(LocalClient):
+    """A client whose workers have lost their results the first times that they are asked."""
 
-    class Lost(Ended):
-        looks = 0
+    asked = 0
 
-        def done(self):
-            self.looks += 1
-            return self.looks > 3
-
-    def submit(self, *arguments, **options):
-        ended = super().submit(*arguments, **options)
-        ended.__class__ = self.Lost
-        return ended
+    def answer(self, worker, report):
+        self.asked += 1
+        return report if self.asked > 3 else report._replace(records={})
 
 
-def test_a_task_that_was_lost_after_it_had_finished_is_waited_for(compute_sweep, monkeypatch):
-    monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
-    _, ended = compute_sweep(client=Lossy())
+def test_results_that_were_lost_with_a_worker_are_waited_for(compute_sweep):
+    client = Forgetful()
+    _, ended = compute_sweep(client=client)
     assert ended == {"done": 24}
+    assert client.asked > 3
+
+
+class Dying(LocalClient):
+    """A client whose workers die as they are asked, and answer nothing."""
+
+    def answer(self, worker, report):
+        return OSError("the worker has died")
 
 
 class Stuck(LocalClient):
-    """A client that never finishes a task; workers have been given the first `busy` of them."""
+    """A client that never finishes a task; its worker computes for the first looks."""
 
     def __init__(self, busy=0):
         super().__init__()
-        self._busy, self._asked = busy, 0
+        self._busy, self.asked = busy, 0
 
-    def submit(self, function, *arguments, **options):
-        if len(arguments) == 1 and not isinstance(arguments[0], Ended):
-            return super().submit(function, *arguments, **options)
+    def submit(self, *arguments, key, **options):
         ended = Ended()
-        ended.key = "stuck"
+        ended.key = key
         return ended
 
-    def processing(self):
-        self._asked += 1
-        return {"here 0": ("stuck",) if self._asked <= self._busy else ()}
+    def answer(self, worker, report):
+        self.asked += 1
+        return report._replace(now="another" if self.asked <= self._busy else None)
 
 
 @pytest.mark.parametrize("busy", [0, 40])
 def test_a_sweep_in_which_nothing_moves_says_so_and_ends(compute_sweep, monkeypatch, busy):
     """But it does not end while a worker computes."""
-    monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
     monkeypatch.setattr(schedule, "_END", 0.2)
     monkeypatch.setattr(schedule, "_WORD", 0.1)
     messages, client = [], Stuck(busy)
     with pytest.raises(ExecutionError, match=r"no worker computes any; finished points are safe"):
         compute_sweep(client=client, tell=messages.append)
-    assert client._asked > busy
-    assert "no point has been finished for 0 s; waiting for 150 N, 0.5 m/s" in messages[0]
+    assert client.asked > busy
+    place = "waiting for 150 N, 0.5 m/s and 1 more"
+    assert f"no point has been finished for 0 s; {place}" in messages[0]
 
 
-def test_velocities_that_show_the_whole_boundary_early_are_tasks_of_their_own():
-    sweep = tiny.sweep(velocities=tuple(np.geomspace(0.5, 5.0, 400).tolist()))
-    run = object.__new__(schedule._Run)
-    run._sweep, run.running = sweep, []
-    in_order = order.coarse_first(chains(points(sweep), sweep), sweep.plane.velocities)
-    run.waiting = deque(map(schedule._Chain, in_order))
-    first, second = ({point.velocity for point in run._next(threads=2).points} for _ in range(2))
-    assert len(first) == len(second) == 1
-    while len(run.waiting) > 300:
-        neighbours = {point.velocity for point in run._next(threads=2).points}
-    assert len(neighbours) > 1
+def test_workers_that_do_not_answer_end_a_sweep_too(compute_sweep, monkeypatch):
+    monkeypatch.setattr(schedule, "_END", 0.2)
+    with pytest.raises(ExecutionError, match="no worker computes any"):
+        compute_sweep(client=Dying())
+
+
+class Retiring(LocalClient):
+    """A client whose workers leave before they are done with one point, and others come."""
+
+    def __init__(self, bad):
+        super().__init__()
+        self._bad, self.generation = bad, 0
+
+    def nthreads(self, **_):
+        return {f"worker {self.generation}": 1}
+
+    def submit(self, function, name, parcel, points, below, **options):
+        if self._bad not in points:
+            return super().submit(function, name, parcel, points, below, **options)
+        ended = Ended()
+        self.endless = ended.key = name
+        return ended
+
+    def answer(self, worker, report):
+        if hasattr(self, "endless") and not self.cancelled:
+            self.generation += 1
+            return report._replace(now=self.endless)
+        return report
+
+
+def test_a_point_that_is_begun_on_workers_that_all_leave_fails_and_others_go_on(compute_sweep):
+    bad = points(SWEEP)[9]
+    client = Retiring(bad)
+    store, ended = compute_sweep(client=client)
+    assert ended == {"done": 23, "failed": 1}
+    (failed,) = summarized(store).failed
+    assert (failed.load, failed.velocity) == bad[:2]
+    assert failed.message.startswith(f"begun on {STARTS} workers, each of which left before")
+    assert [future.key for future in client.cancelled] == [client.endless]
+    assert_is_as_computed_alone(store, points(SWEEP)[10])
