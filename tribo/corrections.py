@@ -37,6 +37,8 @@ NEEDED = (
 )  # fmt: skip
 """Columns of a step that corrections need."""
 
+Pin = Cylinder | Ball | Crowned
+
 
 @dataclass(frozen=True, slots=True)
 class Track:
@@ -66,7 +68,7 @@ class Track:
     heat_capacity: float
 
     @classmethod
-    def under(cls, pin: Cylinder | Ball | Crowned, body: Material, length: float) -> Self:
+    def under(cls, pin: Pin, body: Material, length: float) -> Self:
         """The track of a pin's contact around a body, of a length [m].
 
         Examples

@@ -22,6 +22,7 @@ from pipeline.analysis.boundary_tables import (
 )
 from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes
+from pipeline.analysis.turns import turns_left_out
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result
 from pipeline.cli.scenes import conditions_in, opened
@@ -39,9 +40,15 @@ def boundary(options: argparse.Namespace) -> Result:
         return boundary_of_samples(options, ds, conditions)
     crossings = pipeline.boundary(ds, **conditions)
     command = _command(crossings, options.store, ds)
-    text = [*text_of(crossings, command), *after_boundary(attributes_of(ds), options.store)]
+    cold = turns_left_out(ds, crossings, **conditions)
+    not_counted = ["", f"warning: {cold}"] if cold else []
+    text = [
+        *text_of(crossings, command),
+        *not_counted,
+        *after_boundary(attributes_of(ds), options.store),
+    ]
     warned = pipeline.warned(ds, **conditions)
-    document = document_of(crossings) | {"command": command}
+    document = document_of(crossings) | {"command": command, "not_counted": cold}
     return Result(document, text, warned, tables_of(crossings))
 
 

@@ -19,6 +19,7 @@ from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
+from pipeline.sweep.turns import note_on_turns
 from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def point(options: argparse.Namespace) -> Result:
         "failed_fraction_time": verdict.time,
         "severe": verdict.is_severe,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
+        "not_counted": note_on_turns(sweep, options.load, options.velocity),
         "wall_time": result.wall_time,
         **selected(sweep),
     }
@@ -73,6 +75,8 @@ def _on_point(
         yield "  note: the velocity is negative, so the disk slides towards −x"
     yield from (f"  note: {note}" for note in sweep.about.notes)
     yield from (f"  warning: {text}" for _, text in result.warnings)
+    if cold := note_on_turns(sweep, load, velocity):
+        yield f"  warning: {cold}"
 
 
 def _on_heat(

@@ -207,7 +207,8 @@ OVER = Option(
     "its own value; may be repeated",
 )  # fmt: skip
 PHYSICS = _flag(
-    "--physics", "physics that the scene leaves out, each with its size here and its certainty"
+    "--physics",
+    "physics beside the half-spaces: what is counted, could be, or cannot be sized",
 )
 SCATTER = Option(
     "--scatter", metavar="SHARE", type=values.share,

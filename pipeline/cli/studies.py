@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from pipeline.run.vary import Variations
 
 
+_STATES = ("counted", "could be counted", "cannot be sized")
+
+
 def vary(options: argparse.Namespace) -> Result:
     """Print and draw the boundary for each value of some entries."""
     over: dict[str, list[Any]] = {}
@@ -70,7 +73,7 @@ def _critical_velocities(result: Variations) -> Table:
 
 def _on_variations(result: Variations, table: Table) -> Iterator[str]:
     """The table with a column for each load, and physics that the scene leaves out."""
-    effects = {effect.name for effect in result.left_out}
+    effects = {effect.key[0] for effect in result.physics}
 
     def name(row: dict[str, Any]) -> str:
         is_alone = row["value"] == result.base.value or row["entry"] in effects
@@ -89,12 +92,17 @@ def _on_variations(result: Variations, table: Table) -> Iterator[str]:
         yield "in words: no transition between the sweep's velocities"
     yield ""
     yield f"from {result.points} points on the contacts of {result.contacts}"
-    for effect in result.left_out:
-        yield ""
-        yield f"{effect.name}: {effect.size}"
-        yield f"  certainty  {effect.certainty}"
-        if effect.entry:
-            yield f"  entry      {effect.entry}"
+    for state, group in itertools.groupby(
+        sorted(result.physics, key=lambda effect: _STATES.index(effect.state)),
+        key=lambda effect: effect.state,
+    ):
+        yield from ("", f"{state}:")
+        for effect in group:
+            yield f"  {effect.name}: {effect.size}"
+            if effect.certainty:
+                yield f"    certainty  {effect.certainty}"
+            if effect.entry:
+                yield f"    entry      {effect.entry}"
 
 
 def trade(options: argparse.Namespace) -> Result:

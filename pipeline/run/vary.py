@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.analysis.transition import Transition, outcomes
 from pipeline.run.boundary_search import BoundarySearch
-from pipeline.run.physics import LeftOut, physics_left_out
+from pipeline.run.physics import Effect, physics_of
 from pipeline.run.sharing import SharedContacts, SharedPoint
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.variants import absolute
@@ -70,8 +70,9 @@ class Variations:
         Points of all scenes, and the points whose contacts were computed for them.
     warned : Warned
         Points that carry a warning, over all scenes.
-    left_out : tuple of LeftOut
-        Physics that the scene leaves out, whose names are the keys of changes.
+    physics : tuple of Effect
+        Physics beside the half-spaces; where it can be sized its name is the key of a change, with
+        "without" before it where the scene counts it.
 
     Examples
     --------
@@ -90,7 +91,7 @@ class Variations:
     points: int
     contacts: int
     warned: Warned = NO_WARNING
-    left_out: tuple[LeftOut, ...] = ()
+    physics: tuple[Effect, ...] = ()
 
     def changes(self, variation: Variation) -> Array:
         """Relative change of the critical velocity at each load; NaN where there is none."""
@@ -127,7 +128,16 @@ class Variations:
             "points": self.points,
             "contacts": self.contacts,
             "warnings": self.warned.as_dict(),
-            "certainty": {effect.name: effect.certainty for effect in self.left_out},
+            "physics": [
+                {
+                    "key": effect.key[0],
+                    "state": effect.state,
+                    "size": effect.size,
+                    "certainty": effect.certainty,
+                    "entry": effect.entry,
+                }
+                for effect in self.physics
+            ],
         }
 
 
@@ -162,7 +172,8 @@ def vary(
         Called with a line before each scene: which, of how many, and the time to go; and with
         a note, if the scene has several values of an entry.
     physics : bool
-        Add the physics that the scene leaves out, each with a usual size.
+        Add the physics beside the half-spaces: each effect that the scene counts left out, each
+        other one with a usual size.
 
     Raises
     ------
@@ -187,8 +198,8 @@ def vary(
         for key, values in over.items()
         for value in absolute(scene, key, values, overrides)
     }
-    effects = physics_left_out(sweep) if physics else ()
-    others |= {(effect.name, effect.size): effect.scene for effect in effects}
+    effects = physics_of(sweep) if physics else ()
+    others |= {effect.key: effect.scene for effect in effects if effect.scene}
     planes: dict[Scene, _Plane] = {}
     contacts = SharedContacts()
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from pipeline.scene.facts import Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
+from pipeline.sweep.turns import note_on_turns
 from tribo import Crowned, Cylinder, Material, SelfAffineRoughness, analytic
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
@@ -111,6 +112,8 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
 
 
 def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    if note := note_on_turns(sweep):
+        yield note
     turns = [
         facts.duration.low * abs(sweep.scene.velocities_at(velocity).pin) / sweep.scene.track_length
         for velocity in sweep.plane.velocities

@@ -1,6 +1,7 @@
 """Physics beside the half-spaces: entries that cost no simulation, one for all answers."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.run.physics import physics_left_out
+from pipeline.run.physics import physics_of
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
@@ -149,7 +150,7 @@ def test_a_rod_does_not_hold_a_pin_that_turns(tmp_path, irg):
     scene = pipeline.load_scene(
         tmp_path / "plain.toml", overrides={"motion": {"slide_roll_ratio": 1}}
     )
-    assert "pin.stem" not in [effect.entry for effect in physics_left_out(scene)]
+    assert "pin.stem" not in [effect.entry for effect in physics_of(scene)]
 
 
 def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
@@ -178,6 +179,10 @@ def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
     command = ["vary", str(tmp_path / "plain.toml"), "--physics", "-q"]
     command += ["--set", 'pin.stem={resistance="8 K/W"}', "--set", 'sweep.loads=["400 N"]']
     budget = irg(*command)
-    assert "earlier passes in the track" in budget
-    assert "stem and holder" not in budget
+    table, counted = budget.split("counted:\n", 1)
+    counted, could_be, not_sized = re.split("\n(?:could be counted|cannot be sized):\n", counted)
+    for name in ("without stem and holder", "earlier turns", "bulk that follows", "oxide"):
+        assert f"\n{name}" in table
+    assert counted.count("  entry") == could_be.count("pin.stem") + 1 == 1
+    assert "plastic memory of the track: " in not_sized
     assert "--physics" in irg(*command[:2], "-q", code=2)

@@ -1,0 +1,52 @@
+"""Bodies that roll as if each turn met a cold track say so, with the size of what is missing."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.sweep.turns import note_on_turns
+
+COLD = {"without": ["pin.diameter", "disk.diameter"]}
+AROUND = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
+BOTH = "earlier turns of the pin and the disk are not counted"
+
+
+# The table of PHYSICS.md, section 14, on discs much wider than their contact.
+@pytest.mark.parametrize(
+    ("load", "velocity", "kelvin"), [(3e3, 6.6, 18.6), (5e3, 4.1, 22.0), (8e3, 2.5, 23.8)]
+)
+def test_the_size_of_what_is_missing_is_a_sum_over_turns(load, velocity, kelvin):
+    note = note_on_turns(pipeline.load_scene("twin_disc", overrides=COLD | AROUND), load, velocity)
+    assert f"{BOTH}, as if each met a cold track: on tracks of 314 mm" in note
+    assert f"about {kelvin:.2g} K more" in note
+
+
+def test_bodies_that_do_not_both_roll_or_have_tracks_say_nothing():
+    assert note_on_turns(pipeline.load_scene("first_try")) is None
+    assert note_on_turns(pipeline.load_scene("twin_disc")) is None
+    at_rest = AROUND | {"motion.slide_roll_ratio": 2.0}
+    assert note_on_turns(pipeline.load_scene("twin_disc", overrides=COLD | at_rest)) is None
+    one = pipeline.load_scene("twin_disc", overrides={"without": ["disk.diameter"]})
+    assert note_on_turns(one).startswith("earlier turns of the disk are not counted")
+
+
+def test_commands_say_what_a_scene_of_cold_discs_leaves_out(tmp_path, irg):
+    scene, store = tmp_path / "cold.toml", tmp_path / "cold.zarr"
+    scene.write_text(
+        'extends = "twin_disc"\nwithout = ["pin.diameter", "disk.diameter"]\n'
+        'motion.track_length = "314 mm"\nfidelity.preset = "draft"\n'
+        'sweep.loads = ["3 kN"]\nsweep.velocities = ["4 m/s", "5 m/s", "6 m/s", "7 m/s"]\n'
+    )
+    assert f"warning  {BOTH}" in irg("check", scene)
+    point = irg("point", scene, "--load=3 kN", "--velocity=6.6 m/s", "--json")
+    assert point["not_counted"].startswith(BOTH)
+    irg("run", scene, "-o", store, "-q")
+    said = irg("boundary", store, "--json")
+    assert "would move the critical velocities by -25 to -25 %" in said["not_counted"]
+    cold = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item()
+    warm = ('pin.diameter="100 mm"', 'disk.diameter="100 mm"')
+    settings = [argument for entry in warm for argument in ("--set", entry)]
+    irg("run", scene, "-o", store, "-q", *settings)
+    assert irg("boundary", store, "--json")["not_counted"] is None
+    moved = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item() / cold - 1
+    assert np.round(100 * moved) == -25
