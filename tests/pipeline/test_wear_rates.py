@@ -135,7 +135,7 @@ def test_the_page_has_the_boundary_at_each_wear_rate(store):
     return argument.map((given) => {
       chosen.conditions = { ...content.conditions, ...given };
       sweep.takeWearRate(given.wear_rate);
-      return [sweep.plane.velocities, summary().velocity.map(({ middle }) => middle)];
+      return [sweep.velocities, summary().velocity.map(({ middle }) => middle)];
     });
     """
     for rate, (velocities, critical) in zip(rates, run(ds, script, conditions), strict=True):

@@ -28,7 +28,7 @@ def places(sweep):
 
 def _rise(sweep, fidelity, place, velocity):
     """Decisive rise at a place, with its warnings."""
-    scene = sweep.variant(place.variant).changed(fidelity=fidelity)
+    scene = sweep.variant(place.variant).changed(fidelity=fidelity).scene
     state = state_at(scene, place.load, velocity)
     return decisive_rise(scene, state, sweep.conditions), warnings(scene, state)
 

@@ -86,7 +86,7 @@ def in_window(sweep, lengths, velocity):
         warnings = [
             warning
             for end in ends
-            for warning in tribo.warnings(sweep.scene, state_at(sweep, *end))
+            for warning in tribo.warnings(sweep.scene, state_at(sweep.scene, *end))
         ]
         if tribo.WarningKind.CONTACT_AT_EDGE not in (warning.kind for warning in warnings):
             break
@@ -97,7 +97,7 @@ def in_window(sweep, lengths, velocity):
 
 def _with_boundary(sweep, velocity):
     """Set the critical temperature to what a rough look gives in the middle of the diagram."""
-    state = state_at(sweep, sweep.plane.loads[2], velocity)
+    state = state_at(sweep.scene, sweep.plane.loads[2], velocity)
     rise = decisive_rise(sweep, state, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return sweep.changed(conditions=replace(sweep.conditions, critical_temperature=critical))
@@ -107,7 +107,7 @@ def state_at(scene, load, velocity):
     """State of a point that decides: the hottest under its full load."""
     hot = [
         state
-        for state in tribo.simulate(scene.scene, load, velocity)
+        for state in tribo.simulate(scene, load, velocity)
         if state.heat is not None and state.normal_load >= load
     ]
     return max(hot, key=lambda state: state.heat.max_rise) if len(hot) > 1 else hot[0]

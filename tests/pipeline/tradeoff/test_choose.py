@@ -30,8 +30,8 @@ WORN, UNWORN = (SCENES[name].changed(velocities=MANY) for name in ("low loads", 
 
 def test_it_picks_the_first_that_is_good_enough_and_says_why():
     changed = at_accuracy(WORN, 0.05)
-    selection = changed.selection
-    assert changed.fidelity == selection.fidelity == selection.trials[-1].fidelity
+    selection = changed.about.selection
+    assert changed.scene.fidelity == selection.fidelity == selection.trials[-1].fidelity
     assert all(trial.error > 0.05 for trial in selection.trials[:-1])
     assert selection.error <= 0.05
     assert selection.seconds > 0
@@ -43,7 +43,7 @@ def test_it_picks_the_first_that_is_good_enough_and_says_why():
         "velocity": selection.points[0][1],
     }
     assert Selection.from_dict(json.loads(json.dumps(selection.as_dict()))) == selection
-    assert changed.preset == (selection.name if selection.name in PRESETS else None)
+    assert changed.about.preset == (selection.name if selection.name in PRESETS else None)
 
 
 def test_the_choice_is_the_same_every_time():
@@ -114,7 +114,9 @@ def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
 def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
     slow = UNWORN.changed(velocities=tuple(velocity / 100 for velocity in MANY))
     warm = replace(slow.conditions, critical_temperature=slow.conditions.bulk_temperature + 12)
-    endless = replace(slow.fidelity, heat_kernel="endless")  # a pin that never cools to its ends
+    endless = replace(
+        slow.scene.fidelity, heat_kernel="endless"
+    )  # a pin that never cools to its ends
     slow = slow.changed(conditions=warm, fidelity=endless)
     loose, strict = (choose_fidelity(slow, accuracy) for accuracy in (0.3, 0.02))
     assert (loose.fidelity.heat_model, strict.fidelity.heat_model) == ("elapsed", "history")
@@ -140,8 +142,10 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     small = tiny.sweep().changed(loads=(250.0, 600.0), velocities=(1.0, 1.5))
     begun = at_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
-    assert stored_selection(out) == begun.selection
-    assert attributes_of(pipeline.open_sweep(out))["selection"]["name"] == begun.selection.name
+    assert stored_selection(out) == begun.about.selection
+    assert (
+        attributes_of(pipeline.open_sweep(out))["selection"]["name"] == begun.about.selection.name
+    )
 
     def refused(*_):
         raise AssertionError("another probe")
@@ -150,17 +154,20 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     grown = small.changed(velocities=(1.0, 1.25, 1.5))
     for accuracy in (0.1, 0.3):
         again = at_accuracy(grown, accuracy, store=out)
-        assert (again.fidelity, again.selection) == (begun.fidelity, begun.selection)
+        assert (again.scene.fidelity, again.about.selection) == (
+            begun.scene.fidelity,
+            begun.about.selection,
+        )
     outcome = pipeline.run_sweep(again, out, workers=1)
     assert (outcome.computed, outcome.done) == (2, 6)
     # Without --accuracy, but with the same fidelity, the reasons stay.
     pipeline.run_sweep(again.changed(selection=None), out, workers=1)
-    assert stored_selection(out) == begun.selection
-    stricter = begun.selection.error / 2
+    assert stored_selection(out) == begun.about.selection
+    stricter = begun.about.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
         at_accuracy(grown, stricter, store=out)
     # What the scene asks to see is its own, and not to be taken from the store.
-    more = grown.changed(fidelity=replace(grown.fidelity, temperature_interval=2))
+    more = grown.changed(fidelity=replace(grown.scene.fidelity, temperature_interval=2))
     with pytest.raises(pipeline.StoreMismatchError, match="temperature_interval"):
         pipeline.run_sweep(at_accuracy(more, 0.1, store=out), out, workers=1)
 
