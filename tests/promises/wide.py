@@ -149,7 +149,7 @@ def hertz(pin, disk, pressure):
 def _with_boundary(sweep, velocity, bulks):
     """Set bulk temperatures, apart by a share of the warming, and the critical one amid all."""
     scene = sweep.variant(sweep.variants.names[0])
-    warm = scene.changed(unequal_bulks=bulks != 0)
+    warm = scene.changed(unequal_bulks=bulks != 0).scene
     state = state_at(warm, sweep.plane.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
     if bulks:
