@@ -56,6 +56,8 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
 
     if options.quiet:
         output.QUIET.set()
+    # Of what is computed, no other command keeps anything before its end.
+    safe = "; finished points are safe" if options.command == "running:run" else ""
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: output.tell(f"note: {message}")
@@ -65,9 +67,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
                 sys.stdout.flush()  # here, where it can be said that it fails
             return int(result.code)
     except KeyboardInterrupt:
-        output.complain(
-            "interrupted; finished points are safe: run the same command again to go on"
-        )
+        output.complain(f"interrupted{safe}{safe and ': run the same command again to go on'}")
         return output.INTERRUPTED
     except pipeline.StoreMismatchError as error:
         output.complain(str(error))
@@ -82,12 +82,12 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
         if not is_lack_of_memory(error):
             if not isinstance(error, OSError):
                 raise
-            output.complain(f"cannot go on: {error}; finished points are safe")
+            output.complain(f"cannot go on: {error}{safe}")
             _drop_output()
             return output.WRONG_USE
         output.complain(
-            "out of memory, or of the threads and processes that this user may start (ulimit -a); "
-            "finished points are safe: take fewer workers or a coarser grid"
+            "out of memory, or of the threads and processes that this user may start (ulimit -a)"
+            f"{safe}: take fewer workers or a coarser grid"
         )
         return output.WRONG_USE
     finally:

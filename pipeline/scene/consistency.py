@@ -12,6 +12,7 @@ from pipeline.scene.library import nearest
 from pipeline.scene.parts import track_of
 from pipeline.scene.quantities import display
 from pipeline.scene.roughness import Roughness
+from tribo.loading.ramp import MOST_STEPS
 
 _ALIKE = 0.01  # by which two lengths of one track may differ
 Sound = Callable[..., list[Any]]
@@ -36,6 +37,8 @@ def check_tables(
     for misfits in (_of_bodies, _of_motion, _of_conditions, _of_oil):
         for key, problem in misfits(sound):
             faults.note(key, problem)
+    for key, problem in _of_steps(sound, fidelity.increments):
+        faults.note(key, problem)
     for table in ("measured", "tested"):
         for number, entry in enumerate(tables[table] or ()):
             if entry and entry["friction_scatter"] is not None and not entry["friction"]:
@@ -206,6 +209,34 @@ def _of_conditions(sound: Sound) -> Misfits:
             "pin and disk have bulk temperatures of their own, and then the rise is not "
             "proportional to friction; give one temperature.bulk, or leave this out",
         )
+
+
+def _of_steps(sound: Sound, increments: int) -> Misfits:
+    """Loads and holds that take more steps than anybody waits for."""
+    loading, loads, measured, tested = sound("loading", "sweep.loads", "measured", "tested")
+    if not loading or "rate" not in loading:
+        return
+    ramp = tribo.Ramp(loading["rate"], loading["reference_load"])
+    if (steps := max(loads) / ramp.increment(max(loads), increments)) > MOST_STEPS:
+        yield (
+            "loading.reference_load",
+            f"{display(ramp.reference_load, 'N')} is reached in fidelity.increments = {increments} "
+            f"steps, and so {display(max(loads), 'N')} in {steps:.3g}; {MOST_STEPS} are allowed: "
+            "give a higher one",
+        )
+    holds = [("loading.hold", loading["hold"], min(loads), loading["hold_steps"])]
+    for name, tests in (("measured", measured), ("tested", tested)):
+        for number, test in enumerate(tests or ()):
+            holds.append((f"{name}[{number}].hold", test["hold"] or 0.0, test["load"], None))
+    for key, hold, load, chosen in holds:
+        step = ramp.increment(load, increments) / ramp.rate
+        if not chosen and hold > MOST_STEPS * step:
+            cure = ", or loading.hold_steps" * (key == "loading.hold")
+            yield (
+                key,
+                f"{display(hold, 's')} takes {hold / step:.3g} steps at {display(load, 'N')}; "
+                f"{MOST_STEPS} are allowed: give a shorter one{cure}",
+            )
 
 
 def _of_oil(sound: Sound) -> Misfits:

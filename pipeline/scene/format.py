@@ -24,6 +24,7 @@ from pipeline.scene.schema import (
     fields_of,
 )
 from pipeline.sweep.unknown import MOST_SAMPLES
+from tribo.loading.ramp import MOST_STEPS
 
 
 def _length(example: str) -> Quantity:
@@ -200,7 +201,7 @@ LOADING = Either(
         "reference_load": Entry(Quantity("a load", "750 N"), _REFERENCE_LOAD),
         "hold": Optional(DURATION,
             "Time for which each load is held once it is reached.", default=0.0),
-        "hold_steps": Optional(Whole(at_least=1),
+        "hold_steps": Optional(Whole(at_least=1, at_most=MOST_STEPS),
             "Number of steps of the hold; by default as few as are no longer than those of the "
             "ramp."),
     }, form="ramp"),

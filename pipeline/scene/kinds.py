@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.units import RANGES, UnitError, exact_si, si_unit, to_si
+from tribo.loading.ramp import MOST_STEPS
 
-_LARGEST = 1e300
+_SMALLEST, _LARGEST = 1e-15, 1e15  # of a number without a unit
+_MOST = 2**63 - 1  # of a whole number, as a store keeps it
 
 
 class UnfitError(Exception):
@@ -98,10 +100,16 @@ class Number(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UnfitError(f"{quoted(value)} is not a plain number")
-        fits = self.above < value < self.below and self.at_least <= value <= self.at_most
-        if not fits or abs(value) > _LARGEST:
-            raise UnfitError(f"{quoted(value)} is out of range")
+        self._require_fit(value, _SMALLEST, _LARGEST)
         return float(value)
+
+    def _require_fit(self, value: float, smallest: float, largest: float) -> None:
+        """Raise `UnfitError` beyond the bounds, or the sizes that any number has but for 0."""
+        if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
+            raise UnfitError(f"{quoted(value)} is out of range")
+        if value and not smallest <= abs(value) <= largest:
+            span = f"which is from {smallest:g} to {largest:g}"
+            raise UnfitError(f"{quoted(value)} is out of range, {span}")
 
     def _limits(self) -> str:
         bounds = [f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items()]
@@ -123,7 +131,7 @@ class Whole(Number):
     def _read(self, value: Any, place: str, faults: Faults) -> int:
         if isinstance(value, bool) or not isinstance(value, int):
             raise UnfitError(f"{quoted(value)} is not a whole number")
-        super()._read(value, place, faults)
+        self._require_fit(value, 1, _MOST)
         return value
 
 
@@ -166,11 +174,15 @@ class Quantity(Kind):
         text = value.text if isinstance(value, Rounded) else value
         if not isinstance(text, str):
             raise UnfitError(f"{quoted(value)} has no unit")
-        in_si = to_si(text, like=self.example)
-        if isinstance(value, Rounded):
-            in_si = value.value
-        if not 0 <= in_si < math.inf or (in_si == 0 and not self.zero):
+        exact = exact_si(text, like=self.example)
+        in_si = value.value if isinstance(value, Rounded) else float(exact)
+        if exact == 0 and self.zero:
+            return in_si
+        if exact <= 0:
             raise UnfitError(f"{quoted(value)} is out of range")
+        low, high = RANGES[si_unit(self.example)]
+        if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
+            raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
         return in_si
 
 
@@ -195,4 +207,4 @@ def kind_of(hint: Any) -> Kind:
     """Kind of a value whose range its class checks itself, from its type."""
     if get_origin(hint) is Literal:
         return Choice(get_args(hint))
-    return {int: Whole(), float: Number(), bool: Flag(), str: Text()}[hint]
+    return {int: Whole(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]

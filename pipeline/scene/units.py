@@ -36,10 +36,38 @@ _USUAL = {
     "J kg-1 K-1": {"J/(kg K)": "1"},
     "m2 s-1": {"m^2/s": "1", "mm^2/s": "1e-6"},
     "m2 N-1": {"m^2/N": "1", "mm^3/(N m)": "1e-9", "1/GPa": "1e-9"},
+    "m2": {"m^2": "1", "mm^2": "1e-6"},
+    "K W-1": {"K/W": "1"},
+    "J K-1": {"J/K": "1"},
+    "W K-1": {"W/K": "1"},
 }
 """Values in SI of such units as most scenes are written in, for which pint need not be loaded.
 
 The keys are the units in SI as CF writes them, the first entries as scenes do.
+"""
+
+RANGES = {
+    "m": ("1e-12 m", "1e5 m"),
+    "m s-1": ("1e-9 m/s", "1e5 m/s"),
+    "s": ("1e-9 s", "1e12 s"),
+    "K": ("1e-9 K", "1e5 K"),
+    "N": ("1e-9 N", "1e9 N"),
+    "N s-1": ("1e-9 N/s", "1e12 N/s"),
+    "Pa": ("1e-3 Pa", "1e15 Pa"),
+    "Pa s": ("1e-9 Pa s", "1e9 Pa s"),
+    "kg m-3": ("1e-3 kg/m^3", "1e6 kg/m^3"),
+    "W m-1 K-1": ("1e-6 W/(m K)", "1e6 W/(m K)"),
+    "J kg-1 K-1": ("1e-3 J/(kg K)", "1e7 J/(kg K)"),
+    "m2 s-1": ("1e-12 m^2/s", "1e3 m^2/s"),
+    "m2 N-1": ("1e-30 m^2/N", "1e-3 m^2/N"),
+    "m2": ("1e-18 m^2", "1e6 m^2"),
+    "K W-1": ("1e-12 K/W", "1e12 K/W"),
+    "J K-1": ("1e-12 J/K", "1e12 J/K"),
+    "W K-1": ("1e-12 W/K", "1e12 W/K"),
+}
+"""Smallest and largest value of each unit in a scene.
+
+They are far beyond any machine, and far from where products of them leave double precision.
 """
 
 _ZERO = {"degC": Decimal("273.15")}

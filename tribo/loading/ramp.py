@@ -20,6 +20,10 @@ MOST_STEPS = 1_000_000
 """Steps that a load or a hold may take; more are an oversight."""
 
 
+_CURES = {
+    "hold": ("s", "Give a shorter hold, or hold_steps"),
+    "load": ("N", "Choose fewer increments or a higher reference_load"),
+}
 _FEWEST_SHARE = 0.25  # of the increments up to the reference load, that a load takes at least
 
 
@@ -97,6 +101,10 @@ class Ramp:
             raise InputError(f"hold is {self.hold!r} s; it must be finite and at least 0")
         if self.hold_steps is not None:
             require_integer(1, hold_steps=self.hold_steps)
+            if self.hold_steps > MOST_STEPS:
+                raise InputError(
+                    f"hold_steps is {self.hold_steps}; it must be at most {MOST_STEPS}"
+                )
 
     def increment(self, normal_load: float, increments: int) -> float:
         """Load by which each step of the trunk that leads to a load is higher [N].
@@ -135,7 +143,7 @@ class Ramp:
             yield station  # `yield from` would not keep the last one
         if self.hold:
             step = self.increment(normal_load, increments) / self.rate
-            steps = self.hold_steps or _whole(math.ceil, self.hold, step)
+            steps = self.hold_steps or _whole(math.ceil, "hold", self.hold, step)
             for number in range(1, steps + 1):
                 yield Station(
                     normal_load,
@@ -149,7 +157,7 @@ class Ramp:
     def _rise(self, normal_load: float, increments: int, after: float) -> Iterator[Station]:
         """Stations of the trunk, and the one at `normal_load`."""
         increment = self.increment(normal_load, increments)
-        last = _whole(math.floor, normal_load, increment)
+        last = _whole(math.floor, "load", normal_load, increment)
         first = round(after / increment) + 1
         for index in range(first, last + 1):
             load = index * increment
@@ -165,12 +173,13 @@ class Ramp:
         return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 
 
-def _whole(rounded: Callable[[float], int], whole: float, step: float) -> int:
+def _whole(rounded: Callable[[float], int], name: str, whole: float, step: float) -> int:
     """Number of steps that make up the whole; a whole number where it is one but for rounding."""
     steps = whole / step if step > 0 else math.inf
     if not steps <= MOST_STEPS:
+        unit, cure = _CURES[name]
         raise InputError(
-            f"{whole:g} takes {steps:g} steps of {step:g}; at most {MOST_STEPS} are allowed. "
-            "Choose fewer increments or a higher reference_load"
+            f"{name} is {whole:g} {unit}, which takes {steps:.3g} steps of {step:.3g} {unit}; at "
+            f"most {MOST_STEPS} are allowed. {cure}"
         )
     return rounded(steps * (1 - 1e-12 if rounded is math.ceil else 1 + 1e-12))

@@ -1,7 +1,8 @@
 """The scene format and ``tribo`` allow the same values.
 
 Each range stands in both: in the format for a message that names the key, in ``tribo`` for those
-who build scenes in Python. At each bound, and just beyond, both must say the same.
+who build scenes in Python. At each bound, and just beyond, both must say the same. Sizes that no
+machine has are faults of the format alone.
 """
 
 import math
@@ -15,6 +16,7 @@ from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Number, Quantity, Whole
 from pipeline.scene.reference import sections
 from pipeline.scene.schema import Either, List
+from pipeline.scene.units import RANGES, si_unit, to_si
 from pipeline.sweep.conditions import Conditions
 from tests.helpers.scenes import STEEL, small_scene
 
@@ -39,12 +41,17 @@ KINDS = {
 def at_bounds(kind):
     """Values at each bound of a kind, and just beyond it."""
     if isinstance(kind, Quantity):
-        return (-1e-30 if kind.zero else -1e-300, 0.0, 1e-30, 1.0, 300.0)
+        low, high = (to_si(end, kind.example) for end in RANGES[si_unit(kind.example)])
+        return (-low, 0.0, 1.001 * low, math.sqrt(low * high))
     if isinstance(kind, Whole):
         return (kind.at_least - 1, kind.at_least, kind.at_least + 1)
     bounds = kind.bounds.values()
     ends = (-math.inf, math.inf)
-    return tuple(value for b in bounds for value in (b, *(math.nextafter(b, end) for end in ends)))
+    beyond = {
+        b: [math.nextafter(b, end) if b else math.copysign(1e-12, end) for end in ends]
+        for b in bounds
+    }
+    return tuple(value for b, others in beyond.items() for value in (b, *others))
 
 
 def format_allows(path, value):
@@ -52,7 +59,7 @@ def format_allows(path, value):
     if isinstance(kind, Quantity):
         unit = kind.example.split(" ", 1)[1]
         scale = {"GPa": 1e9, "g/cm^3": 1e3, "um": 1e-6, "mm": 1e-3, "mm^2": 1e-6}
-        scale |= {"mm^3/(N m)": 1e-9}
+        scale |= {"mm^3/(N m)": 1e-9, "1/GPa": 1e-9}
         value = f"{value / scale.get(unit, 1.0):.17g} {'K' if unit == 'degC' else unit}"
     kind.read(value, path, faults)
     return not faults

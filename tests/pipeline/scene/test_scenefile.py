@@ -262,8 +262,11 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"window.pixels": [480, 481]}, "[480, 481] cannot be averaged 4 × 4; give multiples of"),
         ({"window.pixels": 480}, "480 is not a list"),
         ({"window.periodic_y": 1}, "give true or false"),
-        ({"window.pixel_size": ["1e308 um", "2 um"]}, "one side must be at most 1e+06 times the"),
-        ({"window.pixel_size": ["1e-300 um", "1e-300 um"]}, "element_area is 0.0"),
+        ({"window.pixel_size": ["1e10 um", "2 um"]}, "one side must be at most 1e+06 times the"),
+        (
+            {"window.pixel_size": ["1e-300 um", "1 um"]},
+            "out of range, which is from 1e-12 m to 1e5 m",
+        ),
         (BALL_TABLE | {"window.periodic_y": True}, "window.periodic_y: true does not fit a ball"),
         (BALL_TABLE | {"pin.shape": "crowned"}, "pin.crown_radius: missing; a crowned pin needs"),
         (CROWNED | {"pin.shape": "ball"}, "pin.crown_radius: 80 mm does not fit a ball; give"),
