@@ -7,9 +7,10 @@ import xarray as xr
 
 from pipeline.analysis.dataset import dataset_of, values_of
 from pipeline.analysis.interpolation import certain, interpolated
+from pipeline.analysis.soundness import require_sound
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.rises import columns_needed
 from tribo import InputError
 from tribo.types import Array
@@ -34,10 +35,14 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     columns["quantile"] = ds["quantile"].values
     rises = decisive_rises(columns, ds["load"].values[:, None, None], conditions)
     axes = ("realization", "load", "velocity")
+    dims = [name for name in axes if name in ds.dims]
+    rises = np.where(values_of(ds, "status") == DONE, rises, np.nan)
+    is_judged = conditions.critical_temperature is not None
+    require_sound(ds, rises, rise_limit(conditions) if is_judged else None, *dims)
     return xr.DataArray(
-        np.where(values_of(ds, "status") == DONE, rises, np.nan),
+        rises,
         {name: ds[name].variable for name in axes if name in ds.coords},
-        [name for name in axes if name in ds.dims],
+        dims,
         "decisive_rise",
         {"units": "K", "long_name": "decisive rise at friction 1"},
     )

@@ -13,6 +13,7 @@ from xarray.core import indexing
 from pipeline.store.place import PathLike, StoreError, damaged, place_of, reaches, reads
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, PENDING, RECORDS, is_coordinate
+from pipeline.store.sound import Reader
 from pipeline.store.write import Store
 from tribo.types import Mask
 
@@ -49,6 +50,7 @@ class _Backend(BackendEntrypoint):
                 present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask))
             dims, attributes = array.metadata.dimension_names, array.metadata.attributes
             variables[name] = xr.Variable(dims, present[name], attributes)
+        variables["status"].encoding["reader"] = Reader(store)
         coords = {name: variables.pop(name) for name in [*variables] if is_coordinate(name)}
         return xr.Dataset(variables, coords, store.attributes)
 

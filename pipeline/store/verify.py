@@ -241,7 +241,7 @@ def _fault(
     point: Point, entries: Mapping[str, Any], is_done: bool
 ) -> tuple[str, PointRecord | None]:
     """Fault of a point by its entries, lost ones None; its record anew if its data are intact."""
-    if is_done and (reason := _fault_of_data(point, entries)):
+    if is_done and (reason := fault_of_data(point, entries)):
         return reason, None
     if lost := [name for name in (*ABOUT, "record_checksum") if entries[name] is None]:
         return _unreadable(lost), _restored(point, entries, is_done)
@@ -251,7 +251,8 @@ def _fault(
     return "" if is_sound else _OTHER, None
 
 
-def _fault_of_data(point: Point, entries: Mapping[str, Any]) -> str:
+def fault_of_data(point: Point, entries: Mapping[str, Any]) -> str:
+    """Fault of the data of a done point by its entries, lost ones None; empty if they are sound."""
     data = {name: entries[name] for name in entries.keys() & {*STEPPED, *AT_END}}
     needed = data | {"checksum": entries["checksum"]}
     if lost := sorted(name for name, values in needed.items() if values is None):
