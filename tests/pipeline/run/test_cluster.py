@@ -1,5 +1,6 @@
 """Sweeps on clusters that others run (pipeline/run/cluster.py)."""
 
+import itertools
 import json
 import os
 import shutil
@@ -19,7 +20,7 @@ from types import SimpleNamespace
 import dask
 import psutil
 import pytest
-from distributed import Client, LocalCluster, Security
+from distributed import Client, LocalCluster, SchedulerPlugin, Security
 from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
@@ -318,15 +319,35 @@ def test_where_no_scheduler_answers_no_store_is_made(tmp_path, capsys):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_any_client_computes_the_same_a_point_at_a_time_in_each_worker(tmp_path, alone):
-    settings = {"processes": False, "n_workers": 2, "threads_per_worker": 3}
+class Tasks(SchedulerPlugin):
+    """The names of all tasks that a scheduler is given, and what each depends on."""
+
+    name = "tasks"
+
+    def __init__(self):
+        self.below = {}
+
+    def transition(self, key, start, finish, *_, **__):
+        if start == "released" and finish == "waiting":
+            self.below[key] = [task.key for task in self.scheduler.tasks[key].dependencies]
+
+
+def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
+    settings, tasks = {"processes": False, "n_workers": 2, "threads_per_worker": 3}, Tasks()
     with (
         LocalCluster(**settings, dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as client,
     ):
+        cluster.scheduler.add_plugin(tasks)
+        tasks.scheduler = cluster.scheduler
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(tmp_path / "out.zarr") == content(alone)
+    named = {key.rsplit("-", 2)[0]: below for key, below in tasks.below.items()}
+    places = itertools.product(SWEEP.plane.loads, SWEEP.plane.velocities)
+    assert named.keys() == {f"point-{load:g}N-{velocity:g}ms" for load, velocity in places}
+    assert [below.rsplit("-", 2)[0] for below in named["point-600N-1ms"]] == ["point-250N-1ms"]
+    assert named["point-150N-1ms"] == []
 
 
 def test_workers_that_lack_the_package_are_named_in_one_line(tmp_path):
