@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_table import table_of_points
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
@@ -240,7 +241,7 @@ def risk_table(
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> points = {"load": ["400 N", "400 N"], "velocity": ["1 m/s", "2.2 m/s"]}
     >>> pipeline.risk_table(ensemble, points).as_dict()["verdict"]
-    ['mild', 'uncertain']
+    ['mild', 'not decided']
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
     draws = draws_of(ensemble, draws)
@@ -248,7 +249,7 @@ def risk_table(
     def answer(load: float, velocity: float) -> tuple[Any, ...]:
         here, _, distance = _judged(ensemble, load, velocity, draws)
         (least, _, most), chance = QUANTILES, here.probability
-        verdict = "mild" if chance <= least else "severe" if chance >= most else "uncertain"
+        verdict = "mild" if chance <= least else "severe" if chance >= most else NOT_DECIDED
         ends = distance.middle, distance.low, distance.high
         return verdict, chance, here.error, *ends, None
 

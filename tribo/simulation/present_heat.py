@@ -6,6 +6,10 @@ erf(L/4√(κτ)) exp(−U²τ/4κ) / 2πKτ after a time τ. Where the load has
 than the model has; the difference is summed over τ along the loading. As both bodies have one
 temperature, each counts with the square of its share of the heat. How wide the contact was then
 does not matter.
+
+How much it is depends on how long the loading lasts. With `workflows/first_try.toml` at 400 N and
+0.1 m/s the rise is too warm by 0.7 % in a ramp of 5 s, 1.5 % in 1 s, 4 % in 0.1 s, 11 % in 10 ms
+and 21 % in 1 ms; at 3 m/s by a fifth to a quarter of that. A load that jumps late makes it 3 to 5 %.
 """
 
 from __future__ import annotations

@@ -159,7 +159,7 @@ def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, irg):
     assert document["temperatures"] == 0
     assert any("friction coefficient is 0" in reason for reason in document["saved"])
     irg("run", scene, "-o", out, "--workers", 1)
-    assert "mild at every velocity computed (to 4 m/s)" in irg("boundary", out)
+    assert "mild throughout" in irg("boundary", out)
     assert "without any heat" in irg("boundary", out, "--friction", "0.1", code=2)
     for command in (
         ("infer", scene),
