@@ -144,7 +144,7 @@ class Selection:
                 f"errs by up to {100 * self.largest_error:.3g} %, by which elements of twice the "
                 "pixels' size move it: give smaller pixels"
             )
-        elif self.error > self.accuracy:
+        if self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"
         tried = ", ".join(trial.name for trial in self.trials[:-1])
         why = f" ({tried}: not accurate enough)" if tried else ""
