@@ -9,7 +9,7 @@ does not matter.
 
 How much it is depends on how long the loading lasts. With `workflows/first_try.toml` at 400 N and
 0.1 m/s the rise is too warm by 0.7 % in a ramp of 5 s, 1.5 % in 1 s, 4 % in 0.1 s, 11 % in 10 ms
-and 21 % in 1 ms; at 3 m/s by a fifth to a quarter of that. A load that jumps late makes it 3 to 5 %.
+and 21 % in 1 ms; at 3 m/s by under a third of that. A load that jumps late makes it 3 to 5 %.
 """
 
 from __future__ import annotations
