@@ -15,7 +15,8 @@ from pipeline.analysis.scenes import scenes, stacked, value_text
 from pipeline.analysis.slow_rise import WORDS, slow_rise
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep import molten
+from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.warned import NO_WARNING, Warned
@@ -40,7 +41,7 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
     0
     """
     ds = dataset_of(ds)
-    flags = warnings_of(ds)
+    flags = warnings_of(ds) | _molten(ds, conditions) * int(WarningKind.MOLTEN)
     there = flags != 0
     if not there.any():
         return NO_WARNING
@@ -66,6 +67,20 @@ def warnings_of(ds: xr.Dataset) -> xr.DataArray:
     flags = flags | slow_rise(ds) * int(WarningKind.SLOW_RISE)
     all_flags: xr.DataArray = flags.transpose(..., "load", "velocity", missing_dims="ignore")
     return all_flags
+
+
+def _molten(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
+    """Points at which steel would have melted; none where no single condition judges them."""
+    if "velocity" not in ds["status"].dims or isinstance(conditions.get("friction"), Iterable):
+        return xr.zeros_like(ds["status"], bool)
+    # Of a criterion that is code nothing runs here; the share serves as well.
+    asked = conditions | {"criterion": "share"}
+    parts = [
+        contact_temperature(decisive_rise(scene, judged), judged) > molten.MELTS
+        for scene in scenes(ds)
+        for judged in [conditions_of(scene, **asked)]
+    ]
+    return stacked(parts, [ds[name] for name in entry_dims(ds)])
 
 
 def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
@@ -107,8 +122,10 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
     """The first message of those chosen, and its point; empty if a writer has just cleared it."""
     for place in np.argwhere(chosen.values):
         point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
-        slow = WORDS if flags.values[tuple(place)] & WarningKind.SLOW_RISE else ""
-        if message := str(point["message"].item()) or slow:
+        flag = flags.values[tuple(place)]
+        slow = WORDS if flag & WarningKind.SLOW_RISE else ""
+        melted = molten.WORDS if flag & WarningKind.MOLTEN else ""
+        if message := str(point["message"].item()) or slow or melted:
             names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
             values = tuple((name, value_text(ds[name], point[name].item())) for name in names)
             return f"{Point(point['load'].item(), point['velocity'].item(), values)}: {message}"

@@ -16,6 +16,7 @@ from pipeline.cli.progress import working
 from pipeline.cli.scenes import PLACE, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
+from pipeline.sweep import molten
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
@@ -46,6 +47,7 @@ def point(options: argparse.Namespace) -> Result:
         "failed_fraction_time": verdict.time,
         "severe": verdict.is_severe,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
+        "molten": verdict.decisive_temperature > molten.MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
         "wall_time": result.wall_time,
         **selected(sweep),
@@ -75,6 +77,8 @@ def _on_point(
         yield "  note: the velocity is negative, so the disk slides towards −x"
     yield from (f"  note: {note}" for note in sweep.about.notes)
     yield from (f"  warning: {text}" for _, text in result.warnings)
+    if verdict.decisive_temperature > molten.MELTS:
+        yield f"  warning: {molten.WORDS}"
     if cold := note_on_turns(sweep, load, velocity):
         yield f"  warning: {cold}"
 

@@ -53,6 +53,7 @@ class WarningKind(IntFlag):
     BEYOND_SHAPE = 64
     FEW_TURNS = 128
     SLOW_RISE = 256
+    MOLTEN = 512
     """Told by a whole sweep: a point does not know how its rise grows with the velocity."""
 
     @property
