@@ -42,6 +42,7 @@ from .lubricant import minimum_line_film as minimum_line_film
 from .lubricant import minimum_point_film as minimum_point_film
 from .material import Material as Material
 from .material import contact_modulus as contact_modulus
+from .simulation import PINS as PINS
 from .simulation import PRESETS as PRESETS
 from .simulation import Ball as Ball
 from .simulation import Crowned as Crowned
@@ -50,6 +51,7 @@ from .simulation import Fidelity as Fidelity
 from .simulation import Heat as Heat
 from .simulation import MeasuredRoughness as MeasuredRoughness
 from .simulation import Motion as Motion
+from .simulation import Pin as Pin
 from .simulation import PointWarning as PointWarning
 from .simulation import Scene as Scene
 from .simulation import SelfAffineRoughness as SelfAffineRoughness

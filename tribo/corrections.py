@@ -21,11 +21,10 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import scipy  # parts of it are loaded where they are used
 
-from tribo.analytic import hertz_contact
 from tribo.criterion import columns_of
 from tribo.errors import InputError, require_positive
 from tribo.material import Material
-from tribo.simulation import Ball, Crowned, Cylinder, Motion, Scene, State, measures
+from tribo.simulation import Motion, Pin, Scene, State, measures
 from tribo.simulation.present_heat import stations_so_far
 from tribo.thermal import Bulk, Stem, bulk_warming, circuit_rise, conductances, track_warming
 from tribo.thermal.circuit import Values
@@ -36,8 +35,6 @@ NEEDED = (
     "mean_rise",
 )  # fmt: skip
 """Columns of a step that corrections need."""
-
-Pin = Cylinder | Ball | Crowned
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +70,14 @@ class Track:
 
         Examples
         --------
+        >>> from tribo import Crowned
         >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
         >>> Track.under(Crowned(10e-3, 50e-3, steel), steel, 0.34).aspect
         2.8...
         """
-        of_point = hertz_contact(1.0, 1e11, pin.radius, crown_radius=pin.crown_radius)
+        aspect = pin.hertz(1.0, 1e11).aspect if pin.length is None else 1.0
         capacity = body.density * body.specific_heat
-        return cls(length, pin.length, of_point.aspect, body.thermal_diffusivity, capacity)
+        return cls(length, pin.length, aspect, body.thermal_diffusivity, capacity)
 
     def __post_init__(self) -> None:
         require_positive(**{k: v for k, v in asdict(self).items() if v is not None})

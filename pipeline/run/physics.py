@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.turns import cold_bodies, with_turns
-from tribo import Bulk, Corrections, Cylinder, Material, Stem, Track
+from tribo import Bulk, Corrections, Material, Stem, Track
 
 _TRACK = 0.34  # m, of the paper's disk
 _THICKNESS = 10e-3  # m, of a disk or a disc
@@ -291,7 +291,7 @@ def _stem_of(sweep: Sweep) -> tuple[float, float]:
     """Length [m] and cross section [m²] of a pin that is as long as it is wide."""
     pin = sweep.scene.pin
     across = math.pi * pin.radius**2
-    if isinstance(pin, Cylinder):
+    if pin.length is not None:
         across = 2 * pin.radius * pin.length
     return 2 * pin.radius, across
 

@@ -13,6 +13,7 @@ from pipeline.scene.parts import track_of
 from pipeline.scene.quantities import display
 from pipeline.scene.roughness import Roughness
 from tribo.loading.ramp import MOST_STEPS
+from tribo.simulation.pins import sizes_of
 
 _ALIKE = 0.01  # by which two lengths of one track may differ
 Sound = Callable[..., list[Any]]
@@ -114,15 +115,16 @@ def _of_bodies(sound: Sound) -> Misfits:
     if length:
         yield from _short_of_window("pin.length", length, pixels, sides, 1)
     shape, periodic = sound("pin.shape", "window.periodic_y")
-    if shape != "cylinder" and periodic:
+    if periodic and shape and "length" not in sizes_of(shape):
         problem = f"true does not fit a {shape} pin; give false, or leave it out"
         yield "window.periodic_y", problem
     shape, crown = sound("pin.shape", "pin.crown_radius")
-    if shape == "crowned" and crown is None:
-        problem = 'missing; a crowned pin needs its radius across sliding, such as "100 mm"'
+    has_crown = bool(shape) and "crown_radius" in sizes_of(shape)
+    if has_crown and crown is None:
+        problem = f'missing; a {shape} pin needs its radius across sliding, such as "100 mm"'
         yield "pin.crown_radius", problem
-    if shape == "ball" and crown is not None:
-        problem = f'{display(crown, "mm")} does not fit a ball; give shape = "crowned"'
+    if shape and not has_crown and crown is not None:
+        problem = f'{display(crown, "mm")} does not fit a {shape}; give shape = "crowned"'
         yield "pin.crown_radius", problem
 
 

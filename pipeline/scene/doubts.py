@@ -10,7 +10,7 @@ from pipeline.scene.facts import Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.sweep.turns import note_on_turns
-from tribo import Crowned, Cylinder, Material, SelfAffineRoughness, analytic
+from tribo import Material, SelfAffineRoughness
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -76,11 +76,12 @@ def _of_bodies(sweep: Sweep) -> Iterator[str]:
     owners = {"the ": pin} if pin == disk else {"the pin's ": pin, "the disk's ": disk}
     for owner, material in owners.items():
         yield from _of_material(owner, material)
-    yield from _RADIUS.doubt("the pin's ", sweep.scene.pin.radius)
-    if isinstance(sweep.scene.pin, Crowned):
-        yield from _CROWN.doubt("the pin's ", sweep.scene.pin.crown_radius)
-    if isinstance(sweep.scene.pin, Cylinder):
-        yield from _LENGTH.doubt("the pin's ", sweep.scene.pin.length)
+    body = sweep.scene.pin
+    yield from _RADIUS.doubt("the pin's ", body.radius)
+    if body.crown_radius is not None:
+        yield from _CROWN.doubt("the pin's ", body.crown_radius)
+    if body.length is not None:
+        yield from _LENGTH.doubt("the pin's ", body.length)
 
 
 def _of_material(owner: str, material: Material) -> Iterator[str]:
@@ -137,7 +138,7 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
             "lost its shape"
         )
     across = facts.contact_width.low / sweep.scene.pixels.spacing[0]
-    fewest = FEWEST_ROWS if isinstance(sweep.scene.pin, Cylinder) else FEWEST_ACROSS
+    fewest = FEWEST_ACROSS if sweep.scene.pin.length is None else FEWEST_ROWS
     if across < fewest:
         yield (
             f"the contact is expected to be {across:.2g} pixels wide at the lowest load and "
@@ -145,9 +146,8 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
             "smaller window.pixel_size"
         )
     side, window = facts.window[0], "window"
-    if not isinstance(sweep.scene.pin, Cylinder):
-        shape = sweep.scene.pin.radius, None, sweep.scene.pin.crown_radius
-        across = facts.window[1] / analytic.hertz_contact(1.0, 1e11, *shape).aspect
+    if sweep.scene.pin.length is None:
+        across = facts.window[1] / sweep.scene.pin.hertz(1.0, 1e11).aspect
         if across < side:
             side, window = across, "room for it in the window, by its length along y,"
     hertz = 2 * facts.hertz_half_width.high

@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
-from tribo import Corrections, Cylinder, InputError, Track, analytic, contact_modulus
+from tribo import Corrections, InputError, Track, analytic, contact_modulus
 from tribo.laws import OwnWear
 from tribo.types import Array
 
@@ -90,8 +90,7 @@ def facts_of(sweep: Sweep) -> Facts:
     modulus = contact_modulus(sweep.scene.pin.material, sweep.scene.disk)
     velocities = np.array(sweep.plane.velocities)
     pin, disk = np.transpose([sweep.scene.velocities_at(velocity) for velocity in velocities])
-    shape = sweep.scene.pin.radius, sweep.scene.pin.length, sweep.scene.pin.crown_radius
-    hertz = [analytic.hertz_contact(load, modulus, *shape) for load in sweep.plane.loads]
+    hertz = [sweep.scene.pin.hertz(load, modulus) for load in sweep.plane.loads]
     half_widths = np.array([contact.half_width for contact in hertz])
     durations, impulses = np.transpose([_duration(sweep, load) for load in sweep.plane.loads])
     surface = surface_facts(sweep)
@@ -169,19 +168,20 @@ def _duration(sweep: Sweep, load: float) -> tuple[float, float]:
 
 def _worn(sweep: Sweep, half_widths: Array, worn_volumes: Array) -> tuple[Array, Array]:
     """Width of the smooth, worn contact and depth of the wear [m]."""
-    radius, hertz = sweep.scene.pin.radius, 2 * half_widths
+    pin, hertz = sweep.scene.pin, 2 * half_widths
+    radius, length = pin.radius, pin.length
     if sweep.scene.velocities_at(
         max(sweep.plane.velocities)
     ).pin:  # wears all around, and stays round
-        along_y = sweep.scene.pin.length if isinstance(sweep.scene.pin, Cylinder) else hertz / 1.5
+        along_y = hertz / 1.5 if length is None else length
         return hertz + 0 * worn_volumes, worn_volumes / (sweep.scene.track_length * along_y)
-    if not isinstance(sweep.scene.pin, Cylinder):
+    if length is None:
         # The flat of a paraboloid of both radii is an ellipse as much longer as their root.
-        longer = math.sqrt((sweep.scene.pin.crown_radius or radius) / radius)
+        longer = math.sqrt((pin.crown_radius or radius) / radius)
         flat = np.vectorize(analytic.worn_point_width)(worn_volumes / longer, radius)
         width = (hertz**4 + flat**4) ** 0.25
         return width, 8 * worn_volumes / (math.pi * width**2 * longer)
-    area = worn_volumes / sweep.scene.pin.length
+    area = worn_volumes / length
     flat = np.vectorize(analytic.worn_line_width)(area, radius)
     width = np.cbrt(hertz**3 + flat**3)
     return width, 1.5 * area / width

@@ -25,6 +25,7 @@ from pipeline.scene.schema import (
 )
 from pipeline.sweep.unknown import MOST_SAMPLES
 from tribo.loading.ramp import MOST_STEPS
+from tribo.simulation.pins import sizes_of
 
 
 def _length(example: str) -> Quantity:
@@ -94,8 +95,13 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
     }
 
 
+def _ends_along_y(shape: object) -> bool:
+    """True for a known shape of a pin whose contact ends along y, too."""
+    return shape in tribo.PINS and "length" not in sizes_of(str(shape))
+
+
 _ROUND = {
-    "shape": Entry(Choice(("cylinder", "ball", "crowned")), "Shape of the pin."),
+    "shape": Entry(Choice(tuple(tribo.PINS)), "Shape of the pin."),
     "radius": Entry(_length("2 mm"),
         "Radius in the plane of sliding; of two curved bodies the reduced one."),
 }
@@ -119,7 +125,7 @@ PIN = Either(
             "Radius across sliding of a crowned pin, which it needs."),
         **_OF_PIN,
     }, form="ball or crowned pin"),
-    when=lambda pin: isinstance(pin, dict) and pin.get("shape") in ("ball", "crowned"),
+    when=lambda pin: isinstance(pin, dict) and _ends_along_y(pin.get("shape")),
 )
 
 RANDOM_SURFACE = Table({

@@ -13,9 +13,9 @@ import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 from pipeline.sweep.own_laws import WEAR, Laws, Own, OwnLawError
+from tribo.simulation.pins import sizes_of
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
-Pin = tribo.Cylinder | tribo.Ball | tribo.Crowned
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
@@ -37,14 +37,13 @@ def own_of(
         return None
 
 
-def pin_of(table: Mapping[str, Any], material: tribo.Material) -> Pin:
+def pin_of(table: Mapping[str, Any], material: tribo.Material) -> tribo.Pin:
     """The pin of a sound table."""
-    match table["shape"]:
-        case "cylinder":
-            return tribo.Cylinder(table["radius"], table["length"], material)
-        case "crowned":
-            return tribo.Crowned(table["radius"], table["crown_radius"], material)
-    return tribo.Ball(table["radius"], material)
+    kind: Any = tribo.PINS[table["shape"]]
+    pin: tribo.Pin = kind(
+        **{name: table[name] for name in sizes_of(table["shape"])}, material=material
+    )
+    return pin
 
 
 def loading_of(
@@ -103,7 +102,7 @@ def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
 
 
 def corrections_of(
-    tables: Mapping[str, Any], pin: Pin, disk: tribo.Material
+    tables: Mapping[str, Any], pin: tribo.Pin, disk: tribo.Material
 ) -> tribo.Corrections | None:
     """Physics beside the two half-spaces, of sound tables."""
     coefficient = tables["friction"]["coefficient"]

@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from pipeline.sweep.conditions import Conditions
 from tribo import (
-    Crowned,
-    Cylinder,
     MeasuredRoughness,
     PointWarning,
     Ramp,
@@ -50,15 +48,7 @@ def as_html(title: str, rows: Sequence[Row]) -> str:
 
 def on_scene(scene: Scene) -> Iterator[Row]:
     """Say what a scene is of, a row for each subject."""
-    pin = scene.pin
-    match pin:
-        case Cylinder():
-            shape = f"cylinder, {1e3 * pin.length:g} mm long"
-        case Crowned():
-            shape = f"crowned, {1e3 * pin.crown_radius:g} mm across sliding"
-        case _:
-            shape = "ball"
-    yield "pin", f"{shape}, radius {1e3 * pin.radius:g} mm"
+    yield "pin", scene.pin.words
     yield "disk", _surface(scene)
     (nx, ny), (x, y) = scene.grid.shape, scene.grid.size
     yield "window", f"{1e6 * x:.4g} × {1e6 * y:.4g} µm, {nx} × {ny} elements"

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.sweep.model import Sweep
-from tribo import Corrections, Material, Motion, Track, contact_modulus
-from tribo.analytic import hertz_contact
-from tribo.corrections import Pin
+from tribo import Corrections, Material, Motion, Pin, Track, contact_modulus
 
 _HOT = 1e9  # K: a rise beside which the warming changes no share
 
@@ -76,9 +74,7 @@ def note_on_turns(
         body.thermal_effusivity * math.sqrt(abs(speed))
         for body, speed in zip((pin.material, scene.disk), motion.velocities(velocity), strict=True)
     )
-    hertz = hertz_contact(
-        load, contact_modulus(pin.material, scene.disk), pin.radius, pin.length, pin.crown_radius
-    )
+    hertz = pin.hertz(load, contact_modulus(pin.material, scene.disk))
     columns = {
         "time": times,
         "normal_load": np.array([station.normal_load for station in stations]),

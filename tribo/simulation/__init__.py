@@ -13,9 +13,11 @@ from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start
 from tribo.simulation.motion import Motion as Motion
 from tribo.simulation.motion import Velocities as Velocities
+from tribo.simulation.pins import PINS as PINS
 from tribo.simulation.pins import Ball as Ball
 from tribo.simulation.pins import Crowned as Crowned
 from tribo.simulation.pins import Cylinder as Cylinder
+from tribo.simulation.pins import Pin as Pin
 from tribo.simulation.point import heated as heated
 from tribo.simulation.point import simulate as simulate
 from tribo.simulation.point_warnings import PointWarning as PointWarning

@@ -10,7 +10,6 @@ import numpy as np
 
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import parts
-from tribo.simulation.pins import Cylinder
 from tribo.simulation.present_heat import excess_of_present_heat, stations_so_far
 from tribo.simulation.roughness import SelfAffineRoughness
 from tribo.simulation.scene import Scene
@@ -130,7 +129,7 @@ def _at_edge(scene: Scene, state: State) -> Iterator[Reason]:
 
 def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where elements are too large for the contact, or pixels for the roughness."""
-    axes = (0,) if isinstance(scene.pin, Cylinder) else (0, 1)
+    axes = (0, 1) if scene.pin.length is None else (0,)
     fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
     across = min(_extent(state.pressure, axis) for axis in axes)
     if 0 < across < fewest:

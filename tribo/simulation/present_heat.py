@@ -21,7 +21,6 @@ import scipy
 
 from tribo.loading import Station
 from tribo.material import Material
-from tribo.simulation.pins import Cylinder
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.thermal import rise_exceeded
@@ -78,7 +77,7 @@ def _lacking(scene: Scene, state: State) -> tuple[Array, Array]:
 
 def _lengths(scene: Scene, state: State) -> tuple[float, float]:
     """Lengths along y that bear the load, and that are heated [m]."""
-    if not isinstance(scene.pin, Cylinder):
+    if scene.pin.length is None:
         touched = np.count_nonzero(state.pressure.any(axis=0)) / state.pressure.shape[1]
         return touched * scene.grid.size[1], touched * scene.grid.size[1]
     heated = scene.heated_length

@@ -14,7 +14,7 @@ from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
 from tribo.simulation.fidelity import Fidelity
 from tribo.simulation.motion import Motion, Velocities
-from tribo.simulation.pins import Ball, Crowned, Cylinder
+from tribo.simulation.pins import Pin
 from tribo.simulation.roughness import MeasuredRoughness, SelfAffineRoughness
 from tribo.thermal import HeatedLength
 from tribo.topography import block_average, block_sample
@@ -34,8 +34,9 @@ class Scene:
 
     Parameters
     ----------
-    pin : Cylinder, Ball or Crowned
-        Smooth; at rest unless the scene has a motion.
+    pin : Pin
+        A `Cylinder`, a `Ball`, a `Crowned` roller or another; smooth, and at rest unless the
+        scene has a motion.
     disk : Material
         Material of the body that moves along +x.
     pixels : Grid
@@ -69,7 +70,7 @@ class Scene:
     (96, 1)
     """
 
-    pin: Cylinder | Ball | Crowned
+    pin: Pin
     disk: Material
     pixels: Grid
     loading: Ramp | MeasuredLoad
@@ -90,7 +91,7 @@ class Scene:
             )
         if self.pixels.periodic[0]:
             raise InputError("the patch is periodic along x; under a round pin x must be free")
-        if not isinstance(self.pin, Cylinder) and self.pixels.periodic[1]:
+        if self.pin.length is None and self.pixels.periodic[1]:
             shape = type(self.pin).__name__.lower()
             raise InputError(
                 f"the patch is periodic along y; under a {shape} pin both axes must be free"
@@ -185,7 +186,7 @@ class Scene:
     @property
     def is_plane(self) -> bool:
         """True if nothing depends on y."""
-        smooth = self.roughness is None and isinstance(self.pin, Cylinder)
+        smooth = self.roughness is None and self.pin.length is not None
         kernels = self.fidelity.kernel, self.fidelity.heat_kernel
         return smooth and self.pixels.periodic[1] and "nearest-image" not in kernels
 
@@ -231,7 +232,7 @@ class Scene:
         """Length along y that is heated [m], for `tribo.ConductingHalfSpace`."""
         if self.fidelity.heat_kernel == "nearest-image":
             return "nearest-image"
-        if isinstance(self.pin, Cylinder) and self.fidelity.heat_kernel == "pin":
+        if self.pin.length is not None and self.fidelity.heat_kernel == "pin":
             return self.pin.length
         return math.inf
 
