@@ -131,7 +131,8 @@ def critical_temperatures(
         )
         for entry in sweep.about.measured
     )
-    surfaces = sweep.variants.realizations or (getattr(sweep.scene.roughness, "seed", None),)
+    seeds = tuple(map(int, sweep.variants.axes.get("realization", ())))
+    surfaces: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
     for crossing in transitions:
         require_positive(friction=crossing.friction)
     stages = staged(
@@ -159,7 +160,7 @@ def critical_temperatures(
 
 
 def _worded(sweep: Sweep, transition: Transition, seed: int | None) -> str:
-    surface = f", surface {seed}" if sweep.variants.realizations else ""
+    surface = f", surface {seed}" if "realization" in sweep.variants.axes else ""
     return (
         f"{sweep.about.name}, {transition.normal_load:g} N at {transition.velocity:g} m/s{surface}"
     )

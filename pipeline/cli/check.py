@@ -22,6 +22,7 @@ from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 from pipeline.tradeoff.savings import savings
 from tribo import lubrication_regime
 
+_COUNTED = {"realization": "surfaces", "sample": "samples"}
 _LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
 
 
@@ -178,35 +179,34 @@ def _text(span: Span, factor: float = 1.0) -> str:
 
 def _unknown(sweep: Sweep) -> dict[str, Any]:
     """Inputs that are not known exactly, as plain data; nothing where all are."""
-    if sweep.variants.samples is None:
+    draw = sweep.variants.draw
+    if draw is None:
         return {}
-    simulated = {one.path for one in sweep.variants.samples.design.inputs}
+    simulated = {one.path for one in draw.design.inputs}
     return {
-        "unknown": [
-            one.as_dict() | {"simulated": one.path in simulated}
-            for one in sweep.variants.samples.unknown
-        ],
-        "fixed": {one.unknown.path: one.value for one in sweep.variants.samples.fixed},
-        "samples": len(sweep.variants.samples),
-        "samples_per_contact": sweep.variants.samples.design.per_contact,
-        "sample_seed": sweep.variants.samples.design.seed,
+        "unknown": [one.as_dict() | {"simulated": one.path in simulated} for one in draw.unknown],
+        "fixed": {one.unknown.path: one.value for one in draw.fixed},
+        "samples": len(sweep.variants.axes["sample"]),
+        "samples_per_contact": draw.design.per_contact,
+        "sample_seed": draw.design.seed,
     }
 
 
 def _on_unknown(sweep: Sweep) -> Iterator[str]:
     """Inputs that are not known exactly, and the samples drawn from them."""
-    if sweep.variants.samples is None:
+    draw = sweep.variants.draw
+    if draw is None:
         return
-    design = sweep.variants.samples.design
+    design, count = draw.design, len(sweep.variants.axes["sample"])
     simulated = {one.path for one in design.inputs}
-    for one in sweep.variants.samples.unknown:
+    for one in draw.unknown:
         free = "" if one.path in simulated else "; applied afterwards, at no cost"
         yield f"  unknown  {one}{free}"
-    yield from (f"  fixed    {one}" for one in sweep.variants.samples.fixed)
+    yield from (f"  fixed    {one}" for one in draw.fixed)
     low, high = design.velocities
-    are_all = len(sweep.variants.samples) == design.sufficient
+    are_all = count == design.sufficient
     yield (
-        f"  samples  {len(sweep.variants.samples)} of a scrambled Sobol' sequence, seed "
+        f"  samples  {count} of a scrambled Sobol' sequence, seed "
         f"{design.seed}, from {low:g} to {high:g} m/s; "
         + ("they suffice" if are_all else "more go on from these")
     )
@@ -219,18 +219,17 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     loads = counted(len(sweep.plane.loads), "load", "loads")
     velocities = counted(len(sweep.plane.velocities), "velocity", "velocities")
     variants = "".join(
-        f", {len(values)} {'surfaces' if name == 'realization' else f'values of {name}'}"
+        f", {len(values)} {_COUNTED.get(name, f'values of {name}')}"
         for name, values in sweep.variants.axes.items()
     )
-    if sweep.variants.samples:
-        yield f"  points   {cost.points}: {loads}, {len(sweep.variants.samples)} samples"
-    elif searched:
+    if searched:
         sought = f"between {sweep.plane.velocities[0]:g} and {sweep.plane.velocities[-1]:g} m/s"
         yield f"  points   about {cost.points}: the boundary is sought {sought}, {loads}{variants}"
     else:
-        yield f"  points   {cost.points}: {loads}, {velocities}{variants}"
+        shared = f", {velocities}" if sweep.variants.has_plane else ""
+        yield f"  points   {cost.points}: {loads}{shared}{variants}"
     yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
-    if not (sweep.variants.samples or searched):
+    if not searched:
         yield f"  chains   {cost.chains}, each computed by one worker: more would be idle"
     workers = counted(cost.workers, "worker", "workers")
     yield f"  time     about {duration(cost.seconds)} on {workers}"

@@ -132,7 +132,7 @@ def infer(options: argparse.Namespace) -> Result:
     options.scene, options.bulk_temperature = scene, bulks[0]
     # Several bulk temperatures are to choose from: those of a test to plan, of samples.
     sweep = one_scene_of(options) if len(bulks) == 1 else None
-    if sweep is None or (sweep.variants.samples and options.contact_width is None):
+    if sweep is None or (sweep.variants.draw and options.contact_width is None):
         store = Path("results") / f"{scene.stem}.zarr"
         if not store.exists():
             raise InputError(

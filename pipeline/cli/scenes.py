@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.output import tell
+from pipeline.scene.over import note_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from tribo import InputError
@@ -60,8 +61,8 @@ def scene_of(
 def one_scene_of(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
     """The scene, for a command that takes one value of each entry; a note says if it has more."""
     sweep = scene_of(options, points)
-    if sweep.variants.over:
-        tell(f"note: {sweep.variants.over.note}")
+    if sweep.variants.chosen:
+        tell(f"note: {note_of(sweep.variants)}")
     return sweep
 
 

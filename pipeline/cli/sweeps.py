@@ -56,7 +56,7 @@ def computed(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
-        names = ("risk", "sensitivity") if sweep.variants.samples else ("boundary", "plot")
+        names = ("risk", "sensitivity") if sweep.variants.draw else ("boundary", "plot")
         own = sweep.conditions.own_criterion
         word = ["--criterion", own.reference, "--own-laws"] if own else []
         commands = (shlex.join(["irg", name, str(out), *word]) for name in names)

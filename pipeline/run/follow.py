@@ -68,13 +68,13 @@ def follow_boundary(
     11
     """
     sweep = sweep_of(sweep, own_laws)
-    if sweep.variants.wear_rates:
+    if sweep.record.wear_rates:
         raise InputError(
             "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "
             "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the whole "
             "sweep"
         )
-    if sweep.variants.samples:
+    if not sweep.variants.has_plane:
         raise InputError(
             "the samples of a scene are computed by run_sweep, and the boundary follows from them; "
             "leave out the search (--boundary-only)"

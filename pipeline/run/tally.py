@@ -131,10 +131,12 @@ class Tally:
         if self.computed and self._worked:
             pending = asked & (flags != DONE) & (flags != FAILED)
             durations, velocities = self._durations, self._store.axes["velocity"]
-            if "sample" in self._store.dims:  # each of which has one velocity
-                expected = expected_durations(durations.T, velocities).T
-            else:
+            if self._store.has_plane:
                 expected = expected_durations(durations, velocities)
+            else:
+                expected = np.swapaxes(
+                    expected_durations(np.swapaxes(durations, -1, -2), velocities), -1, -2
+                )
             work = float(expected[pending].sum())
             time_to_go = work * self._seconds_of_work()
         total, elapsed = int(np.count_nonzero(asked)), now - self._began

@@ -14,12 +14,14 @@ from pipeline.analysis.transition import Transition, outcomes
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.physics import Effect, physics_of
 from pipeline.run.sharing import SharedContacts, SharedPoint
+from pipeline.scene.over import note_of
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.variants import absolute
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
+from pipeline.sweep.variants import Variants
 from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import Criterion, Scene
 from tribo.types import Array
@@ -191,8 +193,8 @@ def vary(
     """
     overrides = overrides or {}
     sweep = load_scene(scene, preset, overrides, own_laws)
-    if sweep.variants.over and tell:
-        tell(f"note: {sweep.variants.over.note}")
+    if sweep.variants.chosen and tell:
+        tell(f"note: {note_of(sweep.variants)}")
     others = {
         (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, own_laws)
         for key, values in over.items()
@@ -211,7 +213,7 @@ def vary(
         return variant.scene.wear.specific_wear_rate / sweep.scene.wear.specific_wear_rate
 
     def boundary(key: str, value: str, variant: Sweep) -> Variation:
-        plain = variant.changed(samples=None, realizations=())
+        plain = variant.changed(variants=Variants())
         plane = planes.setdefault(plain.scene, _Plane(plain, contacts, scale(variant)))
         return Variation(key, value, *plane.boundary(sweep, variant.conditions, tolerance))
 

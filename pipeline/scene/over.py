@@ -15,40 +15,54 @@ from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.scene.unknown import Make, differing
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.over import Axis, Over, Variant, combinations
-from tribo import InputError, Scene, inseparable, mechanics, wear_number
+from pipeline.sweep.variants import Column, Variants, combinations
+from tribo import InputError
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = (
-    "loads", "velocities", "realizations", "wear_rates", "unequal_bulks", "independent",
+    "loads", "velocities", "variants", "wear_rates", "unequal_bulks", "independent",
 )  # fmt: skip
 _MOST = 10_000  # combinations, each of which is read as a scene
 
 
-def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Make) -> Over | None:
-    """Entries with several values, by their paths as TOML has them, and the scenes with them.
+def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Make) -> Variants:
+    """Table of every combination of some entries' values, by their paths as TOML has them.
 
     `InputError` is raised at the first value that does not go with the scene.
     """
     if not asked:
-        return None
-    axes = tuple(_axis(path, values) for path, values in asked.items())
-    written = {axis.path: dict(zip(axis.values, axis.written, strict=True)) for axis in axes}
-    variants = combinations({axis.path: axis.values for axis in axes})
-    if len(variants) > _MOST:
+        return Variants()
+    axes = {path: _axis(path, values) for path, values in asked.items()}
+    names = combinations({path: axis.values for path, axis in axes.items()})
+    if len(names) > _MOST:
         raise InputError(
-            f"sweep.over: {len(variants)} combinations are too many; give {_MOST} at most"
+            f"sweep.over: {len(names)} combinations are too many; give {_MOST} at most"
         )
-    scenes = {
-        variant: _scene({path: written[path][value] for path, value in variant}, sweep, make)
-        for variant in variants
-    }
-    parts = {variant: tuple(differing(sweep, scene)) for variant, scene in scenes.items()}
-    if len(scenes) > 1 and all(scene == scenes[variants[0]] for scene in scenes.values()):
+    texts = {path: axis.text_of for path, axis in axes.items()}
+    scenes = [
+        _scene({path: texts[path][value] for path, value in name}, sweep, make) for name in names
+    ]
+    parts = tuple(tuple(differing(sweep, scene)) for scene in scenes)
+    if len(parts) > 1 and all(part == parts[0] for part in parts):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
         )
-    return Over(axes, parts, _leads(scenes))
+    columns = tuple(
+        axis.taken([axis.values.index(value) for value in values])
+        for axis, values in zip(
+            axes.values(), zip(*([v for _, v in name] for name in names), strict=True), strict=True
+        )
+    )
+    return Variants(columns, parts, given=dict(zip(names, parts, strict=True)))
+
+
+def note_of(table: Variants) -> str:
+    """Note that a command prints which computes one value of each entry alone."""
+    return "sweep.over is set aside; " + ", ".join(
+        f'{column.name} is the scene\'s own or the first listed: --set "{column.name}=..." '
+        "takes another"
+        for column in table.chosen
+    )
 
 
 def with_first_values(document: Document) -> Document:
@@ -61,7 +75,7 @@ def with_first_values(document: Document) -> Document:
     return Document((*document.layers, Layer(document.file, first)))
 
 
-def _axis(path: str, values: tuple[Any, ...]) -> Axis:
+def _axis(path: str, values: tuple[Any, ...]) -> Column:
     """An entry with its values in SI, or as words."""
     key = f"sweep.over.{quoted(path)}"
     if path.partition(".")[0] in _FIXED:
@@ -77,14 +91,14 @@ def _axis(path: str, values: tuple[Any, ...]) -> Axis:
         try:
             labels, unit = tuple(to_si(value, like=first) for value in values), si_unit(first)
         except UnitError:
-            return Axis(path, values, values, None)
+            return Column(path, values, None, meaning=f"{path} of the scene")
     pairs = sorted(zip(map(float, labels), values, strict=True), key=lambda pair: pair[0])
     for (one, text), (other, again) in itertools.pairwise(pairs):
         if one == other:
             both = f"{quoted(text)} and {quoted(again)}"
             raise InputError(f"{key}: {both} are the same; give each value once")
     labels, values = zip(*pairs, strict=True)
-    return Axis(path, labels, values, unit)
+    return Column(path, labels, unit, meaning=f"{path} of the scene", texts=values)
 
 
 def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
@@ -113,14 +127,3 @@ def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
             "common; leave out sweep.fields, or give an entry that keeps the grid"
         )
     return scene
-
-
-def _leads(scenes: Mapping[Variant, Sweep]) -> dict[Variant, Variant]:
-    """First combination with the contacts of each."""
-    first: dict[tuple[Scene, float], Variant] = {}
-    leads = {}
-    for variant, scene in scenes.items():
-        is_shared = inseparable(scene.scene, scene.plane.velocities) is None
-        contact = mechanics(scene.scene), wear_number(scene.scene, 1.0)
-        leads[variant] = first.setdefault(contact, variant) if is_shared else variant
-    return leads

@@ -36,8 +36,9 @@ from pipeline.scene.unknown import fixed_paths, samples_of
 from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
-from pipeline.sweep.model import Plane, Record, Sweep, Variants
+from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import CRITERION, Laws, Own
+from pipeline.sweep.variants import surfaces
 
 
 def load_scene(
@@ -97,9 +98,15 @@ def load_scene(
     try:
         sweep, tables = reader.sweep(entries, faults)
         if sweep is not None:
-            samples = samples_of(tables, sweep, variant, faults, fixed_paths(document))
             over = over_of(tables["sweep"]["over"], sweep, variant)
-            sweep = sweep.changed(samples=samples, over=over, notes=tuple(faults.notes))
+            samples = samples_of(tables, sweep, over, variant, faults, fixed_paths(document))
+            if samples and sweep.variants.columns:
+                raise tribo.InputError(
+                    "sweep.realizations and sweep.samples exclude each other; make the surface an "
+                    'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
+                )
+            table = samples or over * sweep.variants
+            sweep = sweep.changed(variants=table, notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
@@ -150,8 +157,8 @@ class _Reader:
                 asked["independent"],
             ),
             conditions=_conditions_of(tables, made, own_criterion),
-            variants=Variants(realizations, wear_rates=tuple(rates.values()) if rates else None),
-            record=Record(fields=asked["fields"]),
+            variants=surfaces(realizations),
+            record=Record(asked["fields"], tuple(rates.values()) if rates else None),
             about=About(
                 name=name,
                 title=tables["title"] or name,

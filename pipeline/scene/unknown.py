@@ -27,12 +27,12 @@ from pipeline.sweep.samples import (
     REACH,
     WEAR_RATE,
     Design,
+    Draw,
     Layer,
-    Samples,
-    drawn_samples,
     samples_per_contact,
 )
 from pipeline.sweep.unknown import MOST, Fixed, Kind, Unit, Unknown, without
+from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear, inseparable
 
 Make = Callable[[Mapping[str, Any], Faults], Sweep | None]
@@ -43,7 +43,7 @@ _FIXED = (
 )  # fmt: skip
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
 _SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a wear rate
-_EVERYWHERE = {"name", "title", "notes"}
+_EVERYWHERE = {"name", "title", "notes", "variants"}
 _SIMULATED = {field.name for field in fields(Scene)}
 _THERMAL = "thermal_conductivity", "density", "specific_heat"
 _DECISIVE = _SIMULATED | {"conditions"}
@@ -91,13 +91,15 @@ def fixed_paths(document: Document) -> frozenset[str]:
 def samples_of(
     tables: dict[str, Any],
     sweep: Sweep,
+    over: Variants,
     make: Make,
     faults: Faults,
     fixed: Collection[str] = (),
-) -> Samples | None:
-    """Samples of a scene; None if it asks for none, or something is wrong.
+) -> Variants | None:
+    """Table of samples of a scene; None if it asks for none, or something is wrong.
 
-    Inputs of the paths `fixed` have the scene's value.
+    Each combination in the table `over` has the same ones. Inputs of the paths `fixed` have the
+    scene's value.
     """
     count, table = tables["sweep"]["samples"], tables["unknown"] or {}
     if count is not None and not set(table) - set(fixed):
@@ -134,8 +136,8 @@ def samples_of(
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         notes.append(f"sweep.samples: {count} are computed, which suffice for these unknown inputs")
-    samples = _drawn(inputs, design, count, sweep, make, faults)
-    return samples and replace(samples, fixed=known)
+    draw = Draw(tuple(one.unknown for one in inputs), design, known)
+    return _drawn(inputs, draw, count, sweep, over, make, faults)
 
 
 def _inputs(
@@ -187,26 +189,35 @@ def _design(
 
 
 def _drawn(
-    inputs: list[_Input], design: Design, count: int, sweep: Sweep, make: Make, faults: Faults
-) -> Samples | None:
-    """Samples of a design; None if one is not a sound scene."""
+    inputs: list[_Input], draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make,
+    faults: Faults,
+) -> Variants | None:  # fmt: skip
+    """Table of samples, of each combination in `over`; None if one is not a sound scene."""
     by_path = {one.unknown.path: one for one in inputs}
     # A wear rate that is known is no input of the scene.
-    drawn = [by_path.get(one.path, _Input(one, "m^2/N", is_whole=False)) for one in design.inputs]
+    drawn = [
+        by_path.get(one.path, _Input(one, "m^2/N", is_whole=False)) for one in draw.design.inputs
+    ]
+    if both := {one.unknown.path for one in drawn} & over.axes.keys():
+        faults.note("sweep.over", f"{', '.join(both)} differs from sample to sample; leave it out")
+        return None
+    values, _ = draw.design.draw(count)
     wrong = Faults()
 
-    def part(values: tuple[float, ...]) -> tuple[tuple[str, Any], ...]:
-        pairs = zip(drawn, values, strict=True)
-        entries = {one.unknown.path: one.entry(value) for one, value in pairs}
+    def part(written: Mapping[str, Any], row: list[float]) -> Part:
+        pairs = zip(drawn, row, strict=True)
+        entries = {**written, **{one.unknown.path: one.entry(value) for one, value in pairs}}
         other = None if wrong else make(entries, wrong)
         return () if other is None else tuple(differing(sweep, other))
 
-    samples = drawn_samples(tuple(one.unknown for one in inputs), design, count, part)
+    parts = tuple(
+        part(written_of(over, name), row) for name in over.names for row in values.tolist()
+    )
     if wrong:
         reason = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
         faults.note("unknown", f"{reason}; give narrower distributions")
         return None
-    return samples
+    return replace(over * drawn_rows(draw, count), parts=parts)
 
 
 def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:

@@ -18,9 +18,9 @@ def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
     the lowest to k₂/k times the highest; a note names the velocities that are added.
     """
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
-    if sweep.scene.wear is None or sweep.variants.wear_rates is None or not moving:
+    if sweep.scene.wear is None or sweep.record.wear_rates is None or not moving:
         return sweep
-    rate, (low, high) = sweep.scene.wear.specific_wear_rate, sweep.variants.wear_rates
+    rate, (low, high) = sweep.scene.wear.specific_wear_rate, sweep.record.wear_rates
     further = [*_beyond(moving[0], low / rate), *_beyond(moving[-1], high / rate)]
     if further:
         ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))

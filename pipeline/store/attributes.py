@@ -10,10 +10,11 @@ from importlib import metadata
 from typing import Any
 
 from pipeline.store.identity import describe, scene_hash
-from pipeline.store.schema import FORMAT
+from pipeline.store.schema import FORMAT, stored_columns
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
+from pipeline.sweep.variants import Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES
 
 _OPTIONAL = ("coordinates", "fixed", "lubrication", "samples", "sample_seed", "unknown")
@@ -28,7 +29,9 @@ def attributes_of(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str, A
     """
     kept = {name: value for name, value in (before or {}).items() if name not in _OPTIONAL}
     kept = kept or _lasting(sweep)
-    attributes = _with_present_versions(kept) | _present(sweep) | _entries(sweep, kept)
+    attributes = (
+        _with_present_versions(kept) | _present(sweep) | _of_table(sweep) | _entries(sweep, kept)
+    )
     # As the root gives them back: JSON knows no tuples.
     plain: dict[str, Any] = json.loads(json.dumps(attributes))
     return plain
@@ -85,53 +88,51 @@ def _present(sweep: Sweep) -> dict[str, Any]:
         "library": [entry._asdict() for entry in sweep.about.sources],
         "loads": list(sweep.plane.loads),
         "velocities": list(sweep.plane.velocities),
-        "realizations": list(sweep.variants.realizations),
-        "boundary_only": sweep.plane.chosen is not None,
     }
-    return picked | oiled | _samples_of(sweep) | of_scene
+    return picked | oiled | of_scene
 
 
-def _samples_of(sweep: Sweep) -> dict[str, Any]:
-    """Unknown inputs and how they were drawn; nothing where there are no samples.
+def _of_table(sweep: Sweep) -> dict[str, Any]:
+    """Attributes that follow from the table of variants, and from what is asked of it.
 
     ``coordinates`` is where readers of CF look for coordinates that are not dimensions.
     """
-    if not sweep.variants.samples:
-        return {}
-    samples = sweep.variants.samples
-    paths = (*(quantity.path for quantity in samples.design.inputs), "velocity")
+    table = sweep.variants
+    along = [column.name for column in stored_columns(table) if column.along]
+    drawn = table.draw and {
+        "samples": len(table.axes["sample"]),
+        "sample_seed": table.draw.design.seed,
+        "unknown": [quantity.as_dict() for quantity in table.draw.unknown],
+        "fixed": [one.as_dict() for one in table.draw.fixed],
+    }
     return {
-        "coordinates": " ".join(paths),
-        "samples": len(samples),
-        "sample_seed": samples.design.seed,
-        "unknown": [quantity.as_dict() for quantity in samples.unknown],
-        "fixed": [one.as_dict() for one in samples.fixed],
+        "realizations": list(table.axes.get("realization", ())),
+        "boundary_only": sweep.plane.chosen is not None,
+        **({"coordinates": " ".join(along)} if along else {}),
+        **(drawn or {}),
     }
 
 
 def _entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes on the scenes that entries with several values make, if there are any.
+    """Attributes on the scenes of the rows that are not drawn, if there are several.
 
-    For each combination of values: what is not as in the attributes ``scene`` and the others. Those
+    For each combination of labels: what is not as in the attributes ``scene`` and the others. Those
     of a store stay, besides what a sweep says of them.
     """
-    if not sweep.variants.over:
+    table = sweep.variants
+    if not table.chosen:
         return {}
     present = _present(sweep)
     combinations = {tuple(entry["values"]): entry for entry in stored.get("scenes", [])}
-    for variant in sweep.variants.entries:
-        scene = sweep.variant(variant)
-        values = tuple(value for _, value in variant)
+    for name in table.given:
+        values = tuple(value for _, value in name)
         combinations[values] = {
             "values": list(values),
-            "written": sweep.variants.over.written(variant),
-            "scene": _differing(describe(scene), stored["scene"]),
-            "attributes": _differing(_present(scene), present),
+            "written": list(written_of(table, name).values()),
+            "scene": _differing(describe(sweep, name), stored["scene"]),
+            "attributes": _differing(_present(sweep.variant(name)), present),
         }
-    return {
-        "over": [axis.path for axis in sweep.variants.over.axes],
-        "scenes": [*combinations.values()],
-    }
+    return {"over": [column.name for column in table.chosen], "scenes": [*combinations.values()]}
 
 
 def _differing(values: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
@@ -145,33 +146,41 @@ def _differing(values: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str,
 
 def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[Any]]:
     """Values along each dimension: those of a store, in their order, then what a sweep adds."""
-    chosen = sweep.plane.chosen or ()
-    scenes = [sweep.variant(variant) for variant in sweep.variants.entries]
-    steps = max(step_count(scene.scene, load) for scene in scenes for load in sweep.plane.loads)
+    chosen, plane, table = sweep.plane.chosen or (), sweep.plane, sweep.variants
+    scenes = [sweep.variant(name).scene for name in table.given]
+    steps = max(step_count(scene, load) for scene in scenes for load in plane.loads)
 
     def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
         present = axes.get(name, [])
         return list(dict.fromkeys([*present, *wanted]))
 
-    leading = {name: widened(name, values) for name, values in sweep.variants.axes.items()}
-    velocities = (
-        sweep.plane.velocities
-        if sweep.plane.chosen is None
-        else sorted({p.velocity for p in chosen})
-    )
-    of_samples = (
-        sweep.variants.samples.columns(len(leading["sample"])) if sweep.variants.samples else None
-    )
+    leading = {name: widened(name, values) for name, values in table.axes.items()}
+    velocities = plane.velocities if plane.chosen is None else sorted({p.velocity for p in chosen})
     return (
         leading
-        | (of_samples or {"velocity": widened("velocity", velocities)})
+        | {"velocity": widened("velocity", velocities)}
+        | {name: [*values.values()] for name, values in _followed(axes, table, leading).items()}
         | {
-            "load": widened("load", sweep.plane.loads),
+            "load": widened("load", plane.loads),
             "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
             "quantile": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
             "wear_rate": list(sweep.rates),
-            "x": scenes[0].scene.grid.coordinates(0).tolist(),
-            "y": scenes[0].scene.grid.coordinates(1).tolist(),
+            "x": scenes[0].grid.coordinates(0).tolist(),
+            "y": scenes[0].grid.coordinates(1).tolist(),
         }
     )
+
+
+def _followed(
+    axes: Mapping[str, list[Any]], table: Variants, leading: Mapping[str, list[Any]]
+) -> dict[str, dict[Any, Any]]:
+    """Values of columns that follow from a dimension, by the values along it."""
+    labels = {column.name: column.values for column in table.columns}
+    followed = {}
+    for column in stored_columns(table):
+        if column.along:
+            known = dict(zip(labels[column.along], column.values, strict=True))
+            known |= zip(axes.get(column.along, ()), axes.get(column.name, ()), strict=True)
+            followed[column.name] = {label: known[label] for label in leading[column.along]}
+    return followed

@@ -137,13 +137,12 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
 def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
     """Entries in which the scene of a store differs from a sweep, for the same values of `over`."""
     scene = root.attributes["scene"]
-    if not sweep.variants.over:
-        yield from differences(scene, describe(sweep))
-    stored = {tuple(entry["values"]): entry for entry in root.attributes.get("scenes", [])}
-    for variant in sweep.variants.entries:
-        if entry := stored.get(tuple(value for _, value in variant)):
-            key = f"scene with {', '.join(named(variant))}: scene"
-            yield from differences(scene | entry["scene"], describe(sweep.variant(variant)), key)
+    held = root.attributes.get("scenes", [{"values": [], "scene": {}}])
+    stored = {tuple(entry["values"]): scene | entry["scene"] for entry in held}
+    for name in sweep.variants.given:
+        key = f"scene with {', '.join(named(name))}: scene" if name else "scene"
+        if known := stored.get(tuple(value for _, value in name)):
+            yield from differences(known, describe(sweep, name), key)
 
 
 def _remove_partial(place: Place) -> None:

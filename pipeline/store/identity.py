@@ -17,26 +17,28 @@ from numpy.typing import NDArray
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.variants import Variant
 from tribo import Scene
 
 
-def describe(sweep: Sweep) -> dict[str, Any]:
+def describe(sweep: Sweep, name: Variant | None = None) -> dict[str, Any]:
     """Describe what decides a scene's numbers, as plain data in SI, arrays as their digest.
 
-    The seed is left out where there are realizations, each with its own. Of samples the rule by
-    which they follow is part of it. Of entries with several values the first ones count.
+    Of a table of variants it is the scene with one combination of the dimensions that are not
+    drawn, the first if none is named. What drawn rows change field by field is left out, and the
+    rule by which they were drawn is part of it.
     """
-    if sweep.variants.over:
-        sweep = sweep.variant(sweep.variants.entries[0])
-    laws = own_laws(sweep.scene)
+    table = sweep.variants
+    scene = sweep.variant(next(iter(table.given)) if name is None else name).scene
+    laws = own_laws(scene)
     parts = {
-        entry.name: laws.get(entry.name) or _plain(getattr(sweep.scene, entry.name))
+        entry.name: laws.get(entry.name) or _plain(getattr(scene, entry.name))
         for entry in fields(Scene)
     }
-    if sweep.variants.realizations:
-        parts["roughness"]["seed"] = None
-    if sweep.variants.samples:
-        parts["samples"] = sweep.variants.samples.design.as_dict()
+    for part, *inner in (path.split(".") for path in table.drawn_fields):
+        parts[part] = parts[part] | {inner[0]: None}
+    if table.draw:
+        parts["samples"] = table.draw.design.as_dict()
     return parts
 
 

@@ -12,7 +12,7 @@ from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
-from pipeline.sweep.over import Variant
+from pipeline.sweep.variants import Variant
 from tribo.types import Array
 
 _RECENT = 200  # points, of which the rate is taken

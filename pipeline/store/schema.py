@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.variants import Column, Variants
 from tribo import WarningKind
 
 FORMAT = 1
@@ -168,9 +169,6 @@ AT_END = FIELDS | BULK_FIELDS
 LEADING = ("realization", "sample")
 """Dimensions of which one may stand in front of the others."""
 
-_INPUT = Variable(("sample",), None, "value of an input that is not known exactly")
-_VELOCITY = Variable(("sample",), "m/s", "sliding velocity of the sample")
-
 
 def is_coordinate(name: str) -> bool:
     """True if a variable is a coordinate: of a dimension, or an input by its path."""
@@ -182,32 +180,33 @@ def is_of_points(dim: str) -> bool:
     return dim not in ("step", "quantile", "bulk_ratio", "wear_rate", "x", "y")
 
 
+def stored_columns(table: Variants) -> list[Column]:
+    """Columns of a table that a store has; the load of a row is one of its points."""
+    return [column for column in table.columns if column.name != "load"]
+
+
+def _variable_of(column: Column) -> Variable:
+    """Variable of a column of the table of variants."""
+    kinds = {str: "str", int: "int64", float: "float64"}
+    dims = (column.along or column.name,)
+    dtype = kinds[type(column.values[0])]
+    return Variable(dims, column.unit, column.meaning, dtype)
+
+
 def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     """Variables of the store of a sweep, with fields at the end of each point or without."""
-    absent = {name for name in LEADING if name not in sweep.variants.axes}
+    table = {column.name: _variable_of(column) for column in stored_columns(sweep.variants)}
+    front, placed = tuple(sweep.variants.axes), frozenset(table)
+    absent = {*LEADING}
     if not with_fields:
         absent |= {"x", "y", *AT_END}
-    if not sweep.scene.unequal_bulks:
+    if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
     if not sweep.rates:
         absent |= {"wear_rate", *RATE_COLUMNS}
-    table: dict[str, Variable] = {}
-    for axis in sweep.variants.over.axes if sweep.variants.over else ():
-        dtype = "str" if axis.unit is None else "float64"
-        table[axis.path] = Variable((axis.path,), axis.unit, f"{axis.path} of the scene", dtype)
-    for unknown in sweep.variants.samples.design.inputs if sweep.variants.samples else ():
-        table[unknown.path] = _INPUT._replace(units=unknown.unit)
     for name, variable in VARIABLES.items():
-        if name in COORDINATES and name not in absent:
-            table[name] = variable
-        elif name not in absent:
-            table[name] = variable._replace(dims=_dims(sweep, variable))
-    if sweep.variants.samples:
-        table["velocity"] = _VELOCITY
+        if name in absent or name in table:
+            continue
+        inner = tuple(dim for dim in variable.dims if dim not in placed)
+        table[name] = variable if name in COORDINATES else variable._replace(dims=(*front, *inner))
     return table
-
-
-def _dims(sweep: Sweep, variable: Variable) -> tuple[str, ...]:
-    """Dimensions of a variable of points, with those in front; each sample has one velocity."""
-    without = {"velocity"} if sweep.variants.samples else set[str]()
-    return (*sweep.variants.axes, *(dim for dim in variable.dims if dim not in without))

@@ -25,8 +25,8 @@ from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import ABOUT, Store, values_of
 from pipeline.sweep.model import Point
-from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.variants import Variant
 from tribo import WarningKind
 from tribo.types import Mask
 

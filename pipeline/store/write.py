@@ -75,6 +75,11 @@ class Store:
 
     # Places of points
 
+    @property
+    def has_plane(self) -> bool:
+        """True if all rows share the velocities, and none has one of its own."""
+        return "velocity" in self.dims
+
     def index(self, point: Point) -> _Index:
         """Place of a point."""
         values = dict(point.variant) | {"load": point.load, "velocity": point.velocity}
@@ -87,8 +92,9 @@ class Store:
         points = []
         for index in zip(*(along.tolist() for along in where), strict=True):
             values = {name: self.axes[name][i] for name, i in zip(self.dims, index, strict=True)}
-            if "sample" in values:  # each of which has one velocity
-                values["velocity"] = self.axes["velocity"][index[0]]
+            if not self.has_plane:
+                (along,) = self.arrays["velocity"].metadata.dimension_names
+                values["velocity"] = self.axes["velocity"][index[self.dims.index(along)]]
             load, velocity = values.pop("load"), values.pop("velocity")
             points.append(Point(load, velocity, tuple(values.items())))
         return points

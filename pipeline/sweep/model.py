@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
 
@@ -11,9 +11,9 @@ import numpy as np
 
 from pipeline.sweep.about import About
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.contacts import Lead, leads_of
 from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
-from pipeline.sweep.over import Label, Over, Variant, combinations
-from pipeline.sweep.samples import Samples
+from pipeline.sweep.variants import Part, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness, inseparable
 
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
@@ -86,52 +86,6 @@ class Plane:
 
 
 @dataclass(frozen=True, slots=True)
-class Variants:
-    """Variants of the scene to simulate in its place.
-
-    Attributes
-    ----------
-    realizations : tuple of int
-        Seeds of the random surfaces on which to simulate every load and velocity, one after the
-        other in place of the scene's own; none if the scene's own surface is all there is.
-    samples : Samples or None
-        Samples of the inputs that are not known exactly, to simulate one after the other in place
-        of the scene itself; None if there are none.
-    over : Over or None
-        Entries with several values, all combinations of which to simulate in place of the scene
-        itself; None if there are none.
-    wear_rates : tuple of float or None
-        Lowest and highest specific wear rate for which the points are to answer, beside the
-        scene's own [m²/N]; None for that alone.
-    """
-
-    realizations: tuple[int, ...] = ()
-    samples: Samples | None = None
-    over: Over | None = None
-    wear_rates: tuple[float, float] | None = None
-
-    @property
-    def axes(self) -> dict[str, tuple[Label, ...]]:
-        """Dimensions in front of load and velocity, with their values."""
-        if self.samples:
-            return {"sample": tuple(range(len(self.samples)))}
-        axes: dict[str, tuple[Label, ...]] = {}
-        if self.over:
-            axes |= {axis.path: axis.values for axis in self.over.axes}
-        return axes | ({"realization": self.realizations} if self.realizations else {})
-
-    @property
-    def entries(self) -> tuple[Variant, ...]:
-        """Combinations of the entries with several values: one, ``()``, if there are none."""
-        return tuple(self.over.parts) if self.over else ((),)
-
-    @property
-    def names(self) -> tuple[Variant, ...]:
-        """Variants of the scene that the sweep simulates: one, ``()``, if it has no axes."""
-        return combinations(self.axes)
-
-
-@dataclass(frozen=True, slots=True)
 class Record:
     """What is kept of each point.
 
@@ -139,9 +93,13 @@ class Record:
     ----------
     fields : bool
         True if the fields at the end of each point are kept.
+    wear_rates : tuple of float or None
+        Lowest and highest specific wear rate between which heat is taken on each contact, beside
+        the scene's own [m²/N]; None for that alone.
     """
 
     fields: bool = False
+    wear_rates: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,7 +124,7 @@ class Sweep:
     Raises
     ------
     InputError
-        If there are realizations, but the roughness is not a random one, or samples as well.
+        If a variant changes what the scene does not have, such as the seed of a smooth surface.
 
     Examples
     --------
@@ -184,46 +142,35 @@ class Sweep:
     variants: Variants = field(default_factory=Variants)
     record: Record = field(default_factory=Record)
     about: About = field(default_factory=lambda: About(name="scene", title="A scene"))
+    _leads: Mapping[Variant, Lead] | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if self.variants.realizations and not isinstance(self.scene.roughness, SelfAffineRoughness):
-            raise InputError(
-                "realizations are seeds of a random roughness, and that of the scene is not "
-                "random; leave out sweep.realizations"
-            )
-        if self.variants.realizations and self.variants.samples:
-            raise InputError(
-                "sweep.realizations and sweep.samples exclude each other; make the surface an "
-                'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
-            )
-        if self.variants.over and self.variants.samples:
-            raise InputError(
-                "sweep.over and sweep.samples exclude each other; leave out one, or make the entry "
-                'an unknown input: "pin.radius" = ["1 mm", "2 mm"] in [unknown]'
-            )
+        object.__setattr__(self, "_leads", None)  # which are found when they are asked for
+        if self.variants.columns:
+            self.variant(self.variants.names[0])  # refuses what the scene does not have
         if fault := self._fault_of_wear_rates():
             raise InputError(f"sweep.wear_rates: {fault}")
 
     def _fault_of_wear_rates(self) -> str | None:
         """Reason why the points cannot answer for other wear rates, and what to do."""
-        if self.variants.wear_rates is None:
+        if self.record.wear_rates is None:
             return None
-        low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.variants.wear_rates)
+        low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.record.wear_rates)
         if self.scene.wear is None or not self.scene.wears:
             return "nothing wears; give [wear], or leave them out"
         usual = self.scene.wear.specific_wear_rate
-        if not self.variants.wear_rates[0] <= usual <= self.variants.wear_rates[1] or low == high:
+        if not self.record.wear_rates[0] <= usual <= self.record.wear_rates[1] or low == high:
             return (
                 f"from {low} to {high} does not enclose the scene's own, {1e9 * usual:g} "
                 "mm³/(N m); give a lower and a higher one"
             )
-        if self.variants.samples:
+        if not self.variants.has_plane:
             return "samples draw what is not known themselves; leave out one or the other"
         if self.scene.unequal_bulks:
             return "the bulk temperatures are unequal; give one, or leave them out"
         if not self.scene.friction_heat:
             return "there is no friction, and so no heat; give friction.coefficient above 0"
-        rates = (usual, *self.variants.wear_rates)
+        rates = (usual, *self.record.wear_rates)
         velocities = [speed * usual / rate for speed in self.plane.velocities for rate in rates]
         if reason := inseparable(self.scene, velocities):
             return f"{reason}; change that, or leave them out"
@@ -253,9 +200,9 @@ class Sweep:
 
         They are ascending, and even in the logarithm; none if the own is all there is.
         """
-        if self.scene.wear is None or self.variants.wear_rates is None:
+        if self.scene.wear is None or self.record.wear_rates is None:
             return ()
-        low, high = self.variants.wear_rates
+        low, high = self.record.wear_rates
         count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
         rates = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
         usual = self.scene.wear.specific_wear_rate
@@ -264,45 +211,44 @@ class Sweep:
     @property
     def ramps(self) -> int:
         """Number of ramps that are simulated, each at one velocity through all loads."""
-        return len(self.variants.names) * (
-            1 if self.variants.samples else len(self.plane.velocities)
-        )
+        velocities, rows = self.lines
+        return len(velocities) * rows
+
+    @property
+    def lines(self) -> tuple[tuple[float, ...], int]:
+        """Velocities of the sweep, and the number of rows of its table that have each of them."""
+        own = self.variants.velocities
+        return (self.plane.velocities, len(self.variants)) if own is None else (own, 1)
 
     def variant(self, variant: Variant = ()) -> Self:
-        """The sweep in one of its variants alone; without samples or `over` if none is given."""
-        parts: dict[str, Any] = {}
-        if self.variants.over and (entries := variant[: len(self.variants.over.axes)]):
-            parts |= self.variants.over.parts[entries]
-        names = dict(variant)
-        if "sample" in names:
-            parts |= self._parts_of_sample(int(names["sample"]))
-        is_one = self.variants.samples is None and self.variants.over is None
-        sweep = self if is_one else self.changed(samples=None, over=None, **parts)
-        return sweep.on_surface(int(names["realization"])) if "realization" in names else sweep
+        """The sweep of one row of its table alone; of the scene itself if none is given."""
+        alone = self.changed(variants=Variants()) if self.variants.columns else self
+        return alone.with_part(self.variants.part(variant)) if variant else alone
 
-    def _parts_of_sample(self, sample: int) -> dict[str, Any]:
-        """Fields in which a sample differs from the sweep."""
-        if self.variants.samples is None or not sample < len(self.variants.samples):
-            held = (
-                f"it has 0 to {len(self.variants.samples) - 1}"
-                if self.variants.samples
-                else "it has no samples"
-            )
-            raise InputError(f"sample is {sample}, which the sweep does not have; {held}")
-        return dict(self.variants.samples.parts[sample])
+    def with_part(self, part: Part) -> Self:
+        """The sweep with what a row of a table changes."""
+        values: dict[str, Any] = {}
+        for path, value in part:
+            name, *inner = path.split(".")
+            present = values.get(name, self.get(name))
+            values[name] = _with_inner(present, inner, value, path)
+        return self.changed(**values)
+
+    @property
+    def leads(self) -> Mapping[Variant, Lead]:
+        """For each row of the table, the first with the same contacts; see `Lead`."""
+        if self._leads is None:
+            table = self.variants
+            scenes = ((name, self.variant(name).scene) for name in table.names)
+            found = leads_of(scenes, table.velocities, self.plane.velocities)
+            object.__setattr__(self, "_leads", found)
+        return self._leads or {}
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""
-        if self.variants.over and point.variant:
-            entries = point.variant[: len(self.variants.over.axes)]
-            return point.velocity, self.variants.over.leads[entries] + point.variant[len(entries) :]
-        if self.variants.samples is None or not point.variant:
-            return point[1:]
-        ((name, sample),) = point.variant
-        if point.velocity != self.variants.samples.velocities[int(sample)]:
-            return point[1:]  # the scene with the inputs of a sample, at another velocity
-        number = self.variants.samples.lead(int(sample))
-        return self.variants.samples.velocities[number], ((name, number),)
+        lead = self.leads.get(point.variant)
+        velocity = lead and lead.velocity_for(point.velocity)
+        return point[1:] if lead is None or velocity is None else (velocity, lead.variant)
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s]; not if the load is a record."""
@@ -322,7 +268,7 @@ class Sweep:
                 f"realization is {seed}, the seed of a random roughness, and that of the scene is "
                 "not random; leave it out"
             )
-        return self.changed(roughness=replace(self.scene.roughness, seed=seed), realizations=())
+        return self.changed(variants=Variants()).with_part((("roughness.seed", seed),))
 
     def changed(self, **values: Any) -> Self:
         """The sweep with other values of some fields of its parts, by the names of the fields."""
@@ -342,9 +288,24 @@ class Sweep:
         return getattr(getattr(self, part) if part else self, name)
 
 
-_PARTS = {"scene": Scene, "plane": Plane, "variants": Variants, "record": Record, "about": About}
+_PARTS = {"scene": Scene, "plane": Plane, "record": Record, "about": About}
 PART_OF = {
     "conditions": "",
+    "variants": "",
     **{entry.name: part for part, kind in _PARTS.items() for entry in fields(kind)},
 }
 """Part of a sweep that has a field; empty for the sweep itself."""
+
+
+def _with_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> Any:
+    """A part of a scene with another value of an inner field."""
+    if not inner:
+        return value
+    name, *deeper = inner
+    if not hasattr(present, name):
+        kind = type(present).__name__ if present is not None else "none"
+        raise InputError(
+            f"{path} is {value!r}, but that part of the scene is {kind}, without {name}; "
+            "leave it out"
+        )
+    return replace(present, **{name: _with_inner(getattr(present, name), deeper, value, path)})

@@ -22,7 +22,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import Verdict, verdict
 from pipeline.sweep.description import as_html, as_lines, on_point
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.over import Variant
+from pipeline.sweep.variants import Variant
 from tribo import (
     BULK_RATIOS,
     QUANTILES,
@@ -188,16 +188,17 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
     if sweep.plane.chosen is not None:
         return tuple(sorted(sweep.plane.chosen, key=lambda point: (point.variant, *point[1::-1])))
-    if sweep.variants.samples:
-        numbered = list(zip(sweep.variants.names, sweep.variants.samples.velocities, strict=True))
-        size = sweep.variants.samples.design.per_contact
-        return tuple(
-            Point(load, velocity, variant)
-            for begin, load in itertools.product(range(0, len(numbered), size), sweep.plane.loads)
-            for variant, velocity in numbered[begin : begin + size]
-        )
-    places = itertools.product(sweep.variants.names, sweep.plane.velocities, sweep.plane.loads)
-    return tuple(Point(load, velocity, variant) for variant, velocity, load in places)
+    return tuple(
+        Point(load, velocity, name)
+        for name in sweep.variants.names
+        for velocity, load in _places_of(sweep, name)
+    )
+
+
+def _places_of(sweep: Sweep, name: Variant) -> Iterable[tuple[float, float]]:
+    """Velocities and loads of a row of the table, loads ascending."""
+    loads, velocities = sweep.variants.plane_of(name, sweep.plane.loads, sweep.plane.velocities)
+    return itertools.product(velocities, loads)
 
 
 def chains(todo: Iterable[Point], sweep: Sweep) -> tuple[tuple[Point, ...], ...]:
@@ -249,14 +250,13 @@ def run_points(
     lead = variants[0] if name_of_lead == names[0] else sweep.variant(name_of_lead)
     trunk = _leading_to(lead, load, trunk, names)
     records = {name: list(trunk.records.get(name, ())) for name in names}
+    places = [(one.scene, point.velocity) for one, point in zip(variants, points, strict=True)]
     steps = step_count(lead.scene, load) if progress else 0
     states: list[State] = []
     at_load = [dict[int, State]() for _ in points]
     for number_of_step, contact in enumerate(contacts(lead.scene, load, first, trunk.state), 1):
-        states = [
-            _with_heat(variant.scene, contact, point.velocity, first)
-            for variant, point in zip(variants, points, strict=True)
-        ]
+        heated_at = {place: _with_heat(*place, contact, first) for place in dict.fromkeys(places)}
+        states = [heated_at[place] for place in places]
         rows = list(zip(variants, states, strict=True))
         for name, row, hot in zip(names, rows, at_load, strict=True):
             if row[1].heat and row[1].normal_load >= load:
@@ -282,8 +282,8 @@ def run_points(
     )
 
 
-def _with_heat(scene: Scene, contact: State, velocity: float, first: float) -> State:
-    """A contact with its temperature, at its own velocity or at that of another sample."""
+def _with_heat(scene: Scene, velocity: float, contact: State, first: float) -> State:
+    """A contact with its temperature, at the velocity that leads it or at that of another row."""
     if velocity != first:
         return heated(scene, contact, velocity)
     if contact.is_asked and contact.heat is None:

@@ -14,7 +14,6 @@ spread, with 2 velocities of heat each, give the rise better than 128 samples of
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -139,42 +138,12 @@ class Design:
 
 
 @dataclass(frozen=True, slots=True)
-class Samples:
-    """Samples of a sweep, each with its inputs in place of the scene's own, and one velocity."""
+class Draw:
+    """Unknown inputs, and the rule by which samples of them were drawn."""
 
     unknown: tuple[Unknown, ...]
     design: Design
-    values: tuple[tuple[float, ...], ...]  # by sample and input of the design [SI]
-    velocities: tuple[float, ...]  # [m/s]
-    parts: tuple[tuple[tuple[str, Any], ...], ...]  # fields of the `Sweep` that differ
     fixed: tuple[Fixed, ...] = ()  # inputs that have one value in place of their distribution
-
-    def __len__(self) -> int:
-        return len(self.velocities)
-
-    def lead(self, number: int) -> int:
-        """Number of the sample whose contact a sample shares."""
-        return number - number % self.design.per_contact
-
-    def columns(self, count: int) -> dict[str, list[float]]:
-        """Inputs by their paths [SI], and ``velocity`` [m/s], of so many samples."""
-        values, velocities = self.design.draw(count)
-        inputs = zip(self.design.inputs, values.T, strict=True)
-        return {one.path: column.tolist() for one, column in inputs} | {
-            "velocity": velocities.tolist()
-        }
-
-
-def drawn_samples(
-    unknown: tuple[Unknown, ...],
-    design: Design,
-    count: int,
-    part: Callable[[tuple[float, ...]], tuple[tuple[str, Any], ...]],
-) -> Samples:
-    """Samples of a design, with the fields of the sweep that `part` gives for a sample's inputs."""
-    values, velocities = design.draw(count)
-    rows = tuple(map(tuple, values.tolist()))
-    return Samples(unknown, design, rows, tuple(velocities.tolist()), tuple(map(part, rows)))
 
 
 def _sum(shares: Array, one: float, other: float) -> Array:

@@ -109,22 +109,17 @@ def estimate(
     if workers is not None:
         require_count("workers", workers)
     sweep, cores = sweep_of(sweep, own_laws), os.cpu_count() or 1
-    workers, variants = workers or cores, 1 if sweep.variants.samples else len(sweep.variants.names)
-    searched = boundary_only and not sweep.variants.samples
-    velocities = _searched(sweep) if searched else sweep.ramps // variants
+    workers, (every, variants) = workers or cores, sweep.lines
+    searched = boundary_only and sweep.variants.has_plane
+    velocities = _searched(sweep) if searched else len(every)
     ramps = velocities * variants
     points = (min(2, velocities) if searched else velocities) * len(sweep.plane.loads) * variants
-    moving = (
-        sum(velocity != 0 for velocity in sweep.plane.velocities)
-        if sweep.scene.friction_heat
-        else 0
-    )
-    scene, shared = sweep, Fraction(1)  # variants that share a contact
-    if sweep.variants.samples:
-        moving, shared = ramps, Fraction(sweep.variants.samples.design.per_contact)
-    if sweep.variants.over:
-        scene = sweep.variant(sweep.variants.entries[len(sweep.variants.entries) // 2])
-        shared = Fraction(len(sweep.variants.entries), len(set(sweep.variants.over.leads.values())))
+    moving = sum(velocity != 0 for velocity in every) * sweep.scene.friction_heat
+    names, given = sweep.variants.names, list(sweep.variants.given)
+    scene = sweep.variant(given[len(given) // 2])
+    # Rows that share a contact; of these, those with one velocity and scene share its heat, too.
+    shared = Fraction(len(names), len({lead.variant for lead in sweep.leads.values()}))
+    alike = len({sweep.variant(name).scene for name in names}) / len(names) if variants > 1 else 1.0
     timed, steps = _timed(scene), list(_steps_of_ramp(scene))
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
@@ -137,11 +132,11 @@ def estimate(
     parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
     turns = of_contacts / parallel if sweep.plane.independent else math.ceil(of_contacts / parallel)
     alone = (
-        turns * float(shared) * (heated * timed.heat + len(sweep.plane.loads) * _SECONDS_TO_COMMIT)
+        turns
+        * float(shared)
+        * (alike * heated * timed.heat + len(sweep.plane.loads) * _SECONDS_TO_COMMIT)
     )
-    if not (
-        sweep.scene.remembers_steps or sweep.variants.samples
-    ):  # workers keep those of the first velocity
+    if not sweep.scene.remembers_steps:  # workers keep those of the first velocity
         of_contacts = min(of_contacts, parallel * variants)
         turns = min(turns, variants)
     alone += timed.begin * variants + turns * len(steps) * timed.contact
@@ -159,12 +154,12 @@ def estimate(
     return Estimate(
         points=points,
         steps=len(steps) * of_contacts,
-        temperatures=heated * moving * variants,
+        temperatures=round(alike * heated * moving * variants),
         chains=chains,
         workers=workers,
         seconds=seconds,
         basis=basis,
-        worker_bytes=max(worker_bytes(sweep.variant(entry)) for entry in sweep.variants.entries),
+        worker_bytes=max(worker_bytes(sweep.variant(name)) for name in given),
         disk_bytes=points * _point_bytes(scene, timed.state),
     )
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit, rises_of
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import chains
+from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, Scene, State, forget_kernels, measures, simulate
 from tribo.simulation import forget_contacts, leads_to
 

@@ -22,6 +22,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
+from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import Place, Probe, fitted, near_the_boundary, probe, some_places
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from pipeline.tradeoff.yardstick import velocity_errors
@@ -84,7 +85,7 @@ def trade(
     limit = rise_limit(sweep.conditions)
     if not math.isfinite(limit):
         raise InputError("friction is 0, so there is no boundary; give one above 0")
-    without_surfaces = sweep.changed(realizations=())
+    without_surfaces = sweep.changed(variants=Variants())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
     asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
     near, exponents = near_the_boundary(sweep, [Place(load) for load in asked])

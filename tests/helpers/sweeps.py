@@ -2,11 +2,14 @@
 
 from dataclasses import fields
 
+import numpy as np
+
 from pipeline.sweep.about import About
-from pipeline.sweep.model import PART_OF, Plane, Record, Sweep, Variants
+from pipeline.sweep.model import PART_OF, Plane, Record, Sweep
+from pipeline.sweep.variants import Variants
 from tribo import Scene
 
-_KINDS = {"scene": Scene, "plane": Plane, "variants": Variants, "record": Record, "about": About}
+_KINDS = {"scene": Scene, "plane": Plane, "record": Record, "about": About}
 
 
 def sweep_of_fields(**values):
@@ -16,4 +19,10 @@ def sweep_of_fields(**values):
         part: kind(**{one.name: values[one.name] for one in fields(kind) if one.name in values})
         for part, kind in _KINDS.items()
     }
-    return Sweep(**parts, conditions=values["conditions"])
+    variants = values.get("variants", Variants())
+    return Sweep(**parts, conditions=values["conditions"], variants=variants)
+
+
+def inputs_of(table):
+    """Inputs of the samples of a table by row, shape (n_sample, n_input)."""
+    return np.array([one.values for one in table.coordinates if one.name != "velocity"]).T

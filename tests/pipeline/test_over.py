@@ -45,10 +45,11 @@ def same(one, other):
 def test_a_forecast_counts_the_points_of_every_scene(tmp_path):
     sweep = load(tmp_path)
     cost, one = (
-        pipeline.estimate(case, 1) for case in (sweep, sweep.variant(sweep.variants.entries[0]))
+        pipeline.estimate(case, 1)
+        for case in (sweep, sweep.variant(next(iter(sweep.variants.given))))
     )
     for name in ("points", "chains", "steps", "temperatures", "disk_bytes"):
-        assert getattr(cost, name) == len(sweep.variants.entries) * getattr(one, name)
+        assert getattr(cost, name) == len(sweep.variants.given) * getattr(one, name)
 
 
 @pytest.fixture(scope="module")
@@ -171,10 +172,19 @@ def test_a_wrong_entry_or_value_is_named_with_its_cure(tmp_path, over, fault):
     assert fault in str(error.value)
 
 
-def test_over_and_samples_exclude_each_other(tmp_path):
-    unknown = '\n[unknown]\n"friction.coefficient" = [0.1, 0.2]\n'
-    with pytest.raises(pipeline.SceneFileError, match="exclude each other"):
-        load(tmp_path, scene=SCENE + unknown, **{"sweep.samples": 4})
+def test_each_combination_has_the_same_samples(tmp_path):
+    unknown = '\n[unknown]\n"materials.steel.thermal_conductivity" = [40.0, 45.0]\n'
+    unknown = unknown.replace("40.0, 45.0", '"40 W/(m K)", "45 W/(m K)"')
+    sweep = load(tmp_path, scene=SCENE + unknown, **{"sweep.samples": 4})
+    assert list(sweep.variants.axes) == ["pin.radius", "sample"]
+    assert len(sweep.variants) == 2 * 4
+    for number in range(4):
+        small, large = (
+            sweep.variant((("pin.radius", radius), ("sample", number))).scene
+            for radius in sweep.variants.axes["pin.radius"]
+        )
+        assert (small.pin.radius, large.pin.radius) == sweep.variants.axes["pin.radius"]
+        assert small.disk == large.disk
 
 
 def test_commands_answer_for_each_value(swept, folder, irg):

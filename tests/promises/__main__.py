@@ -56,7 +56,7 @@ def described(sweep):
             f"bulks {sweep.conditions.bulk_difference:.3g} K apart",
             "smooth"
             if sweep.scene.roughness is None
-            else f"{len(sweep.variants.realizations) or 1} surfaces",
+            else f"{len(sweep.variants.axes.get('realization', ())) or 1} surfaces",
             f"{len(sweep.plane.velocities)} velocities",
         ]
     )

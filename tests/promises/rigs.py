@@ -14,6 +14,7 @@ import pipeline
 from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import at_scores
+from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
@@ -102,7 +103,7 @@ class Rig:
         self.truth = at_scores(ensemble.unknown, scores)[0]
         entries = entries_of(ensemble.unknown, self.truth)
         alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
-        self._scene = pipeline.load_scene(scene, overrides=alone).changed(samples=None)
+        self._scene = pipeline.load_scene(scene, overrides=alone).changed(variants=Variants())
         self._friction, self._chance = entries[FRICTION], chance
         self.simulated = functools.cache(self._simulated)
 

@@ -21,6 +21,7 @@ import pipeline
 from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import drawn
+from pipeline.sweep.variants import Variants
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SEED = 2718  # of the direct draws; the samples have 0 in the shipped scenes, and their risk has 1
@@ -36,7 +37,7 @@ def _of_chunk(task):
 def excess(scene, overrides, inputs, load, velocity):
     """Logarithm of the rise over its limit at a point, with inputs as the scene would give them."""
     alone = pipeline.load_scene(scene, overrides=overrides | inputs)
-    alone = alone.changed(samples=None)
+    alone = alone.changed(variants=Variants())
     rise = decisive_rises(run_point(alone, load, velocity).columns, load, alone.conditions)
     return math.log(float(rise) / rise_limit(alone.conditions))
 

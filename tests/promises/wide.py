@@ -9,6 +9,7 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.rises import at_bulks
+from pipeline.sweep.variants import surfaces
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, in_window, state_at
 from tribo.criterion import columns_of
@@ -49,7 +50,7 @@ def random_wide_sweep(seed):
     )
     sweep = in_window(sweep, draw.lengths(), velocity)
     if sweep.scene.roughness is not None and draw.chance(1 / 5):
-        sweep = sweep.changed(realizations=(seed, seed + 1000))
+        sweep = sweep.changed(variants=surfaces((seed, seed + 1000)))
     bulks = draw.between(-0.5, 0.5) if draw.chance(1 / 4) else 0.0
     return _with_boundary(sweep, velocity, bulks)
 

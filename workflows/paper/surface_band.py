@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pipeline.analysis.boundary import boundary
 from pipeline.figures.diagram import diagram
+from pipeline.sweep.variants import surfaces
 from tribo import InputError
 from workflows.paper.report import Report, Table, cells
 from workflows.paper.study import Study
@@ -22,7 +23,9 @@ def band(study: Study) -> Report:
         raise InputError(f"the scene {scene.about.name} must have a friction band")
     least, most = scene.about.friction_band
     seeds = tuple(study.seeds(_SURFACES))
-    sweep = scene.changed(loads=_LOADS, velocities=_VELOCITIES, realizations=seeds, fields=False)
+    sweep = scene.changed(
+        loads=_LOADS, velocities=_VELOCITIES, variants=surfaces(seeds), fields=False
+    )
     _, ds = study.sweep(sweep, f"{sweep.about.name}_surfaces_{sweep.about.preset}")
     ds = ds.sel(realization=list(seeds))
 

@@ -7,6 +7,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.analysis.inference import critical_temperatures
 from pipeline.sweep.about import Measurement
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -16,11 +17,11 @@ from tribo import InputError
 def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_path):
     """On each surface the boundary is found with 145 °C, and then asked for it."""
     velocities = tuple(np.arange(0.5, 4.01, 0.5).tolist())
-    sweep = tiny.sweep(loads=(250.0, 600.0), velocities=velocities, realizations=(1, 2))
+    sweep = tiny.sweep(loads=(250.0, 600.0), velocities=velocities, variants=surfaces((1, 2)))
     commit_all(tmp_path / "a.zarr", sweep)
     critical = boundary(open_sweep(tmp_path / "a.zarr"))["critical_velocity"]
     assert critical.notnull().all()
-    for seed in sweep.variants.realizations:
+    for seed in sweep.variants.axes.get("realization", ()):
         measured = tuple(
             Measurement(load, critical.sel(realization=seed, load=load).item())
             for load in sweep.plane.loads

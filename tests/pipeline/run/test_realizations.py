@@ -13,6 +13,7 @@ from pipeline.run.follow import follow_boundary
 from pipeline.run.sweep import run_sweep
 from pipeline.store.schema import COLUMNS, FIELDS, RECORDS
 from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.variants import Variants, surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.scenes import SCENE
 from tribo import InputError
@@ -22,7 +23,9 @@ POINT_DIMS = ("realization", "load", "velocity")
 
 
 def several(seeds=SEEDS, **changes):
-    return tiny.full(realizations=seeds, loads=(150.0, 600.0), velocities=(0.5, 1.5), **changes)
+    return tiny.full(
+        variants=surfaces(seeds), loads=(150.0, 600.0), velocities=(0.5, 1.5), **changes
+    )
 
 
 def alone_on(seed):
@@ -43,7 +46,7 @@ def swept(tmp_path_factory):
 
 
 def test_realizations_need_a_surface_that_is_made_from_a_seed():
-    with pytest.raises(InputError, match="random"):
+    with pytest.raises(InputError, match="without seed"):
         several(roughness=None)
 
 
@@ -138,7 +141,7 @@ def test_boundary_mode_follows_the_boundary_of_each_surface(tmp_path):
     assert np.isfinite(crossings["critical_velocity"]).all()
     assert crossings.attrs["missing_points"] == 0
     assert outcome.total < len(points(sweep)) / 2
-    alone = sweep.changed(roughness=alone_on(4).roughness, realizations=())
+    alone = sweep.changed(roughness=alone_on(4).scene.roughness, variants=Variants())
     follow_boundary(alone, tmp_path / "4.zarr", 0.02, workers=1)
     np.testing.assert_array_equal(
         boundary(pipeline.open_sweep(tmp_path / "4.zarr"))["critical_velocity"],

@@ -9,8 +9,10 @@ import pipeline
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.variants import Variants
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.helpers.stores import stored_values
+from tests.helpers.sweeps import inputs_of
 from tests.promises import risk
 from tribo import InputError
 
@@ -45,11 +47,11 @@ def test_samples_can_be_added_and_what_was_done_stays(sampled):
 
 def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
     folder, _, _ = sampled
-    samples, ds = load(folder).variants.samples, pipeline.open_sweep(folder / "out.zarr")
+    samples, ds = load(folder).variants, pipeline.open_sweep(folder / "out.zarr")
     assert ds["max_rise"].dims == ("sample", "load", "step")
     assert ds["velocity"].dims == ("sample",)
     assert ds["velocity"].values.tolist() == list(samples.velocities)
-    (rate,) = np.array(samples.values).T
+    (rate,) = inputs_of(samples).T
     assert ds["wear.specific_wear_rate"].values.tolist() == rate.tolist()
     assert ds["wear.specific_wear_rate"].attrs["units"] == "m2 N-1"
     assert ds.attrs["coordinates"] == "wear.specific_wear_rate velocity"
@@ -59,12 +61,9 @@ def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
 def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(sampled, number):
     folder, _, _ = sampled
     sweep = load(folder)
-    (rate,), velocity = (
-        sweep.variants.samples.values[number],
-        sweep.variants.samples.velocities[number],
-    )
+    (rate,), velocity = inputs_of(sweep.variants)[number], sweep.variants.velocities[number]
     alone = sweep.changed(
-        samples=None, wear=dataclasses.replace(sweep.scene.wear, specific_wear_rate=rate)
+        variants=Variants(), wear=dataclasses.replace(sweep.scene.wear, specific_wear_rate=rate)
     )
     expected = run_point(alone, 600.0, velocity).columns
     point = next(p for p in points(sweep) if p[::2] == (600.0, (("sample", number),)))

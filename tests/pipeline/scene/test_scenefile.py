@@ -140,11 +140,11 @@ def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path
     def realized(value, *changes):
         return read(("fields =", f"realizations = {value}\nfields ="), *changes)
 
-    assert read().variants.realizations == ()
-    assert realized("3").variants.realizations == (0, 1, 2)
-    assert realized("3", ("seed = 0", "seed = 5")).variants.realizations == (5, 6, 7)
+    assert read().variants.axes.get("realization", ()) == ()
+    assert realized("3").variants.axes.get("realization", ()) == (0, 1, 2)
+    assert realized("3", ("seed = 0", "seed = 5")).variants.axes.get("realization", ()) == (5, 6, 7)
     sweep = realized("[9, 2]")
-    assert sweep.variants.realizations == (2, 9)
+    assert sweep.variants.axes.get("realization", ()) == (2, 9)
     assert sweep.scene.roughness.seed == 2  # what takes one surface takes the first
     np.save(tmp_path / "surface.npy", np.zeros((480, 480)))
     for surface, what in (

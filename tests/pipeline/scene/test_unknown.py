@@ -9,7 +9,9 @@ import pytest
 import pipeline
 from pipeline.scene.faults import SceneFileError
 from pipeline.store.identity import describe, scene_hash
+from pipeline.sweep.variants import Variants
 from tests.helpers.scenes import SCENE
+from tests.helpers.sweeps import inputs_of
 
 UNKNOWN = """
 [unknown]
@@ -35,18 +37,18 @@ def faults(path, overrides=None):
 
 def test_quantities_are_read_in_si(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path))
-    rate, length, friction, critical, seed = sweep.variants.samples.unknown
+    rate, length, friction, critical, seed = sweep.variants.draw.unknown
     assert (rate.kind, rate.parameters) == ("log-normal", (1.2e-15, 1.5))
     assert (length.kind, length.parameters, length.unit) == ("uniform", (12e-6, 24e-6), "m")
     assert (friction.kind, friction.parameters) == ("normal", (0.1, 0.005))
     assert (critical.parameters, critical.unit) == (pytest.approx((418.15, 8.0)), "K")
     assert (seed.kind, seed.parameters) == ("list", (0.0, 1.0, 2.0, 3.0))
-    assert len(sweep.variants.samples) == 8
+    assert len(sweep.variants) == 8
 
 
 def test_friction_and_temperatures_are_not_simulated(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path))
-    design = sweep.variants.samples.design
+    design = sweep.variants.draw.design
     assert [entry.path for entry in design.inputs] == [
         "wear.specific_wear_rate",
         "disk.roughness.correlation_length",
@@ -54,7 +56,7 @@ def test_friction_and_temperatures_are_not_simulated(tmp_path):
     ]
     assert (design.layers, design.per_contact) == (("wear rate", "contact", "contact"), 4)
     only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
-    judged = pipeline.load_scene(scene(tmp_path, only)).variants.samples.design
+    judged = pipeline.load_scene(scene(tmp_path, only)).variants.draw.design
     # Samples that share a contact differ in the wear rate, though it is known.
     assert (judged.layers, judged.per_contact) == (("wear rate",), 2)
 
@@ -62,7 +64,7 @@ def test_friction_and_temperatures_are_not_simulated(tmp_path):
 def test_thermal_constants_enter_heat_alone(tmp_path):
     text = SCENE + '\n[unknown]\n"materials.steel.thermal_conductivity" = '
     text += '{ from = "21 W/(m K)", to = "46 W/(m K)" }\n'
-    design = pipeline.load_scene(scene(tmp_path, "", text=text)).variants.samples.design
+    design = pipeline.load_scene(scene(tmp_path, "", text=text)).variants.draw.design
     assert design.layers == ("heat", "wear rate")
     assert design.per_contact == 2
 
@@ -76,31 +78,24 @@ KNOWN_CONTACT = """
 
 def test_no_more_samples_are_drawn_than_suffice(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=500))
-    assert len(sweep.variants.samples) == sweep.variants.samples.design.sufficient == 16
+    assert len(sweep.variants) == sweep.variants.draw.design.sufficient == 16
     assert any(note.startswith("sweep.samples: 16 are computed") for note in sweep.about.notes)
     heat = '"materials.steel.thermal_conductivity" = { mean = "45 W/(m K)", sd = "3 W/(m K)" }\n'
-    assert (
-        len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + heat, 500)).variants.samples) == 32
-    )
+    assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + heat, 500)).variants) == 32
     lists = '"disk.roughness.seed" = [0, 1, 2, 3, 4, 5, 6, 7]\n'
-    assert (
-        len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + lists, 500)).variants.samples) == 64
-    )
+    assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + lists, 500)).variants) == 64
     drawn = '"disk.roughness.correlation_length" = { from = "12 um", to = "24 um" }\n'
-    assert (
-        len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + drawn, 100)).variants.samples)
-        == 100
-    )
+    assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + drawn, 100)).variants) == 100
 
 
 def test_planned_wear_numbers_are_evenly_spread(tmp_path):
-    samples = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=16)).variants.samples
-    rates, velocities = np.array(samples.values)[:, 0], np.array(samples.velocities)
+    samples = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=16)).variants
+    rates, velocities = inputs_of(samples)[:, 0], np.array(samples.velocities)
     number = (rates * velocities).reshape(8, 2)
     assert number[:, 1] == pytest.approx(number[:, 0], rel=1e-12)
     assert np.all(velocities[::2] < velocities[1::2])
     # Each eighth of the sums of two even numbers has one contact.
-    low, high = samples.design.velocities
+    low, high = samples.draw.design.velocities
     spread = math.log(1.5) * 2.6
     log_number = np.sort(np.log(number[:, 0] / 1.2e-15 / math.sqrt(low * high)))
     ends = _quantile(np.arange(9) / 8, math.log(high / low), 2 * spread)
@@ -115,15 +110,15 @@ def _quantile(shares, one, other):
 
 
 def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
-    samples = pipeline.load_scene(scene(tmp_path, samples=16)).variants.samples
-    values, velocities = np.array(samples.values), np.array(samples.velocities)
+    samples = pipeline.load_scene(scene(tmp_path, samples=16)).variants
+    values, velocities = inputs_of(samples), np.array(samples.velocities)
     number = values[:, 0] * velocities
     for begin in range(0, 16, 4):
         assert np.ptp(values[begin : begin + 4, 1:], axis=0).max() == 0.0
         assert number[begin : begin + 4] == pytest.approx(number[begin], rel=1e-12)
         assert len(set(velocities[begin : begin + 4])) == 4
-    fewer = pipeline.load_scene(scene(tmp_path)).variants.samples
-    assert fewer.values == samples.values[:8]
+    fewer = pipeline.load_scene(scene(tmp_path)).variants
+    assert np.array_equal(inputs_of(fewer), inputs_of(samples)[:8])
     assert fewer.velocities == samples.velocities[:8]
 
 
@@ -131,7 +126,7 @@ def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
     path = scene(tmp_path)
     sweep = pipeline.load_scene(path)
     for number in (0, 5):
-        rate, length, seed = sweep.variants.samples.values[number]
+        rate, length, seed = inputs_of(sweep.variants)[number].tolist()
         typed = pipeline.load_scene(
             scene(tmp_path, "", None),
             overrides={
@@ -165,7 +160,7 @@ def test_samples_are_part_of_what_a_store_is_of_but_conditions_are_not(tmp_path)
     other = pipeline.load_scene(scene(tmp_path, UNKNOWN.replace("factor = 1.5", "factor = 1.6")))
     assert describe(wider) == describe(sweep)
     assert describe(other) != describe(sweep)
-    assert describe(sweep.changed(samples=None)) != describe(sweep)
+    assert describe(sweep.changed(variants=Variants())) != describe(sweep)
 
 
 def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(tmp_path):
@@ -182,7 +177,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
     assert other == sweep
     assert scene_hash(describe(other)) == scene_hash(describe(sweep))
     assert '"written"' not in json.dumps(describe(sweep))
-    assert [str(entry).partition(": ")[2] for entry in other.variants.samples.unknown[:4]] == [
+    assert [str(entry).partition(": ")[2] for entry in other.variants.draw.unknown[:4]] == [
         "log-normal, median 1.2e-15 1/Pa, factor 1.5",
         "uniform from 0.012 to 0.024 mm",
         "normal, mean 0.1, sd 0.005",
@@ -245,7 +240,7 @@ CRITICAL = 'unknown."temperature.critical".correlated'
 def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
     path = scene(tmp_path, PAIR.replace("CORRELATED", '{ "temperature.critical" = 0.6 }'))
     sweep = pipeline.load_scene(path)
-    rate, friction, _, critical = sweep.variants.samples.unknown
+    rate, friction, _, critical = sweep.variants.draw.unknown
     assert rate.correlated == friction.correlated == ()
     assert critical.correlated == (
         ("wear.specific_wear_rate", 0.6),
@@ -253,7 +248,7 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
     )
     plain = pipeline.load_scene(scene(tmp_path, PAIR.replace("CORRELATED", "{}")))
     # Samples fill the ranges of the inputs, which correlations leave as they are.
-    assert plain.variants.samples.values == sweep.variants.samples.values
+    assert np.array_equal(inputs_of(plain.variants), inputs_of(sweep.variants))
     assert describe(plain) == describe(sweep)
 
 
@@ -283,7 +278,7 @@ def test_a_correlation_given_twice_is_given_alike(tmp_path):
     twice = PAIR.replace("CORRELATED", "{}").replace(
         "sd = 0.005", 'sd = 0.005, correlated = { "temperature.critical" = NUMBER }'
     )
-    assert pipeline.load_scene(scene(tmp_path, twice.replace("NUMBER", "-0.2"))).variants.samples
+    assert pipeline.load_scene(scene(tmp_path, twice.replace("NUMBER", "-0.2"))).variants.draw
     (message,) = faults(scene(tmp_path, twice.replace("NUMBER", "0.3")))
     assert message == f'{CRITICAL}."friction.coefficient": -0.2 is 0.3 elsewhere; give it once'
 
@@ -357,13 +352,13 @@ def test_an_input_given_by_a_setting_is_fixed_in_the_draw_too(tmp_path):
     drawn = pipeline.load_scene(path)
     setting = {"disk.roughness.correlation_length": "15 um"}
     fixed = pipeline.load_scene(path, overrides=setting)
-    assert [str(one) for one in fixed.variants.samples.fixed] == [
+    assert [str(one) for one in fixed.variants.draw.fixed] == [
         "disk.roughness.correlation_length is fixed at 15 µm"
     ]
     assert "disk.roughness.correlation_length" not in [
-        one.path for one in fixed.variants.samples.unknown
+        one.path for one in fixed.variants.draw.unknown
     ]
-    assert fixed.variant((("sample", 5),)).roughness.correlation_length == (15e-6, 15e-6)
+    assert fixed.variant((("sample", 5),)).scene.roughness.correlation_length == (15e-6, 15e-6)
     assert any("is fixed at 15 µm" in note for note in fixed.notes)
     assert scene_hash(describe(fixed)) != scene_hash(describe(drawn))
     assert drawn.samples.fixed == ()
@@ -373,13 +368,13 @@ def test_a_scene_that_extends_another_fixes_what_it_gives(tmp_path):
     scene(tmp_path)
     above = tmp_path / "above.toml"
     above.write_text('extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n')
-    (friction,) = pipeline.load_scene(above).variants.samples.fixed
+    (friction,) = pipeline.load_scene(above).variants.draw.fixed
     assert (friction.unknown.path, friction.value) == ("friction.coefficient", 0.12)
     above.write_text(
         'extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n[unknown]\n'
         '"friction.coefficient" = { mean = 0.12, sd = 0.001 }\n'
     )
-    assert pipeline.load_scene(above).variants.samples.fixed == ()  # beside its distribution
+    assert pipeline.load_scene(above).variants.draw.fixed == ()  # beside its distribution
 
 
 def test_others_keep_their_distribution_where_one_they_are_correlated_with_is_fixed(tmp_path):
@@ -387,10 +382,10 @@ def test_others_keep_their_distribution_where_one_they_are_correlated_with_is_fi
         "sd = 0.005", 'sd = 0.005, correlated = { "temperature.critical" = 0.5 }'
     )
     path = scene(tmp_path, joint)
-    critical = pipeline.load_scene(path).variants.samples.unknown[-2]
+    critical = pipeline.load_scene(path).variants.draw.unknown[-2]
     assert critical.correlated
     fixed = pipeline.load_scene(path, overrides={"friction.coefficient": 0.1})
-    assert not any(one.correlated for one in fixed.variants.samples.unknown)
+    assert not any(one.correlated for one in fixed.variants.draw.unknown)
 
 
 def test_a_scene_whose_inputs_are_all_fixed_has_nothing_to_sample(tmp_path):

@@ -30,8 +30,9 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
-from pipeline.sweep.samples import Design, drawn_samples
+from pipeline.sweep.samples import Design, Draw
 from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.variants import drawn_rows, surfaces
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
@@ -239,10 +240,9 @@ def sampled(count=2, seed=0):
     unknown = (Unknown("pin.radius", "normal", (8e-3, 1e-4), "m"),)
     design = Design(unknown, ("contact",), (0.5, 1.0), seed, 1)
 
-    def part(row):
-        return (("pin", tribo.Cylinder(row[0], 3.375e-3, STEEL)),)
-
-    return drawn_samples(unknown, design, count, part)
+    radii = design.draw(count)[0][:, 0].tolist()
+    parts = [(("pin", tribo.Cylinder(radius, 3.375e-3, STEEL)),) for radius in radii]
+    return drawn_rows(Draw(unknown, design), count, parts)
 
 
 def several(**changes):
@@ -252,8 +252,8 @@ def several(**changes):
 @pytest.mark.parametrize(
     ("fewer", "more"),
     [
-        (several(realizations=(4, 1)), several(realizations=(7, 1, 4))),
-        (several(samples=sampled()), several(samples=sampled(count=5))),
+        (several(variants=surfaces((4, 1))), several(variants=surfaces((7, 1, 4)))),
+        (several(variants=sampled()), several(variants=sampled(count=5))),
     ],
     ids=["surfaces", "samples"],
 )
@@ -293,14 +293,23 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     assert contents(alone) == before
 
 
+ONE = surfaces((1,))
 MISMATCHES = {
     "fields later": (several(), several(fields=True), "has no fields"),
-    "surfaces later": (several(), several(realizations=(1,)), "none in the store, realization in"),
-    "surfaces before": (several(realizations=(1,)), several(), "realization in the store, none in"),
-    "samples later": (several(), several(samples=sampled()), "none in the store, sample in"),
+    "surfaces later": (
+        several(),
+        several(variants=surfaces((1,))),
+        "none in the store, realization in",
+    ),
+    "surfaces before": (
+        several(variants=surfaces((1,))),
+        several(),
+        "realization in the store, none in",
+    ),
+    "samples later": (several(), several(variants=sampled()), "none in the store, sample in"),
     "another seed": (
-        several(samples=sampled()),
-        several(samples=sampled(seed=1)),
+        several(variants=sampled()),
+        several(variants=sampled(seed=1)),
         "scene.samples.seed: 0 in the store, 1 in the scene",
     ),
 }

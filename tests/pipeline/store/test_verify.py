@@ -18,6 +18,7 @@ from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.stores import (
     assert_is_as_computed,
@@ -263,7 +264,7 @@ def test_the_command_names_what_is_damaged(copy, irg):
 
 def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
     path = tmp_path / "tiny.zarr"
-    sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), realizations=(1, 2), fields=True)
+    sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), variants=surfaces((1, 2)), fields=True)
     commit_all(path, sweep)
     cut(path / "pressure" / "c.1.0.0.0.0")
     cut(path / "realization" / "c.0")

@@ -11,6 +11,7 @@ import pipeline
 from pipeline.analysis.attributes import attributes_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.selection import Selection
+from pipeline.sweep.variants import Variants, surfaces
 from pipeline.tradeoff import choose as accuracy_module
 from pipeline.tradeoff.choose import (
     _steps_of_sweep,
@@ -88,7 +89,7 @@ def test_one_error_is_said_the_largest_known():
 
 
 def test_every_surface_has_its_turn():
-    several = UNWORN.changed(realizations=(3, 4, 5))
+    several = UNWORN.changed(variants=surfaces((3, 4, 5)))
     assert {place.variant[0][1] for place in some_places(several, 6)} == {3, 4, 5}
     asked = []
     kept = accuracy_module.probe
@@ -105,9 +106,9 @@ def test_every_surface_has_its_turn():
 
 def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
     one = _steps_of_sweep(UNWORN)
-    assert _steps_of_sweep(UNWORN.changed(realizations=(3, 4, 5))) == 3 * one
+    assert _steps_of_sweep(UNWORN.changed(variants=surfaces((3, 4, 5)))) == 3 * one
     uncertain = pipeline.load_scene("workflows/uncertain.toml")
-    alone = _steps_of_sweep(uncertain.changed(samples=None))
+    alone = _steps_of_sweep(uncertain.changed(variants=Variants()))
     assert _steps_of_sweep(uncertain) == 128 * alone / 2 > alone
 
 

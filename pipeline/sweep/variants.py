@@ -1,0 +1,293 @@
+"""Variants of a scene: a table with one row a variant, whoever filled it.
+
+Small functions fill it: `surfaces` (seeds), `rows` (by hand), `pipeline.scene.over` (products of
+values), `pipeline.scene.unknown` (samples). Nothing after them asks which one did.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline.sweep.samples import Draw
+from tribo import InputError
+
+Label = float | int | str
+"""Value of a row in a column."""
+Variant = tuple[tuple[str, Label], ...]
+"""Name of a row: the dimensions in front of load and velocity, each with the row's value."""
+Part = tuple[tuple[str, Any], ...]
+"""What a row changes: fields of a sweep's parts, or of theirs, such as ``roughness.seed``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A label of each row of a table: the value along a dimension, or one that follows from it.
+
+    Attributes
+    ----------
+    name : str
+        Name of the dimension or coordinate in the dataset.
+    values : tuple of float, int or str
+        Value of each row [SI]; or words.
+    unit : str or None
+        Unit of SI; None for words.
+    along : str
+        Dimension that the values follow from; empty if the column is a dimension itself.
+    is_drawn : bool
+        True if rows that differ in this dimension alone differ by chance: each is as likely.
+    meaning : str
+        Meaning in words, for the dataset.
+    texts : tuple of str
+        Values as the scene writes them; as they are if not given.
+    """
+
+    name: str
+    values: tuple[Label, ...]
+    unit: str | None = "1"
+    along: str = ""
+    is_drawn: bool = False
+    meaning: str = ""
+    texts: tuple[Any, ...] = ()
+
+    def taken(self, numbers: Sequence[int]) -> Column:
+        """The column with the values of some rows, in their order."""
+        texts = tuple(self.texts[i] for i in numbers) if self.texts else ()
+        return Column(
+            self.name, tuple(self.values[i] for i in numbers), self.unit, self.along,
+            self.is_drawn, self.meaning, texts,
+        )  # fmt: skip
+
+    @property
+    def text_of(self) -> dict[Label, Any]:
+        """The text of each value."""
+        return dict(zip(self.values, self.texts or self.values, strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class Variants:
+    """A table of the variants of a scene, one row each; a single row changes nothing.
+
+    Rows are every combination of the values along its dimensions, the last one first. Pairs and
+    samples have a dimension that numbers them.
+
+    Attributes
+    ----------
+    columns : tuple of Column
+        Labels of the rows. One named ``velocity``, and one named ``load``, are the place at which
+        each row alone is simulated [m/s, N]; without them all rows share the plane.
+    parts : tuple of tuple
+        What each row changes.
+    given : mapping
+        What each combination of the dimensions changes that are not drawn.
+    draw : Draw or None
+        Rule by which rows were drawn, if they were.
+
+    Raises
+    ------
+    InputError
+        If rows have the same labels, or lack a combination of them.
+
+    Examples
+    --------
+    >>> radii = rows("pin", {"small": {"pin.radius": 2e-3}, "large": {"pin.radius": 4e-3}})
+    >>> table = radii * surfaces([3, 4])
+    >>> table.axes
+    {'pin': ('small', 'large'), 'realization': (3, 4)}
+    >>> dict(table.part(table.names[-1]))
+    {'pin.radius': 0.004, 'roughness.seed': 4}
+    """
+
+    columns: tuple[Column, ...] = ()
+    parts: tuple[Part, ...] = ((),)
+    given: Mapping[Variant, Part] = field(default_factory=lambda: {(): ()}, hash=False)
+    draw: Draw | None = None
+    _rows: Mapping[Variant, int] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        keys = [column for column in self.columns if not column.along]
+        labels = zip(*(key.values for key in keys), strict=True) if keys else [()]
+        names = (tuple(zip((key.name for key in keys), row, strict=True)) for row in labels)
+        found = {name: number for number, name in enumerate(names)}
+        object.__setattr__(self, "_rows", found)
+        if len(found) != len(self.parts) or list(found) != list(combinations(self.axes)):
+            raise InputError(
+                f"the table of variants has {len(self.parts)} rows, which are not every "
+                f"combination of {' and '.join(self.axes)} once; give rows that are paired a name"
+            )
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+    def __mul__(self, other: Variants) -> Variants:
+        """Every row of one table with every row of another, whose changes come later."""
+        if shared := {one.name for one in self.columns} & {one.name for one in other.columns}:
+            raise InputError(f"two tables of variants have {', '.join(sorted(shared))}; give one")
+        first = [i for i in range(len(self)) for _ in range(len(other))]
+        second = [*range(len(other))] * len(self)
+        return Variants(
+            columns=(
+                *(column.taken(first) for column in self.columns),
+                *(column.taken(second) for column in other.columns),
+            ),
+            parts=tuple(self.parts[i] + other.parts[k] for i, k in zip(first, second, strict=True)),
+            given={
+                name + then: part + change
+                for name, part in self.given.items()
+                for then, change in other.given.items()
+            },
+            draw=self.draw or other.draw,
+        )
+
+    @property
+    def names(self) -> tuple[Variant, ...]:
+        """Name of each row."""
+        return tuple(self._rows)
+
+    @property
+    def axes(self) -> dict[str, tuple[Label, ...]]:
+        """Dimensions in front of load and velocity, with their values."""
+        return {
+            column.name: tuple(dict.fromkeys(column.values))
+            for column in self.columns
+            if not column.along
+        }
+
+    @property
+    def coordinates(self) -> tuple[Column, ...]:
+        """Columns that follow from a dimension."""
+        return tuple(column for column in self.columns if column.along)
+
+    @property
+    def chosen(self) -> tuple[Column, ...]:
+        """Dimensions that are not drawn."""
+        return tuple(one for one in self.columns if not (one.along or one.is_drawn))
+
+    @property
+    def drawn_fields(self) -> tuple[str, ...]:
+        """Paths of inner fields, such as ``roughness.seed``, that drawn rows change."""
+        of_given = {path for part in self.given.values() for path, _ in part}
+        return tuple(path for path, _ in self.parts[0] if "." in path and path not in of_given)
+
+    @property
+    def velocities(self) -> tuple[float, ...] | None:
+        """Velocity at which each row alone is simulated [m/s]; None if they share a plane."""
+        return self._places("velocity")
+
+    @property
+    def has_plane(self) -> bool:
+        """True if all rows share a plane, and none has a place of its own."""
+        return self.velocities is None
+
+    def _places(self, name: str) -> tuple[Any, ...] | None:
+        return next((column.values for column in self.columns if column.name == name), None)
+
+    def part(self, name: Variant) -> Part:
+        """What a row changes, or a combination of the dimensions that are not drawn."""
+        if name in self._rows:
+            return self.parts[self._rows[name]]
+        if name in self.given:
+            return self.given[name]
+        unknown = [(key, value) for key, value in name if value not in self.axes.get(key, ())]
+        key, value = unknown[0] if unknown else ("the variant", dict(name))
+        held = ", ".join(map(str, self.axes.get(key, ()))) or "none"
+        raise InputError(f"{key} is {value}, which the sweep does not have; it has {held}")
+
+    def plane_of(
+        self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Loads and velocities of a row: its own place, or those of the plane."""
+        at = self._rows[name]
+        own = [self._places(axis) for axis in ("load", "velocity")]
+        return (
+            (own[0][at],) if own[0] else loads,
+            (own[1][at],) if own[1] else velocities,
+        )
+
+
+def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
+    """Every combination of the values of some dimensions; one, ``()``, of no dimensions.
+
+    Examples
+    --------
+    >>> combinations({"realization": (3, 4)})
+    ((('realization', 3),), (('realization', 4),))
+    """
+    return tuple(
+        tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
+    )
+
+
+def written_of(table: Variants, name: Variant) -> dict[str, Any]:
+    """Values of a row along its dimensions, as the scene writes them."""
+    texts = {column.name: column.text_of for column in table.columns}
+    return {path: texts[path][value] for path, value in name}
+
+
+def surfaces(seeds: Sequence[int]) -> Variants:
+    """The scene on random surfaces, by their seeds."""
+    if not seeds:
+        return Variants()
+    meaning = "seed of the random surface"
+    column = Column("realization", tuple(seeds), is_drawn=True, meaning=meaning)
+    return Variants((column,), tuple((("roughness.seed", seed),) for seed in seeds))
+
+
+def drawn_rows(draw: Draw, count: int, parts: Sequence[Part] = ()) -> Variants:
+    """Samples of inputs that are not known exactly, each with a velocity of its own."""
+    values, velocities = draw.design.draw(count)
+    meaning = "value of an input that is not known exactly"
+    number = Column("sample", tuple(range(count)), is_drawn=True, meaning="number of the sample")
+    inputs = (
+        Column(one.path, tuple(column), one.unit, "sample", meaning=meaning)
+        for one, column in zip(draw.design.inputs, values.T.tolist(), strict=True)
+    )
+    meaning_of_velocity = "sliding velocity of the sample"
+    velocity = Column(
+        "velocity", tuple(velocities.tolist()), "m/s", "sample", meaning=meaning_of_velocity
+    )
+    return Variants((number, *inputs, velocity), tuple(parts) or ((),) * count, draw=draw)
+
+
+def rows(
+    name: str,
+    changes: Mapping[Label, Mapping[str, Any]],
+    columns: Sequence[Column] = (),
+    velocities: Sequence[float] | None = None,
+    loads: Sequence[float] | None = None,
+) -> Variants:
+    """Rows by hand, each with what it changes; labels and places of their own if given.
+
+    Parameters
+    ----------
+    name : str
+        Name of the dimension of the rows.
+    changes : mapping
+        For each row, by its label, values of fields of a sweep's parts, such as ``pin``, or of
+        theirs, such as ``pin.radius`` or ``conditions.friction`` [SI].
+    columns : sequence of Column
+        Further labels of the rows, along that dimension.
+    velocities, loads : sequence of float, optional
+        Velocity [m/s], and load [N], at which each row alone is simulated.
+
+    Examples
+    --------
+    >>> pairs = rows("pair", {0: {"pin.radius": 2e-3}, 1: {"disk.hardness": 7e9}})
+    >>> pairs.names
+    ((('pair', 0),), (('pair', 1),))
+    """
+    labels = tuple(changes)
+    unit = None if isinstance(labels[0], str) else "1"
+    parts = tuple(tuple(change.items()) for change in changes.values())
+    own = [
+        Column(axis, tuple(values), unit, name, meaning=f"{axis} of each {name}")
+        for axis, values, unit in (("velocity", velocities, "m/s"), ("load", loads, "N"))
+        if values is not None
+    ]
+    key = Column(name, labels, unit, meaning=f"{name} of the scene")
+    given: dict[Variant, Part] = {
+        ((name, label),): part for label, part in zip(labels, parts, strict=True)
+    }
+    return Variants((key, *columns, *own), parts, given)
