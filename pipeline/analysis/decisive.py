@@ -7,7 +7,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import dataset_of, values_of
 from pipeline.analysis.interpolation import certain, interpolated
-from pipeline.analysis.soundness import require_sound
+from pipeline.analysis.soundness import deciding, require_sound
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises, rise_limit
@@ -36,9 +36,10 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     rises = decisive_rises(columns, ds["load"].values[:, None, None], conditions)
     axes = ("realization", "load", "velocity")
     dims = [name for name in axes if name in ds.dims]
-    rises = np.where(values_of(ds, "status") == DONE, rises, np.nan)
-    is_judged = conditions.critical_temperature is not None
-    require_sound(ds, rises, rise_limit(conditions) if is_judged else None, *dims)
+    is_done = values_of(ds, "status") == DONE
+    rises = np.where(is_done, rises, np.nan)
+    limit = None if conditions.critical_temperature is None else rise_limit(conditions)
+    require_sound(ds, deciding(is_done, rises, limit, *dims), *dims)
     return xr.DataArray(
         rises,
         {name: ds[name].variable for name in axes if name in ds.coords},

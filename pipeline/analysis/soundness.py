@@ -7,17 +7,14 @@ import itertools
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import values_of
 from pipeline.analysis.wear_rate import own_wear_rate
-from pipeline.store.schema import DONE
 from tribo.types import Array, Mask
 
 
-def require_sound(ds: xr.Dataset, rises: Array, limit: float | None, *dims: str) -> None:
-    """Compare the data of points that decide with their checksums, each once.
+def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
+    """Compare the data of some points, by the given dimensions, with their checksums, each once.
 
-    These are done points whose deciding rise is not known, and those beside which the rise crosses
-    the limit [K]. Rises [K] have the given dimensions. Datasets of no store are left alone.
+    Datasets of no store are left alone.
 
     Raises
     ------
@@ -27,11 +24,6 @@ def require_sound(ds: xr.Dataset, rises: Array, limit: float | None, *dims: str)
     reader = ds["status"].encoding.get("reader")
     if reader is None:
         return
-    suspects = (values_of(ds, "status") == DONE) & np.isnan(rises)
-    if limit is not None:
-        for axis in range(rises.ndim):
-            if dims[axis] in ("load", "velocity"):
-                suspects |= _beside(rises, limit, axis)
     # The velocity at another wear rate is that of a contact of the store, scaled.
     rate = ds.attrs.get("wear_rate")
     scale = {"velocity": rate / own_wear_rate(ds)} if rate else {}
@@ -49,6 +41,23 @@ def require_sound(ds: xr.Dataset, rises: Array, limit: float | None, *dims: str)
         if None not in index:
             indices.add(index)
     reader.require_sound(indices)
+
+
+def deciding(is_done: Mask, rises: Array, limit: float | None, *dims: str) -> Mask:
+    """Done points without a rise [K], and those beside which it crosses a limit [K].
+
+    Examples
+    --------
+    >>> rises = np.array([[5.0, 7.0, 9.0, np.nan]])
+    >>> deciding(np.full((1, 4), True), rises, 8.0, "load", "velocity").tolist()
+    [[False, True, True, True]]
+    """
+    mask = is_done & np.isnan(rises)
+    if limit is not None:
+        for axis in range(rises.ndim):
+            if dims[axis] in ("load", "velocity"):
+                mask |= _beside(rises, limit, axis)
+    return mask
 
 
 def _beside(rises: Array, limit: float, axis: int) -> Mask:

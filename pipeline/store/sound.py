@@ -1,17 +1,21 @@
-"""Soundness of single points of a store that is read: their data against their checksums."""
+"""Soundness of single points of a store that is read: their data against their checksums.
+
+Chunks are read and decoded here, side by side, and not by Zarr: beside the 12 points about the
+boundary of first_try that takes 8 ms of CPU time in place of 15.
+"""
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Collection, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
-from zarr.core.sync import sync
 
-from pipeline.store.layout import Slices, chunk_key, slices_of
+from pipeline.store.files import THREADS
 from pipeline.store.packing import unpacked
 from pipeline.store.place import StoreError
+from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, STEPPED
 from pipeline.store.verify import fault_of_data
 from pipeline.store.write import Store
@@ -49,7 +53,7 @@ class Reader:
             by_chunk.setdefault(chunk, []).append(index)
         for chunk, members in by_chunk.items():
             for point, fault in self._faults(chunk, members):
-                if fault:
+                if fault and self._is_in_place():
                     place = self._store.place
                     raise StoreError(
                         f"{place} is damaged at {self._store.in_words(point)}: {fault}; irg verify "
@@ -57,35 +61,49 @@ class Reader:
                     )
             self._sound.update(members)
 
+    def _is_in_place(self) -> bool:
+        """False if it was deleted or replaced since, which leaves a dataset in memory whole."""
+        try:
+            root = read_root(self._store.place)
+        except StoreError:
+            return False
+        return (root.attributes, root.axes) == (self._store.attributes, self._store.axes)
+
     def _faults(self, chunk: _Index, members: list[_Index]) -> Iterator[tuple[Point, str]]:
         """Points of a chunk, each with its fault or nothing."""
-        store = self._store
-        names = [name for name in store.arrays if name in STEPPED or name == "checksum"]
-        fields = [name for name in store.arrays if name in AT_END]
-        of_block = dict(zip(names, self._read(names, slices_of(chunk, store.block)), strict=True))
-        points = store.points_at([*np.transpose(members)])
+        arrays = self._store.arrays
+        shared = [(name, chunk) for name in arrays if name in STEPPED or name == "checksum"]
+        fields = [name for name in arrays if name in AT_END]
+        wanted = shared + [(name, index) for index in members for name in fields]
+        parts = dict(zip(wanted, self._read(wanted), strict=True))
+        points = self._store.points_at([*np.transpose(members)])
         for index, point in zip(members, points, strict=True):
-            within = tuple(i % n for i, n in zip(index, store.block, strict=True))
+            within = tuple(i % n for i, n in zip(index, self._store.block, strict=True))
             entries = {
-                name: None if entry is None else entry[within] for name, entry in of_block.items()
+                name: None if (part := parts[name, numbers]) is None else part[within]
+                for name, numbers in shared
             }
-            entries |= {name: self._field(name, index) for name in fields}
+            alone = (0,) * len(index)
+            entries |= {
+                name: None if (part := parts[name, index]) is None else part[alone]
+                for name in fields
+            }
             yield point, fault_of_data(point, entries)
 
-    def _read(self, names: list[str], block: Slices) -> list[Any]:
-        """Parts of variables, side by side, which takes half the time; None where damaged."""
+    def _read(self, wanted: list[tuple[str, _Index]]) -> Iterator[Any]:
+        """Parts of variables by their numbers along the points; None where lost or damaged."""
+        place, arrays = self._store.place, self._store.arrays
+        chunks = {name: arrays[name].chunks for name in {name for name, _ in wanted}}
 
-        async def parts() -> list[Any]:
-            reads = (self._store.arrays[name].async_array.getitem(block) for name in names)
-            return await asyncio.gather(*reads, return_exceptions=True)
+        def read(name: str, numbers: _Index) -> Any:
+            try:
+                parts = [
+                    unpacked(place.read(key) or b"", name, chunks[name])
+                    for key in self._store.chunk_keys(name, numbers)
+                ]
+                return np.concatenate(parts, len(numbers)) if len(parts) > 1 else parts[0]
+            except (OSError, RuntimeError, ValueError):
+                return None
 
-        return [None if isinstance(part, BaseException) else part for part in sync(parts())]
-
-    def _field(self, name: str, index: _Index) -> Any:
-        """Field of a point; None where it is lost or damaged."""
-        try:
-            encoded = self._store.place.read(chunk_key(name, (*index, 0, 0)))
-            shape = self._store.arrays[name].chunks[len(index) :]
-            return None if encoded is None else unpacked(encoded, name, shape)
-        except (OSError, RuntimeError, ValueError):
-            return None
+        with ThreadPoolExecutor(THREADS) as threads:
+            yield from threads.map(read, *zip(*wanted, strict=True))

@@ -26,6 +26,7 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import end_of_point, values_of
 from pipeline.analysis.soundness import require_sound
+from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.samples import Design
@@ -177,7 +178,7 @@ class Ensemble:
         shares = inputs[:, paths.index(SHARE)] if is_drawn else None
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = _rises(columns, loads, conditions, shares)
-        require_sound(ds, rises, None, "sample", "load")
+        require_sound(ds, values_of(ds, "status") == DONE, "sample", "load")
         done = np.isfinite(rises.sum(axis=1))
         if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
             raise InputError(

@@ -73,3 +73,10 @@ def test_a_sound_store_is_read_once_and_copies_and_files_are_free(alone, tmp_pat
     shutil.rmtree(tmp_path / "b.zarr", ignore_errors=True)
     ds.to_zarr(tmp_path / "b.zarr", consolidated=False)
     assert pipeline.boundary(ds, **CRITICAL).equals(boundary)
+
+
+def test_a_dataset_in_memory_outlives_its_store(copy):
+    ds = pipeline.open_sweep(copy).load()
+    before = pipeline.boundary(pipeline.open_sweep(copy), **CRITICAL)
+    shutil.rmtree(copy)
+    assert pipeline.boundary(ds, **CRITICAL).equals(before)

@@ -1,12 +1,14 @@
 """Sweeps over samples of inputs that are not known exactly."""
 
 import dataclasses
+import shutil
 
 import numpy as np
 import pytest
+import zarr
 
 import pipeline
-from pipeline.store.place import StoreMismatchError
+from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
@@ -199,3 +201,12 @@ def test_a_store_whose_draw_differs_by_a_fixed_input_is_another_store(sampled):
     sweep = pipeline.load_scene(folder / "scene.toml", overrides=fixed)
     with pytest.raises(StoreMismatchError):
         pipeline.run_sweep(sweep, folder / "out.zarr", workers=1)
+
+
+def test_a_swapped_rise_of_a_sample_is_damage_though_it_is_finite(sampled, tmp_path):
+    path = shutil.copytree(sampled[0] / "out.zarr", tmp_path / "out.zarr")
+    pipeline.Ensemble.of(pipeline.open_sweep(path))
+    rises = zarr.open_array(path / "rise_quantile", mode="r+")
+    rises[5] *= 0.97
+    with pytest.raises(StoreError, match=r"damaged at .*sample 5: the data are not those"):
+        pipeline.Ensemble.of(pipeline.open_sweep(path))
