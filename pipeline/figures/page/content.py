@@ -1,4 +1,4 @@
-"""Data of a sweep in a page: all that its boundary rests on, in full; the rest to look at.
+"""Data of a sweep in a page: the deciding rise on a fine plane, and the points to look at.
 
 Numbers go in as base64 of little-endian arrays, in the order surface, load, velocity.
 """
@@ -32,9 +32,10 @@ from pipeline.analysis.transition import outcomes, range_of
 from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
+from pipeline.figures.page.fine import along, between, bridged, error_of_lines, parts_of
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.criterion import rise_limit, worst_moment
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.rises import above_colder
 from pipeline.sweep.selection import Selection
@@ -44,6 +45,7 @@ from tribo.types import Array, Mask
 MOST_FIELDS = 500
 """Number of points whose fields a page holds unless told otherwise, some 5 MB."""
 
+_RATES = 7  # wear rates at least, between which a page takes straight lines of the logarithms
 _OIL_TEMPERATURES = np.arange(220.0, 601.0, 1.0)  # [K]
 
 _NUMBERS = (
@@ -82,10 +84,15 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     stored, rates = _wear_rates(ds)
     systems = [corrected(at_wear_rate(ds, rate), conditions) for rate in rates or (None,)]
     tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
-    decisive, rises = (np.stack(table, axis=-3) for table in zip(*tables, strict=True))
     status = values_of(ds, "status")
     done = status == DONE
-    moments, steps = _kept_steps(done, decisive, ds)
+    own = stored, ratios.index(0.0), shares.index(conditions.failing_share)
+    steps = _shown_steps(tables[stored][0], ds, own[1:])[..., None]
+    rises = [
+        np.take_along_axis(quantiles, steps[..., None, None], axis=-3)[..., 0, :, :]
+        for _, quantiles in tables
+    ]
+    decisive = np.stack([_at_worst(table, ds) for table, _ in tables], axis=-3)
     end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     has_heat = attributes.get("scene", {}).get("friction_heat", True)
     has_fields = set(FIELDS) <= set(ds.data_vars)
@@ -113,13 +120,12 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "done": int(done.sum()),
         "status": packed(status, "i1"),
         "asked": packed(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
-        "moments": packed(moments, "<i4"),
-        "moment_times": packed(values_of(ds, "time")[steps], "<f4"),
+        "times": packed(np.take_along_axis(values_of(ds, "time"), steps, axis=-1), "<f4"),
         "wear_rates": rates,
         "bulk_ratios": ratios,
         "shares": shares,
-        "decisive": packed(decisive[steps], "<f8"),
-        "rises": packed(rises[steps], "<f4"),
+        "rises": packed(np.stack(rises, axis=-3), "<f4"),
+        **_planes(decisive, ds, own),
         "numbers": [
             {"label": label, "unit": unit, "power": power}
             | {"values": packed(factor * values_of(end, name), "<f4")}
@@ -141,7 +147,8 @@ def _wear_rates(ds: xr.Dataset) -> tuple[int, list[float]]:
     if "wear_rate" not in ds.coords:
         return 0, []
     stored_rate = own_wear_rate(ds)
-    rates = sorted({stored_rate, *ds["wear_rate"].values.tolist()})
+    kept = ds["wear_rate"].values
+    rates = sorted({stored_rate, *kept.tolist(), *np.geomspace(kept.min(), kept.max(), _RATES)})
     return rates.index(stored_rate), rates
 
 
@@ -155,21 +162,6 @@ def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
         return [failing_share]
     shares = np.minimum(np.round(1 - ds["quantile"].values, 12), np.nextafter(1.0, 0.0))
     return [float(share) for share in np.union1d(shares, failing_share)]
-
-
-def _kept_steps(
-    done: Mask, decisive: Array, ds: xr.Dataset
-) -> tuple[NDArray[np.intp], tuple[NDArray[np.intp], ...]]:
-    """Number of steps of each point that are kept, and their indices in the order of the points."""
-    normal_load, loads = values_of(ds, "normal_load"), ds["load"].values
-    moments, kept = np.zeros(done.shape, dtype=np.intp), []
-    for place in zip(*np.nonzero(done), strict=True):
-        rows = decisive[place].reshape(decisive.shape[done.ndim], -1)
-        steps = _moments(rows, normal_load[place], float(loads[place[-2]]))
-        moments[place] = steps.size
-        kept += [(*place, step) for step in steps]
-    indices = np.array(kept, dtype=np.intp).reshape(-1, done.ndim + 1)
-    return moments, tuple(indices.T)
 
 
 def _tables(
@@ -186,28 +178,57 @@ def _tables(
     return np.stack(decisive, axis=-2), np.stack(quantiles, axis=-2)
 
 
-def _moments(rises: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
-    """Steps at which a point may be at its worst, for one share or bulk ratio or another.
+def _at_worst(decisive: Array, ds: xr.Dataset) -> Array:
+    """Deciding rise of each point, by load, velocity, bulk ratio and share; NaN if not done [K]."""
+    by_step = np.moveaxis(decisive, -3, -1)
+    loads = ds["load"].values[:, None, None, None, None]
+    worst = worst_moment(by_step, values_of(ds, "normal_load")[..., None, None, :], loads)
+    rises = np.take_along_axis(by_step, worst[..., None], axis=-1)[..., 0]
+    done = (values_of(ds, "status") == DONE)[..., None, None]
+    result: Array = np.where(done, rises, np.nan)
+    return result
 
-    Those from when the load is reached on (`pipeline.sweep.criterion.worst_moment`), without such
-    as another is hotter than at all of them.
 
-    Examples
-    --------
-    >>> hold = np.array([[0.0, 5.0], [1.0, 9.0], [1.0, 8.0], [2.0, 7.0], [np.nan, np.nan]])
-    >>> _moments(hold, np.array([500.0, 600.0, 600.0, 600.0, 600.0]), 600.0).tolist()
-    [1, 3]
+def _shown_steps(decisive: Array, ds: xr.Dataset, place: tuple[int, int]) -> NDArray[np.intp]:
+    """Step at which each point is shown: the one that decides, at a bulk ratio and a share."""
+    rises, loads = decisive[..., place[0], place[1]], ds["load"].values[:, None, None]
+    return worst_moment(rises, values_of(ds, "normal_load"), loads)
+
+
+def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str, Any]:
+    """Tables of the deciding rise along velocity at each load, and along load at each velocity.
+
+    Rises by load, velocity, wear rate, bulk ratio and share [K]; `own` are the places of the last
+    three that the scene has, whose error is told.
     """
-    is_finite = np.isfinite(rises.sum(axis=-1))
-    counts = np.flatnonzero(is_finite & (normal_load >= load))
-    if not counts.size and is_finite[-1]:
-        counts = np.array([len(is_finite) - 1])
-    kept: list[int] = []
-    for step in counts.tolist():
-        row = rises[step]
-        if not any((rises[other] >= row).all() for other in kept):
-            kept = [other for other in kept if not (row >= rises[other]).all()] + [step]
-    return np.array(kept, dtype=np.intp)
+    loads, velocities = ds["load"].values, ds["velocity"].values
+    done = values_of(ds, "status") == DONE
+    missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
+    by_velocity, by_load = parts_of(len(loads), len(velocities), rises[..., 0, 0, :, :, :].size)
+    rows = along(rises, velocities, by_velocity, -4)
+    plane = along(rows, loads, by_load, -5)
+    columns = along(rises, loads, by_load, -5)
+    across = np.zeros(plane.shape[:-3], dtype=bool)
+    across[..., ::by_load, :] = bridged(done, missing, by_velocity)
+    upwards = bridged(done.swapaxes(-1, -2), missing.swapaxes(-1, -2), by_load)
+    at_own = rises[..., own[0], own[1], own[2]]
+    return {
+        "fine": {
+            "velocity": between(velocities, by_velocity).tolist(),
+            "load": between(loads, by_load).tolist(),
+        },
+        "parts": {"load": by_load, "velocity": by_velocity},
+        "lines": {
+            "velocity": packed(plane, "<f4"),
+            "load": packed(columns.swapaxes(-5, -4), "<f4"),
+        },
+        "bridged": {"velocity": _bits(across), "load": _bits(upwards)},
+        "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
+        "error": max(
+            error_of_lines(at_own, velocities, by_velocity),
+            error_of_lines(at_own.swapaxes(-1, -2), loads, by_load),
+        ),
+    }
 
 
 def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | None:
@@ -266,6 +287,11 @@ def _nearest(
         distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
         places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
     return [tuple(place) for place in places.tolist()]
+
+
+def _bits(holds: Mask) -> str:
+    """A mask as text of 0 and 1."""
+    return "".join("01"[bit] for bit in holds.ravel().astype(int))
 
 
 def packed(values: Any, dtype: str) -> str:

@@ -106,7 +106,7 @@ function drawFields(place, levels) {
       Array.from(levels.subarray(2 * n, 3 * n), part)),
   );
   const averaged = Math.max(...block) > 1 ? `, averaged over ${block[0]} × ${block[1]} elements` : "";
-  const number = content.surfaces?.[Math.floor(place / sweep.plane)];
+  const number = content.surfaces?.[Math.floor(place / sweep.place(1, 0, 0))];
   const surface = number === undefined ? "" : ` on surface ${number}`;
   const [x, y] = sides;
   const size = y === null ? `${shown(1e6 * x)} µm along sliding` : `${shown(1e6 * x)} × ${shown(1e6 * y)} µm`;

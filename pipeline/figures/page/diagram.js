@@ -94,45 +94,38 @@ function drawDiagram() {
 /** Mild and severe regions, and the bands over surfaces and frictions. @param {Frame} frame */
 function drawnShades(frame) {
   if (!isJudged() || Math.min(sweep.loads.length, sweep.velocities.length) < 2) return [];
-  const { fine } = sweep.decisive(chosen.conditions);
-  const [lowest, highest] = [sweep.loads[0], sweep.loads[sweep.loads.length - 1]];
+  const [slowest, fastest] = [sweep.velocities[0], sweep.velocities[sweep.velocities.length - 1]];
   // Beyond the sweep the boundary is drawn along its end.
   const edgesAt = (/** @type {number} */ friction) =>
     sweep
       .drawn(surfaces(), { ...chosen.conditions, friction })
-      .map((loads) => loads.map((load) => Math.min(Math.max(load, lowest), highest)));
+      .map((all) => all.map((velocity) => Math.min(Math.max(velocity, slowest), fastest)));
   const edges = edgesAt(chosen.conditions.friction);
   const middle = edges[edges.length >> 1];
   const shades = [];
   if (!content.chosen) {
-    shades.push(area(frame, fine, fine.map(() => lowest), middle, "mild"));
-    shades.push(area(frame, fine, middle, fine.map(() => highest), "severe"));
+    shades.push(area(frame, middle.map(() => slowest), middle, "mild"));
+    shades.push(area(frame, middle, middle.map(() => fastest), "severe"));
   }
   if (content.friction_band) {
     const [upper, lower] = content.friction_band.map(edgesAt).map((lines) => lines[lines.length >> 1]);
-    shades.push(area(frame, fine, lower, upper, "friction"));
+    shades.push(area(frame, lower, upper, "friction"));
   }
-  if (edges.length > 1) shades.push(area(frame, fine, edges[0], edges[2], "band"));
+  if (edges.length > 1) shades.push(area(frame, edges[0], edges[2], "band"));
   return shades;
 }
 
 /**
- * Area between two lines, where both are known and apart.
- * @param {Frame} frame @param {number[]} x @param {number[]} low @param {number[]} high @param {string} look
+ * Area between two velocities at each of the fine loads, where both are known.
+ * @param {Frame} frame @param {number[]} low @param {number[]} high @param {string} look
  */
-function area(frame, x, low, high, look) {
-  // Between a value and the next; beyond the last there is nothing.
-  const isApart = x.map((_, k) => Math.max(high[k] - low[k], high[k + 1] - low[k + 1]) > 0);
+function area(frame, low, high, look) {
+  const y = sweep.fine.load.map(frame.y);
   let text = "";
-  for (let k = 0; k < x.length; k++) {
-    if (!isApart[k]) continue;
-    let end = k;
-    while (isApart[end]) end++;
-    const across = x.slice(k, end + 1).map(frame.x);
-    const up = high.slice(k, end + 1).map(frame.y);
-    const down = low.slice(k, end + 1).map(frame.y);
-    text += `${path([...across, ...across.slice().reverse()], [...up, ...down.reverse()])}Z`;
-    k = end;
+  for (let k = 1; k < y.length; k++) {
+    const across = [low[k - 1], high[k - 1], high[k], low[k]];
+    const up = [y[k - 1], y[k - 1], y[k], y[k]];
+    if (across.every(Number.isFinite)) text += `${path(across.map(frame.x), up)}Z`;
   }
   return svg("path", { class: look, d: text });
 }
@@ -140,12 +133,10 @@ function area(frame, x, low, high, look) {
 /** The boundary: on one surface, or the median over them. @param {Frame} frame */
 function drawnLines(frame) {
   if (!isJudged()) return [];
-  const { fine } = sweep.decisive(chosen.conditions);
   const edges = sweep.drawn(surfaces(), chosen.conditions);
-  const loads = edges[edges.length >> 1];
   const points = [
-    ...fine.map((velocity, k) => [velocity, loads[k]]),
-    ...summary().velocity.map(({ middle }, i) => [middle, sweep.loads[i]]),
+    ...edges[edges.length >> 1].map((velocity, i) => [velocity, sweep.fine.load[i]]),
+    ...summary().load.map(({ middle }, j) => [sweep.velocities[j], middle]),
   ];
   const finite = points.filter((point) => point.every(Number.isFinite)).sort((a, b) => a[0] - b[0]);
   if (finite.length === 1) {
@@ -163,7 +154,7 @@ function everyPoint() {
 
 /** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
-  const r = sweep.plane < 1500 ? 3.4 : 2;
+  const r = sweep.loads.length * sweep.velocities.length < 1500 ? 3.4 : 2;
   return everyPoint().flatMap(({ i, j }) => {
     const kind = kindOf(i, j);
     if (!kind) return [];

@@ -5,11 +5,9 @@
 /** Velocity computed at the load and the friction of a measurement. @param {Measurement} measurement */
 function expectedVelocity({ normal_load, friction }) {
   const conditions = { ...chosen.conditions, friction: friction ?? chosen.conditions.friction };
-  const { across } = sweep.decisive(conditions);
-  const ends = surfaces().map((surface) => {
-    const row = across[surface].map((line) => valueAt(line, normal_load));
-    return transitionAlong(lineOf(sweep.velocities, row), riseLimit(conditions), sweep.range.velocity).ends;
-  });
+  const ends = surfaces().map(
+    (surface) => sweep.margin(surface, normal_load, NaN, conditions).velocity.ends,
+  );
   return quantileOfEnds(ends, 0.5);
 }
 
@@ -70,7 +68,7 @@ function showMargin() {
 }
 
 /**
- * Distance of the operating point to the boundary, as irg margin gives it, or why there is none.
+ * Distance of the operating point to the boundary, or why there is none; irg margin says how sure.
  * @returns {[string, string][] | string}
  */
 function marginRows() {
@@ -98,9 +96,6 @@ function marginRows() {
     rows.push(["distance to critical", banded(temperatures.map((kelvin) => critical - kelvin), "K", 3)]);
     rows.push(["severe at this load", wayText(velocities, velocity, "velocity", "m/s")]);
     rows.push(["severe at this velocity", wayText(loads, load, "load", "N")]);
-  }
-  if (!margins.every(({ isWithin }) => isWithin)) {
-    rows.push(["note", "the temperature is continued beyond the computed points"]);
   }
   return rows;
 }

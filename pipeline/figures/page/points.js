@@ -51,8 +51,9 @@ function isShown(i, j) {
 /** Point with which to begin: the one nearest to the transition. */
 function nearest() {
   const limit = riseLimit(chosen.conditions);
-  const rows = sweep.decisive(chosen.conditions).rises[chosen.surface ?? 0];
-  const distances = rows.flat().map((rise) => Math.abs(Math.log(rise / limit)));
+  const distances = everyPoint().map(({ i, j }) =>
+    Math.abs(Math.log(sweep.rise(chosen.surface ?? 0, i, j, chosen.conditions) / limit)),
+  );
   const least = Math.min(...distances.filter((distance) => !Number.isNaN(distance)));
   const k = Math.max(distances.indexOf(least), 0);
   const n = sweep.velocities.length;

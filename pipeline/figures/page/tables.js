@@ -25,9 +25,21 @@ function loadsBeyond(frictions) {
   ).length;
 }
 
-/** Loads at which a crossing is interpolated across points that are not done, in words. */
+/** Crossings that are interpolated across points that are not done. @param {Transition[]} transitions */
+function bridged(transitions) {
+  return transitions.filter(({ isBridged }) => isBridged).length;
+}
+
+/** The same in words. @param {Transition[]} transitions */
+function bridgedText(transitions) {
+  const count = bridged(transitions);
+  if (!count) return "";
+  return `, ${transitions.length > 1 ? `${count} of them ` : ""}across points not done`;
+}
+
+/** Loads with such a crossing, in words. */
 function bridgedLoads() {
-  const rows = summary().velocity.filter(({ transitions }) => transitions.some(({ bridged }) => bridged));
+  const rows = summary().velocity.filter(({ transitions }) => bridged(transitions));
   return rows.length ? `, across points not done at ${rows.length} of ${sweep.loads.length} loads` : "";
 }
 
@@ -102,11 +114,11 @@ function showSide(side) {
   const film = content.film;
   const heads =
     surfaces().length > 1
-      ? [head, `median [${unit}]`, "10 %", "90 %", "mean", "spread"]
+      ? [head, `median [${unit}]`, "10 %", "90 %"]
       : [head, `${title} [${unit}]`];
   const cells = rows.map((row, k) => {
-    const { middle, low, high, mean, spread } = row;
-    const values = surfaces().length > 1 ? [middle, low, high, mean, spread] : [middle];
+    const { middle, low, high } = row;
+    const values = surfaces().length > 1 ? [middle, low, high] : [middle];
     const [load, velocity] = id === "velocities" ? [places[k], middle] : [middle, places[k]];
     const parameter = film ? [shown(filmParameter(film, load, velocity), 2)] : [];
     const numbers = values.map((value) => shown(value));
@@ -122,7 +134,8 @@ function showSide(side) {
 /** Show both tables; the answer in a sentence. */
 function showTables() {
   sides().forEach(showSide);
-  const { velocity, missing } = summary();
+  const { velocity } = summary();
+  const missing = sum(surfaces().map((surface) => content.missing[surface]));
   const note = missing ? ` ${missing} points are pending or failed and left out.` : "";
   return `${conditionsText()}. ${crossingText(velocity)}${note}`;
 }
@@ -152,20 +165,18 @@ function csv({ places, rows, head, title, unit }) {
   const name = `${title} [${unit}]`;
   const isBand = surfaces().length > 1;
   const heads = isBand
-    ? [head, `${name} median`, `${name} 10 %`, `${name} 90 %`, "mean", "spread", "crossing", "known"]
+    ? [head, `${name} median`, `${name} 10 %`, `${name} 90 %`, "crossing", "known"]
     : [head, name, "outcome"];
   heads.push("across points not done");
-  const lines = rows.map(({ middle, low, high, mean, spread, transitions }, k) => {
+  const lines = rows.map(({ middle, low, high, transitions }, k) => {
     const outcomes = transitions.map(({ outcome }) => outcome);
     const counts = [CROSSES + 1, UNKNOWN].map((end) => outcomes.filter((outcome) => outcome < end).length);
-    const values = (isBand ? [middle, low, high, mean, spread] : [middle]).map((value) =>
+    const values = (isBand ? [middle, low, high] : [middle]).map((value) =>
       Number.isFinite(value) ? value : "",
     );
-    const bridged = transitions.map((transition) => transition.bridged);
-    const last = isBand
-      ? [...counts, bridged.filter(Boolean).length]
-      : [content.outcomes[unit === "N" ? "load" : "velocity"][outcomes[0]], bridged[0]];
-    return [places[k], ...values, ...last, ...conditions];
+    const along = unit === "N" ? "load" : "velocity";
+    const last = isBand ? counts : [content.outcomes[along][outcomes[0]]];
+    return [places[k], ...values, ...last, bridged(transitions), ...conditions];
   });
   const bulks = ["bulk temperature [K]", "bulk temperature of the disk [K]"];
   const others = ["friction", ...bulks, "critical temperature [K]", "failing share", "criterion"];

@@ -11,36 +11,31 @@
 /** Verdicts on the surfaces on which a point is done. @param {number} i @param {number} j */
 function verdicts(i, j) {
   const limit = riseLimit(chosen.conditions);
-  /** @type {Verdict[]} */
-  const all = [];
-  for (const surface of surfaces()) {
+  return surfaces().flatMap((surface) => {
     const place = sweep.place(surface, i, j);
-    const { rise, moment } = sweep.worst(place, chosen.conditions);
-    if (moment < 0) continue;
-    const { quantiles } = content;
-    const row = sweep.row(sweep.rises, quantiles.length, moment, bulkRatio(chosen.conditions));
-    all.push({
+    const rise = sweep.rise(surface, i, j, chosen.conditions);
+    if (Number.isNaN(rise)) return [];
+    const row = sweep.quantiles(place, chosen.conditions);
+    return /** @type {Verdict[]} */ ([{
       place,
       temperatures: row.map(temperature),
       decisive: temperature(rise),
       highest: temperature(row[row.length - 1]),
-      time: sweep.times[moment],
-      failed: isJudged() ? 1 - linear(row, quantiles, limit) : NaN,
+      time: sweep.times[place],
+      failed: isJudged() ? 1 - linear(row, content.quantiles, limit) : NaN,
       isSevere: rise > limit,
-    });
-  }
-  return all;
+    }]);
+  });
 }
 
 /** Kind of a point, as the diagram marks it. @param {number} i @param {number} j */
 function kindOf(i, j) {
-  const { rises } = sweep.decisive(chosen.conditions);
-  const limit = riseLimit(chosen.conditions);
+  const rises = surfaces().map((surface) => sweep.rise(surface, i, j, chosen.conditions));
   const places = surfaces().map((surface) => sweep.place(surface, i, j));
-  const done = surfaces().map((surface) => rises[surface][i][j]).filter((rise) => !Number.isNaN(rise));
+  const done = rises.filter((rise) => !Number.isNaN(rise));
   if (done.length) {
     if (!isJudged()) return "unjudged";
-    const severe = done.filter((rise) => rise > limit).length;
+    const severe = done.filter((rise) => rise > riseLimit(chosen.conditions)).length;
     return severe === 0 ? "mild" : severe < done.length ? "mixed" : "severe";
   }
   if (places.some((place) => sweep.status[place] === POINT_FAILED)) return "failed";

@@ -25,7 +25,7 @@ from tribo import InputError
 _ENTRY = Column("entry", "entry"), Column("value", "value")
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "scene", "interpolation", "criterion", "transition", "model", "plot", "conditions",
+    "scene", "criterion", "lines", "rise", "plot", "conditions",
     "verdict", "points", "diagram", "tables", "margin", "detail",
 )  # fmt: skip
 _OF_PLANE: tuple[str, ...] = ("state", "page")
@@ -182,6 +182,7 @@ def _of_plane(held: dict[str, Any]) -> str:
             "surfaces": surface_choice(held["surfaces"]),
             "sizes": f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}, "
             f"{held['done']} points done",
+            "error": f"{100 * held.pop('error'):.2g} %",
         },
     )
 

@@ -143,5 +143,6 @@ def column(table, name):
     return np.array([float(row[name] or "nan") for row in table])
 
 
-def same(actual, expected, rtol=1e-9):
+def same(actual, expected, rtol=0.01):
+    """Equal within what straight lines between tabulated rises may err by."""
     np.testing.assert_allclose(actual, expected, rtol=rtol, atol=0)

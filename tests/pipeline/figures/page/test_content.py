@@ -52,21 +52,17 @@ def test_no_text_of_a_sweep_ends_the_element_that_holds_it(tmp_path):
     assert len(re.findall("<script", text)) == 2
 
 
-def test_moments_left_out_decide_for_no_share():
+def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
     held = sweeps.held()
     page = content(held)
-    moments = unpacked(page["moments"], "<i4")
-    table = unpacked(page["decisive"], "<f8").reshape(-1, len(page["shares"]))
-    counts = (held["normal_load"] >= held["load"]) & held["rise_quantile"].notnull().all("quantile")
-    assert 1 < moments.max() < int(counts.sum("step").max())
-    done = moments > 0
-    begins = (np.cumsum(moments) - moments)[done]
-    for share in (0.0, 0.1, 0.37, 0.9):
-        deciding = np.array([np.interp(share, page["shares"], row) for row in table])
-        worst = np.maximum.reduceat(deciding, begins)
-        expected = decisive_rise(held, synthetic.conditions(share)).values.ravel()
-        np.testing.assert_allclose(worst, expected[done], rtol=1e-12)
-        assert np.isnan(expected[~done]).all()
+    loads, velocities, shares = (len(page[name]) for name in ("loads", "velocities", "shares"))
+    lines = unpacked(page["lines"]["load"], "<f4").reshape(velocities, -1, shares)
+    at_points = lines[:, :: page["parts"]["load"]].transpose(1, 0, 2)
+    assert at_points.shape[0] == loads
+    for share in (0.0, 0.1, 0.35):
+        expected = decisive_rise(held, synthetic.conditions(share)).values
+        place = page["shares"].index(share)
+        np.testing.assert_allclose(at_points[..., place], expected, rtol=1e-6)
 
 
 def test_points_are_asked_for_on_their_own_surface():

@@ -12,6 +12,7 @@ from pipeline.analysis.dataset import variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.analysis.transition import outcomes
+from pipeline.figures.page.content import content
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
@@ -70,8 +71,6 @@ def test_the_boundary_is_that_of_the_command(kind):
             if "crossing_at_load" in expected:
                 for k, part in enumerate(("10 %", "median", "90 %")):
                     same(column(table, f"{words} {part}"), expected[f"{name}_quantile"][k])
-                same(column(table, "mean"), expected[f"{name}_mean"])
-                same(column(table, "spread"), expected[f"{name}_spread"], rtol=1e-6)
                 same(column(table, "crossing"), expected[f"crossing_at_{axis}"])
                 same(column(table, "known"), expected[f"known_at_{axis}"])
                 crossings += int(expected[f"crossing_at_{axis}"].sum())
@@ -81,59 +80,52 @@ def test_the_boundary_is_that_of_the_command(kind):
                 meanings = outcomes(name.removeprefix("critical_"))
                 assert [row["outcome"] for row in table] == [meanings[code] for code in codes]
                 crossings += int(np.isfinite(expected[name]).sum())
-            bridged = expected[f"bridged_at_{axis}"]
+            bridged = expected[f"bridged_at_{axis}"] > 0
             if "crossing_at_load" in expected:
-                bridged = (bridged > 0).sum(variant_of(bridged))
+                bridged = bridged.sum(variant_of(bridged))
             same(column(table, "across points not done"), bridged)
             if "bulk_temperature" in conditions:
                 same(column(table, "bulk temperature [K]"), conditions["bulk_temperature"], rtol=0)
     assert crossings > 40
 
 
-@pytest.mark.parametrize(
-    "kind", ["one surface", "boundary only", "a hold", "two bulk temperatures", "a warm pin"]
-)
-def test_the_margin_is_that_of_the_command(kind):
+@pytest.mark.parametrize("kind", ["one surface", "a hold", "two bulk temperatures", "a warm pin"])
+def test_the_place_of_an_operating_point_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
     margin = """
     return argument.map(([load, velocity]) => {
       const { rise, ...ways } = sweep.margin(0, load, velocity, chosen.conditions);
-      const along = [ways.velocity, ways.load].flatMap(({ place, outcome }) => [place, outcome]);
+      const [along, up] = [ways.velocity, ways.load].map(({ ends: [low, high] }) =>
+        low === high && Number.isFinite(low) ? low : NaN);
       const error = errorAt(0, load, velocity) * (temperature(rise) - temperature(0));
-      return [error, temperature(rise), ...along, ways.velocity.bridged, ways.load.bridged];
+      return [error, temperature(rise), along, up];
     });
     """
     draw = np.random.default_rng(3)
     places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(10)]
     places += [[450.0, 1.55], [333.0, 1.8]]
-    for place, row in zip(places, run(ds, margin, places), strict=True):
+    for place, (error, temperature, along, up) in zip(places, run(ds, margin, places), strict=True):
         (expected,) = pipeline.margins(ds, *place)
-        error, temperature, velocity, along, load, up, *bridged = row
-        assert error == pytest.approx(expected.temperature_error, rel=0.3)
-        same(
-            [temperature, velocity, load],
-            [expected.decisive_temperature, expected.critical_velocity, expected.critical_load],
-        )
-        words = outcomes("velocity")[along], outcomes("load")[up]
-        assert words == (expected.velocity_outcome, expected.load_outcome)
-        assert bridged == [expected.velocity_bridged, expected.load_bridged]
+        if np.isfinite(temperature):  # else beyond the points computed there
+            same(temperature, expected.decisive_temperature)
+            assert error == pytest.approx(expected.temperature_error, rel=0.3)
+        for there, critical in (along, expected.critical_velocity), (up, expected.critical_load):
+            if np.isfinite(there):
+                same(there, critical, rtol=0.02)
 
 
 def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
     ds = sweeps.one(status={})
-    drawn = """
-    const { conditions } = chosen;
-    return [sweep.decisive(conditions).fine, sweep.drawn([0], conditions)[0]];
-    """
-    fine, loads = run(ds, drawn)
+    fine, velocities = run(ds, "return [sweep.fine.load, sweep.drawn([0], chosen.conditions)[0]];")
     rise = decisive_rise(ds, synthetic.conditions())
-    velocities = np.array(fine)
-    columns = np.array(
-        [interpolated(ds["velocity"].values, row, velocities) for row in rise.values]
-    ).T
-    expected = [crossing(ds["load"].values, column, synthetic.limit()) for column in columns]
-    assert np.isfinite(expected).sum() > 50
-    same(loads, expected)
+    stored, loads = ds["velocity"].values, np.array(fine)
+    places = np.linspace(stored[0], stored[-1], 2000)
+    rows = np.array([interpolated(stored, row, places) for row in rise.values])
+    plane = np.array([interpolated(ds["load"].values, column, loads) for column in rows.T]).T
+    expected = [crossing(places, row, synthetic.limit()) for row in plane]
+    known = np.isfinite(velocities)
+    assert known.sum() > 20
+    same(np.array(velocities)[known], np.array(expected)[known])
 
 
 def test_no_line_is_drawn_beyond_what_was_computed():
@@ -145,6 +137,23 @@ def test_no_line_is_drawn_beyond_what_was_computed():
     for friction in (0.02, 0.05, 0.1, 0.3):
         crosses = pipeline.boundary(ds, friction)["outcome_at_load"].values == 0
         assert np.isfinite(run(ds, drawn, friction)).any() == crosses.any()
+
+
+@pytest.mark.parametrize("kind", ["one surface", "zero velocity", "several surfaces"])
+def test_straight_lines_err_by_no_more_than_the_page_says(kind):
+    ds = sweeps.KINDS[kind]()
+    said = content(ds, 0)["error"]
+    script = (
+        "return summary().velocity.map(({ transitions }) => transitions.map(({ ends }) => ends));"
+    )
+    expected = pipeline.boundary(ds)["critical_velocity"].transpose("load", ...).values
+    ends = np.array(run(ds, script), float).reshape(len(expected), -1, 2)
+    off = np.abs(ends[..., 0] / expected.reshape(len(expected), -1) - 1)[
+        ends[..., 0] == ends[..., 1]
+    ]
+    assert np.isfinite(off).sum() > 3
+    assert np.nanmax(off) <= max(said, 1e-6)
+    assert said < 0.01
 
 
 def test_the_film_of_each_crossing_is_that_of_the_boundary():
