@@ -137,7 +137,8 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
             for place, message in enumerate(values_of(ds, "message").ravel())
             if message
         },
-        "fields": packed_fields(ds, chosen) | {"stored": int(done.sum()) * has_fields},
+        "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
+        | {"stored": int(done.sum()) * has_fields},
         "record": record(attributes),
     }
 

@@ -2,9 +2,6 @@
 "use strict";
 /* One point in detail: its numbers, its temperature over the contact, its fields. */
 
-/** Levels of the fields that were unpacked, by place. @type {Map<number, Uint8Array>} */
-const opened = new Map();
-
 function showPoint() {
   if (!chosen.point) return;
   const { i, j } = chosen.point;
@@ -51,64 +48,29 @@ function showDistribution(rows) {
   room.append(root);
 }
 
-/** Unpack the fields of a point, and show them. @param {number} i @param {number} j */
+/** Show the fields of a point, as Python has drawn them. @param {number} i @param {number} j */
 function showFields(i, j) {
-  const isOwn = sweep.rateRatio === 1;
   const places = surfaces().map((surface) => sweep.place(surface, i, j));
-  const place = places.find((number) => isOwn && String(number) in content.fields.points);
-  if (place === undefined) {
+  const place = places.find((number) => String(number) in content.fields.points);
+  const isOwn = sweep.rateRatio === 1 && bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
+  if (place === undefined || !isOwn) {
     element("fields").replaceChildren();
     element("fields-note").textContent = content.fields.stored
-      ? `The page does not hold the fields of this point${isOwn ? "" : " at this wear rate"}.`
+      ? `The page does not hold the fields of this point${isOwn ? "" : " under these conditions"}.`
       : "The sweep holds no fields; store them with fields = true under [sweep] in the scene.";
     return;
   }
-  const levels = opened.get(place);
-  if (levels) return drawFields(place, levels);
-  unpacked(content.fields.points[place][6]).then((unpackedLevels) => {
-    opened.set(place, unpackedLevels);
-    if (chosen.point) showFields(chosen.point.i, chosen.point.j); // it may be another one meanwhile
-  });
-}
-
-/** Levels of fields from compressed base64. @param {string} packed */
-async function unpacked(packed) {
-  const stream = new Blob([bytes(packed)]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
-/** @param {number} place @param {Uint8Array} levels of each field in turn */
-function drawFields(place, levels) {
-  const [pressure, low, high, wear, lowResponse, highResponse] = content.fields.points[place];
-  const { shape = [1, 1], block = [1, 1], extent: sides = [NaN, NaN] } = content.fields;
-  const n = shape[0] * shape[1];
-  const { critical_temperature, friction, bulk_temperature } = chosen.conditions;
-  const limit = critical_temperature ?? Infinity;
-  const difference = bulkDifference(chosen.conditions);
-  const part = (/** @type {number} */ level) => level / 255;
-  const between = (/** @type {number} */ level, /** @type {number} */ from, /** @type {number} */ to) =>
-    from + ((level - 1) / 254) * (to - from);
-  const kelvin = Array.from(levels.subarray(n, 2 * n), (level, k) => {
-    if (level === 0) return NaN;
-    const response = difference ? difference * between(levels[3 * n + k], lowResponse, highResponse) : 0;
-    return bulk_temperature + friction * between(level, low, high) + response;
-  });
-  const touching = kelvin.filter(Number.isFinite);
-  const [coldest, hottest] = [Math.min(...touching), Math.max(...touching)];
-  const range = hottest - coldest || 1;
-  const over = hottest > limit ? `; blue above ${celsius(limit, 6)}` : "";
+  const [pressure, low, high, wear, ...pictures] = content.fields.points[place];
+  const [coldest, hottest] = [low, high].map((rise) => temperature(rise) - ZERO_CELSIUS);
   element("fields").replaceChildren(
-    field("contact pressure [GPa]", [0, 1e-9 * pressure], COLOURS.pressure,
-      Array.from(levels.subarray(0, n), (level) => (level ? part(level) : NaN))),
-    field(`contact temperature [°C]${over}`, [coldest - ZERO_CELSIUS, hottest - ZERO_CELSIUS],
-      COLOURS.temperature, kelvin.map((value) => (value - coldest) / range), (limit - coldest) / range),
-    field("wear depth of the pin [µm]", [0, 1e6 * wear], COLOURS.wear,
-      Array.from(levels.subarray(2 * n, 3 * n), part)),
+    field("contact pressure [GPa]", [0, 1e-9 * pressure], pictures, 0),
+    field("contact temperature [°C]", [coldest, hottest], pictures, 1),
+    field("wear depth of the pin [µm]", [0, 1e6 * wear], pictures, 2),
   );
+  const { block = [1, 1], extent: [x, y] = [NaN, NaN] } = content.fields;
   const averaged = Math.max(...block) > 1 ? `, averaged over ${block[0]} × ${block[1]} elements` : "";
   const number = content.surfaces?.[Math.floor(place / sweep.place(1, 0, 0))];
   const surface = number === undefined ? "" : ` on surface ${number}`;
-  const [x, y] = sides;
   const size = y === null ? `${shown(1e6 * x)} µm along sliding` : `${shown(1e6 * x)} × ${shown(1e6 * y)} µm`;
   element("fields-note").textContent =
     `At the end of the point${surface}: ${size}; sliding to the right${averaged}. ` +
@@ -116,43 +78,16 @@ function drawFields(place, levels) {
 }
 
 /**
- * A field as a picture with its scale: by parts of the scale, white where there is none, and blue
- * above a limit.
- * @param {string} label @param {[number, number]} scale @param {string[]} colours
- * @param {number[]} parts @param {number} limit
+ * A field as a picture with its scale.
+ * @param {string} label @param {[number, number]} ends @param {string[]} pictures @param {number} k
  */
-function field(label, scale, colours, parts, limit = Infinity) {
-  const [low, high] = scale.map((end) => shown(end));
-  const { shape = [1, 1], extent: sides = [1, 1] } = content.fields;
-  const paint = (/** @type {number} */ part) => (part > limit ? [42, 168, 255] : colour(colours, part));
-  const picture = canvas(shape[0], shape[1], (x, y) => parts[x * shape[1] + shape[1] - 1 - y], paint);
-  const [along, across] = [sides[0] ?? 1, sides[1] ?? (sides[0] ?? 1) / 8];
-  picture.style.aspectRatio = String(Math.min(Math.max(along / across, 0.4), 8));
-  picture.setAttribute("role", "img");
-  picture.setAttribute("aria-label", `${label}, from ${low} to ${high}`);
-  const bar = canvas(255, 1, (x) => (x + 1) / 255, paint);
-  bar.className = "scale";
-  bar.setAttribute("aria-hidden", "true");
-  const ends = html("div", { class: "ends" }, html("span", {}, low), html("span", {}, high));
-  return html("figure", {}, html("figcaption", {}, label), picture, bar, ends);
-}
-
-/**
- * A canvas painted element by element; white where there is no part.
- * @param {number} width @param {number} height @param {(x: number, y: number) => number} partAt
- * @param {(part: number) => number[]} paint
- */
-function canvas(width, height, partAt, paint) {
-  const surface = /** @type {HTMLCanvasElement} */ (html("canvas"));
-  surface.width = width;
-  surface.height = height;
-  const image = new ImageData(width, height);
-  for (let y = 0; y < height; y++) {
-    for (let x = 0; x < width; x++) {
-      const part = partAt(x, y);
-      image.data.set([...(Number.isNaN(part) ? [255, 255, 255] : paint(part)), 255], 4 * (y * width + x));
-    }
-  }
-  surface.getContext("2d")?.putImageData(image, 0, 0);
-  return surface;
+function field(label, ends, pictures, k) {
+  const [low, high] = ends.map((end) => shown(end));
+  const { extent: [along, across] = [1, 1], scales = [] } = content.fields;
+  const drawn = (/** @type {string} */ held) => ({ src: `data:image/png;base64,${held}` });
+  const picture = html("img", { ...drawn(pictures[k]), alt: `${label}, from ${low} to ${high}` });
+  picture.style.aspectRatio = String(Math.min(Math.max(along / (across ?? along / 8), 0.4), 8));
+  const bar = html("img", { ...drawn(scales[k]), class: "scale", alt: "" });
+  const words = html("div", { class: "ends" }, html("span", {}, low), html("span", {}, high));
+  return html("figure", {}, html("figcaption", {}, label), picture, bar, words);
 }

@@ -116,16 +116,20 @@ function drawnShades(frame) {
 }
 
 /**
- * Area between two velocities at each of the fine loads, where both are known.
+ * Area between two velocities at each of the fine loads, where both are known and apart.
  * @param {Frame} frame @param {number[]} low @param {number[]} high @param {string} look
  */
 function area(frame, low, high, look) {
   const y = sweep.fine.load.map(frame.y);
+  const isApart = (/** @type {number} */ k) => [k - 1, k, k + 1].some((next) => high[next] > low[next]);
   let text = "";
-  for (let k = 1; k < y.length; k++) {
-    const across = [low[k - 1], high[k - 1], high[k], low[k]];
-    const up = [y[k - 1], y[k - 1], y[k], y[k]];
-    if (across.every(Number.isFinite)) text += `${path(across.map(frame.x), up)}Z`;
+  for (let k = 0; k < y.length; k++) {
+    let end = k;
+    while (end < y.length && Number.isFinite(high[end] - low[end]) && isApart(end)) end++;
+    const across = [...low.slice(k, end), ...high.slice(k, end).reverse()].map(frame.x);
+    const up = [...y.slice(k, end), ...y.slice(k, end).reverse()];
+    if (end > k + 1) text += `${path(across, up)}Z`;
+    k = end;
   }
   return svg("path", { class: look, d: text });
 }

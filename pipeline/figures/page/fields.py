@@ -1,15 +1,17 @@
-"""Fields of points as a page holds them: averaged, in 255 levels, compressed."""
+"""Fields of points as a page holds them: averaged, and drawn as pictures."""
 
 from __future__ import annotations
 
 import base64
-import zlib
+import io
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from numpy.typing import NDArray
+from PIL import Image
 
 from tribo.types import Array, Mask
 
@@ -18,48 +20,58 @@ POINT = ("realization", "load", "velocity")
 """Dimensions of the points of a page, as far as its sweep has them."""
 _SIDE = 120  # elements along each axis, at most
 _LEVELS = 255
+_COLOURS = "viridis_r", "inferno", "cividis"  # of pressure, temperature and wear, as in figures
 
 
-def packed_fields(ds: xr.Dataset, chosen: Iterable[tuple[int, ...]]) -> dict[str, Any]:
-    """Pack pressure, rise and wear depth of points chosen by surface, load and velocity.
+def packed_fields(
+    ds: xr.Dataset, chosen: Iterable[tuple[int, ...]], bulk_ratio: float
+) -> dict[str, Any]:
+    """Draw pressure, rise and wear depth of points chosen by surface, load and velocity.
 
-    Gives ``shape`` after averaging, ``block`` the elements averaged along each axis, ``extent`` of
-    the window [m], and by place the ``points``: highest pressure [Pa], lowest and highest rise [K],
-    greatest depth [m], lowest and highest response to unequal bulk temperatures, and the base64 of
-    the compressed levels of the fields.
+    Gives ``block``, the elements averaged along each axis, ``extent`` of the window [m], ``scales``
+    of the colours, and by place the ``points``: highest pressure [Pa], lowest and highest rise
+    above the colder body at a bulk ratio [K], greatest depth [m], and the three pictures.
     """
     points: dict[str, Any] = {}
-    content: dict[str, Any] = {"points": points}
+    bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
+    scales = [_picture(bar, colours) for colours in _COLOURS]
+    content: dict[str, Any] = {"points": points, "scales": scales}
     axes = [name for name in POINT if name in ds.dims]
     names = [name for name in (*FIELDS, "bulk_response") if name in ds]
     for indices in chosen:
         here = ds[names].isel(dict(zip(axes, indices, strict=True))).transpose("x", "y", ...)
         place = np.ravel_multi_index(indices, [ds.sizes[name] for name in axes])
-        shape, points[str(place)] = packed_point(*(here[name].values for name in names))
-        if "shape" not in content:
-            block = [_block(n) for n in here["pressure"].shape]
-            content |= {"shape": list(shape), "block": block, "extent": _extent(here)}
+        pressure, rise, wear_depth, *response = (here[name].values for name in names)
+        if bulk_ratio:
+            rise = rise + bulk_ratio * response[0] + max(0.0, -bulk_ratio)
+        points[str(place)] = packed_point(pressure, rise, wear_depth)
+        if "block" not in content:
+            content |= {"block": [_block(n) for n in pressure.shape], "extent": _extent(here)}
     return content
 
 
-def packed_point(
-    pressure: Array, rise: Array, wear_depth: Array, bulk_response: Array | None = None
-) -> tuple[tuple[int, int], list[Any]]:
-    """Pack the fields of one point; what is warm is averaged over what is in contact alone."""
+def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
+    """Draw the fields of one point; what is warm is averaged over what is in contact alone."""
     contact = pressure > 0
     block = _block(pressure.shape[0]), _block(pressure.shape[1])
     touching = _summed(contact.astype(float), block)
     elements = _summed(np.ones_like(pressure), block)
     p, h = (_summed(field, block) / elements for field in (pressure, wear_depth))
     low, high, warmth = _over_contact(rise, contact, touching, block)
-    levels = [_levels(p, 0.0, p.max(), 0), warmth, _levels(h, 0.0, h.max(), 0)]
-    ends = [0.0, 0.0]
-    if bulk_response is not None:
-        *ends, response = _over_contact(bulk_response, contact, touching, block)
-        levels.append(response)
-    packed = zlib.compress(np.array(levels, dtype=np.uint8).tobytes())
-    scales = [float(p.max()), low, high, float(h.max()), *ends]
-    return p.shape, [*scales, base64.b64encode(packed).decode()]
+    levels = _levels(p, 0.0, p.max(), 0), warmth, _levels(h, 0.0, h.max(), 1)
+    pictures = map(_picture, levels, _COLOURS)
+    return [float(p.max()), low, high, float(h.max()), *pictures]
+
+
+def _picture(levels: NDArray[np.uint8], colours: str) -> str:
+    """Base64 of a .png of levels, x to the right and y upwards; white where they are 0."""
+    shades = colormaps[colours](np.linspace(0, 1, _LEVELS), bytes=True)[:, :3]
+    palette = np.vstack([np.full((1, 3), 255, dtype=np.uint8), shades])
+    image = Image.fromarray(np.ascontiguousarray(levels.T[::-1]), "P")
+    image.putpalette(palette.tobytes())
+    written = io.BytesIO()
+    image.save(written, "png", optimize=True)
+    return base64.b64encode(written.getvalue()).decode()
 
 
 def _over_contact(

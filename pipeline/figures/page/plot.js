@@ -166,24 +166,3 @@ function diamond(x, y, r, look) {
 function cross(x, y) {
   return svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` });
 }
-
-/** Colours from low to high, each readable in grey, too. */
-const COLOURS = {
-  pressure: ["#fde725", "#5ec962", "#21918c", "#3b528b", "#440154"],
-  temperature: ["#1b0c41", "#65156e", "#bb3754", "#ed6925", "#fbb61a", "#fcffa4"],
-  wear: ["#00224e", "#3b496c", "#7c7b78", "#bcaf6f", "#fee838"],
-};
-
-/**
- * Colour at a part of a scale, as red, green and blue.
- * @param {string[]} colours @param {number} part from 0 to 1
- */
-function colour(colours, part) {
-  const place = Math.min(Math.max(part, 0), 1) * (colours.length - 1);
-  const k = Math.min(Math.floor(place), colours.length - 2);
-  const [low, high] = [colours[k], colours[k + 1]].map((code) => parseInt(code.slice(1), 16));
-  return [16, 8, 0].map((shift) => {
-    const [a, b] = [(low >> shift) & 255, (high >> shift) & 255];
-    return Math.round(a + (place - k) * (b - a));
-  });
-}

@@ -4,8 +4,8 @@
 
 /**
  * @typedef {{normal_load: number, velocity: number, friction: number | null}} Measurement
- * @typedef {[number, number, number, number, number, number, string]} Packed
- * @typedef {{points: Object<string, Packed>, stored: number, shape?: [number, number],
+ * @typedef {[number, number, number, number, string, string, string]} Packed
+ * @typedef {{points: Object<string, Packed>, stored: number, scales?: string[],
  *   block?: [number, number], extent?: [number, (number | null)]}} Fields
  * @typedef {{load: number, velocity: number, powers: [number, number], temperatures: number[],
  *   logarithms: number[]}} Film

@@ -159,14 +159,18 @@ def test_a_point_shows_the_fields_that_are_stored(page):
     drawn = """
     const done = arguments[arguments.length - 1];
     choosePoint(4, 5);
-    setTimeout(() => done([...document.querySelectorAll("#fields canvas")].map((each) => {
-      const { data } = each.getContext("2d").getImageData(0, 0, each.width, each.height);
-      return [each.width, each.height, new Set(data).size];
+    setTimeout(() => done([...document.querySelectorAll("#fields img")].map((each) => {
+      const canvas = document.createElement("canvas");
+      [canvas.width, canvas.height] = [each.naturalWidth, each.naturalHeight];
+      const context = canvas.getContext("2d");
+      context.drawImage(each, 0, 0);
+      const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+      return [canvas.width, canvas.height, new Set(data).size];
     })), 300);
     """
-    canvases = driver.execute_async_script(drawn)
-    assert [size[:2] for size in canvases[::2]] == [[48, 36]] * 3
-    assert all(colours > 20 for *_, colours in canvases)
+    pictures = driver.execute_async_script(drawn)
+    assert [size[:2] for size in pictures[::2]] == [[48, 36]] * 3
+    assert all(colours > 20 for *_, colours in pictures)
 
 
 def test_a_page_of_samples_tells_the_probability_at_any_place(page):

@@ -2,12 +2,13 @@
 
 import base64
 import hashlib
+import io
 import json
 import re
-import zlib
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import pipeline
 from pipeline.analysis.decisive import decisive_rise
@@ -81,12 +82,13 @@ def test_fields_count_what_is_in_contact_alone():
     pressure[100, 1] = 8e9
     rise = np.full((240, 4), 5000.0)
     rise[100, 1] = 1200.0
-    shape, (highest, low, high, depth, *_, packed) = packed_point(pressure, rise, np.ones((240, 4)))
-    levels = np.frombuffer(zlib.decompress(base64.b64decode(packed)), np.uint8)
-    p, warm, worn = levels.reshape(3, *shape)
-    assert shape == (120, 4)
+    highest, low, high, depth, *pictures = packed_point(pressure, rise, np.ones((240, 4)))
+    images = [Image.open(io.BytesIO(base64.b64decode(picture))) for picture in pictures]
+    p, warm, worn = (np.array(image).T[:, ::-1] for image in images)
+    assert p.shape == (120, 4)
     assert (highest, low, high, depth) == (4e9, 1200.0, 1200.0, 1.0)
     assert np.argwhere(p).tolist() == np.argwhere(warm).tolist() == [[50, 1]]
+    assert images[0].convert("RGB").getpixel((0, 0)) == (255, 255, 255)
     assert (worn == 255).all()
 
 
