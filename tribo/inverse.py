@@ -205,7 +205,7 @@ def specific_wear_rate(
 
     @functools.cache
     def width(rate: float) -> float:
-        wear = replace(scene.wear or Wear(0.0, pattern), specific_wear_rate=rate)
+        wear = Wear(rate, scene.wear.pattern if scene.wear else pattern)
         worn = replace(scene, wear=wear, fidelity=fidelity)
         state = start(worn)
         for station in worn.stations(normal_load):

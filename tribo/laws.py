@@ -1,15 +1,14 @@
 """Laws that a user brings: of the wear of the pin, and of the disk's surface.
 
-A law is any object with these attributes. What it says is held against itself in every step: a
-depth that is negative, a worn volume that its depths do not add up to, or a height that is not
-finite is an `InvariantError`. A criterion of severe wear is a `tribo.Rule`.
+A law is any object with these attributes. A wear that is none, or a height that is not finite,
+is an `InvariantError`. A criterion of severe wear is a `tribo.Rule`.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol, Self
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -20,12 +19,12 @@ from tribo.wear import Wear, WearPattern
 
 
 class WearLaw(Protocol):
-    """A law of wear in proportion to pressure, with a rate that depends on the distance slid.
+    """A law of wear in proportion to pressure, at a rate that depends on the distance slid.
 
     Examples
     --------
     >>> law: WearLaw = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)
-    >>> bool(law.volume(750.0, 0.0, 2.0) == 750.0 * law.compliance(0.0, 2.0))
+    >>> law.over(0.0, 1.0).specific_wear_rate > law.over(1.0, 2.0).specific_wear_rate
     True
     """
 
@@ -33,14 +32,8 @@ class WearLaw(Protocol):
     def pattern(self) -> WearPattern:
         """Pattern of the wear, ``"local"`` or ``"swept"``; see `tribo.Wear`."""
 
-    def compliance(self, begin: float, end: float) -> float:
-        """Worn depth over pressure between two sliding distances [m/Pa]."""
-
-    def depth(self, pressure: Array, begin: float, end: float) -> Array:
-        """Depth that a constant pressure wears off between two sliding distances [m]."""
-
-    def volume(self, load: float, begin: float, end: float) -> float:
-        """Volume that the whole pin loses under a constant load between two distances [m³]."""
+    def over(self, begin: float, end: float) -> Wear:
+        """Wear between two sliding distances [m], at the mean rate there."""
 
 
 class Surface(Protocol):
@@ -82,7 +75,8 @@ class RunningIn:
     Examples
     --------
     >>> law = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)
-    >>> f"{law.volume(750.0, 0.0, 2.0):.3e} m³, at a constant rate {750.0 * 6e-15 * 2.0:.1e} m³"
+    >>> volume = 750.0 * 2.0 * law.over(0.0, 2.0).specific_wear_rate
+    >>> f"{volume:.3e} m³, at a constant rate {750.0 * 6e-15 * 2.0:.1e} m³"
     '6.241e-12 m³, at a constant rate 9.0e-12 m³'
     """
 
@@ -97,79 +91,42 @@ class RunningIn:
             if not 0 <= getattr(self, name) < math.inf:
                 raise InputError(f"{name} is {getattr(self, name)!r}; it must be finite and ≥ 0")
 
-    def compliance(self, begin: float, end: float) -> float:
-        """Worn depth over pressure between two sliding distances [m/Pa]."""
-        faded = math.exp(-begin / self.distance) - math.exp(-end / self.distance)
-        excess = self.initial_rate - self.final_rate
-        return self.final_rate * (end - begin) + excess * self.distance * faded
-
-    def depth(self, pressure: Array, begin: float, end: float) -> Array:
-        """Depth that a constant pressure wears off between two sliding distances [m]."""
-        return self.compliance(begin, end) * pressure
-
-    def volume(self, load: float, begin: float, end: float) -> float:
-        """Volume lost under a constant load between two sliding distances [m³]."""
-        return self.compliance(begin, end) * load
+    def over(self, begin: float, end: float) -> Wear:
+        """Wear between two sliding distances [m], at the mean rate there."""
+        way = (end - begin) / self.distance
+        faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
+        rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
+        return Wear(rate, self.pattern)
 
 
-@dataclass(frozen=True, slots=True)
-class OwnWear(Wear):
-    """Wear by a law of one's own between two sliding distances, at its mean rate there.
+def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
+    """Wear between two sliding distances [m], also by a law of one's own.
 
     Examples
     --------
     >>> law = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)
-    >>> f"{OwnWear.between(law, 0.0, 2.0).specific_wear_rate:.3e} m²/N"
+    >>> f"{wear_over(law, 0.0, 2.0).specific_wear_rate:.3e} m²/N"
     '4.161e-15 m²/N'
     """
-
-    law: WearLaw | None = None
-    begin: float = 0.0
-    end: float = 1.0
-
-    @classmethod
-    def between(cls, law: WearLaw, begin: float, end: float) -> Self:
-        """Wear by a law between two sliding distances [m]."""
-        needed = "pattern", "compliance", "depth", "volume"
-        if lacks := ", ".join(name for name in needed if not hasattr(law, name)):
-            raise InputError(f"the wear law {law!r} has no {lacks}; see tribo.WearLaw")
-        with of_law(f"wear law {law!r}"):
-            rate = float(law.compliance(begin, end) / (end - begin)) if end > begin else 0.0
-        if not 0 <= rate < math.inf:
-            raise InvariantError(
-                f"wear law: its compliance from {begin:g} to {end:g} m is {rate * (end - begin):g} "
-                "m/Pa; it must be finite and at least 0"
-            )
-        return cls(rate, law.pattern, law, begin, end)
-
-    def depth(self, pressure: Array, distance: float) -> Array:
-        """Depth that the pin loses over a part of the way [m], shape of `pressure`."""
-        if self.law is None or self.end == self.begin:
-            return np.zeros_like(pressure)
-        source = pressure.mean(axis=1, keepdims=True) if self.pattern == "swept" else pressure
-        part = distance / (self.end - self.begin)
-        with of_law(f"wear law {self.law!r}"):
-            worn = part * np.asarray(self.law.depth(source, self.begin, self.end), dtype=float)
-        if worn.shape != source.shape or not np.isfinite(worn).all():
-            raise InvariantError(
-                f"wear law: its depth from {self.begin:g} to {self.end:g} m has the shape "
-                f"{worn.shape} for {source.shape} pressures; it must have theirs, and be finite"
-            )
-        return np.broadcast_to(worn, pressure.shape)
-
-    def volume(self, load: float) -> float:
-        """Volume that the law says of the whole way under a constant load [m³]."""
-        if self.law is None or self.end == self.begin:
-            return 0.0
-        with of_law(f"wear law {self.law!r}"):
-            return float(self.law.volume(load, self.begin, self.end))
-
-
-def wear_of(wear: Wear | WearLaw | None) -> Wear | None:
-    """Archard's wear as it is, and a law of one's own by its mean rate over the first metre."""
-    if wear is None or isinstance(wear, Wear):
+    if isinstance(wear, Wear):
         return wear
-    return OwnWear.between(wear, 0.0, 1.0)
+    if not end > begin:
+        return Wear(0.0, wear.pattern)
+    with of_law(f"wear law {wear!r}"):
+        found: object = wear.over(begin, end)
+    if not isinstance(found, Wear):
+        raise InvariantError(
+            f"wear law: its wear over {begin:g} to {end:g} m is {found!r}; it must be a tribo.Wear"
+        )
+    return found
+
+
+def require_wear(wear: object) -> None:
+    """Raise `InputError` for what is no wear, and no law of it."""
+    if wear is None or isinstance(wear, Wear):
+        return
+    if lacks := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
+        raise InputError(f"the wear law {wear!r} has no {lacks}; see tribo.WearLaw")
 
 
 def heights_of(surface: Any, pixels: Grid) -> Array:

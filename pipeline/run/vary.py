@@ -23,7 +23,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variants
 from pipeline.sweep.warned import NO_WARNING, Warned
-from tribo import Criterion, Scene
+from tribo import Criterion, Scene, wear_number
 from tribo.types import Array
 
 
@@ -210,7 +210,7 @@ def vary(
             sweep.scene.wear and variant.scene.wear and sweep.scene.wears and variant.scene.wears
         ):
             return 1.0
-        return variant.scene.wear.specific_wear_rate / sweep.scene.wear.specific_wear_rate
+        return wear_number(variant.scene, 1.0) / wear_number(sweep.scene, 1.0)
 
     def boundary(key: str, value: str, variant: Sweep) -> Variation:
         plain = variant.changed(variants=Variants())

@@ -10,7 +10,7 @@ from pipeline.scene.facts import Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.sweep.turns import note_on_turns
-from tribo import Material, SelfAffineRoughness
+from tribo import Material, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -108,7 +108,7 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
             "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "
             "hotter than a worn one"
         )
-    elif sweep.scene.wear.specific_wear_rate > 0:
+    elif isinstance(sweep.scene.wear, Wear) and sweep.scene.wears:
         yield from _WEAR_RATE.doubt("the ", sweep.scene.wear.specific_wear_rate)
 
 

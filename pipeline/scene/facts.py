@@ -17,7 +17,7 @@ import numpy as np
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
 from tribo import Corrections, InputError, Track, analytic, contact_modulus
-from tribo.laws import OwnWear
+from tribo.laws import wear_over
 from tribo.types import Array
 
 _FEWEST_WIDTHS = 10.0  # of the contact in a track, so that a pass is short beside a round
@@ -79,9 +79,9 @@ class Facts:
 def _rates(sweep: Sweep, slid: Array) -> Array:
     """Mean specific wear rates up to sliding distances [m²/N]."""
     wear = sweep.scene.wear
-    if not isinstance(wear, OwnWear) or wear.law is None:
-        return np.full(slid.shape, wear.specific_wear_rate if wear else 0.0)
-    rates = [OwnWear.between(wear.law, 0.0, end).specific_wear_rate for end in slid.ravel()]
+    if wear is None:
+        return np.zeros(slid.shape)
+    rates = [wear_over(wear, 0.0, end).specific_wear_rate for end in slid.ravel()]
     return np.reshape(rates, slid.shape)
 
 

@@ -6,6 +6,7 @@ import math
 
 from pipeline.scene.quantities import display
 from pipeline.sweep.model import Sweep
+from tribo import Wear
 
 _RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
 
@@ -18,9 +19,10 @@ def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
     the lowest to k₂/k times the highest; a note names the velocities that are added.
     """
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
-    if sweep.scene.wear is None or sweep.record.wear_rates is None or not moving:
+    wear = sweep.scene.wear
+    if not isinstance(wear, Wear) or sweep.record.wear_rates is None or not moving:
         return sweep
-    rate, (low, high) = sweep.scene.wear.specific_wear_rate, sweep.record.wear_rates
+    rate, (low, high) = wear.specific_wear_rate, sweep.record.wear_rates
     further = [*_beyond(moving[0], low / rate), *_beyond(moving[-1], high / rate)]
     if further:
         ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))

@@ -12,6 +12,7 @@ from tribo import (
     Ramp,
     Scene,
     SelfAffineRoughness,
+    Wear,
 )
 from tribo.types import Array
 
@@ -59,8 +60,12 @@ def on_scene(scene: Scene) -> Iterator[Row]:
     else:
         yield "loading", f"recorded, up to {loading.loads.max():g} N"
     wear = scene.wear
-    rate = wear and f"{1e9 * wear.specific_wear_rate:.3g} mm³/(N m), {wear.pattern}"
-    yield "wear", rate or "none"
+    if wear is None:
+        yield "wear", "none"
+    elif isinstance(wear, Wear):
+        yield "wear", f"{1e9 * wear.specific_wear_rate:.3g} mm³/(N m), {wear.pattern}"
+    else:
+        yield "wear", f"{wear!r}, {wear.pattern}"
 
 
 def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Row:

@@ -14,7 +14,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.contacts import Lead, leads_of
 from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.variants import Part, Variant, Variants
-from tribo import InputError, Ramp, Scene, SelfAffineRoughness, inseparable
+from tribo import InputError, Ramp, Scene, SelfAffineRoughness, Wear, inseparable
 
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
 # them were off by up to 0.1 to 0.3 %, as with more of them: by the elements on which a quantile is.
@@ -158,6 +158,8 @@ class Sweep:
         low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.record.wear_rates)
         if self.scene.wear is None or not self.scene.wears:
             return "nothing wears; give [wear], or leave them out"
+        if not isinstance(self.scene.wear, Wear):
+            return f"{inseparable(self.scene, ())}; change that, or leave them out"
         usual = self.scene.wear.specific_wear_rate
         if not self.record.wear_rates[0] <= usual <= self.record.wear_rates[1] or low == high:
             return (
@@ -200,7 +202,7 @@ class Sweep:
 
         They are ascending, and even in the logarithm; none if the own is all there is.
         """
-        if self.scene.wear is None or self.record.wear_rates is None:
+        if not isinstance(self.scene.wear, Wear) or self.record.wear_rates is None:
             return ()
         low, high = self.record.wear_rates
         count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)

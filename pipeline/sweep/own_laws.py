@@ -33,13 +33,12 @@ from tribo import (
     Surface,
     WearLaw,
 )
-from tribo.laws import OwnWear
 
 GROUP: Final = "irg_transition.laws"
 """Entry points by which an installed package registers its laws."""
 WEAR, SURFACE, CRITERION = "wear law", "surface", "criterion"
 _METHODS: dict[str, tuple[type, tuple[str, ...]]] = {
-    WEAR: (WearLaw, ("compliance", "depth", "volume")),
+    WEAR: (WearLaw, ("over",)),
     SURFACE: (Surface, ("heights",)),
 }
 _PREFIX = "irg_own"
@@ -187,8 +186,8 @@ def identity_of(law: Any) -> dict[str, Any]:
 def own_laws(scene: Scene) -> dict[str, dict[str, Any]]:
     """Name, parameters and hash of a scene's own laws, by the field of the scene."""
     laws = {}
-    if isinstance(scene.wear, OwnWear):
-        laws["wear"] = identity_of(scene.wear.law)
+    if scene.wears_by_law:
+        laws["wear"] = identity_of(scene.wear)
     if not isinstance(scene.roughness, SelfAffineRoughness | MeasuredRoughness | None):
         laws["roughness"] = identity_of(scene.roughness)
     return laws

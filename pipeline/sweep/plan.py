@@ -29,6 +29,7 @@ from tribo import (
     PointWarning,
     Scene,
     State,
+    Wear,
     contacts,
     heat,
     heated,
@@ -298,9 +299,10 @@ def _at_wear_rates(
 
     The states, by their places among the steps, are those from when the load is reached on.
     """
-    if sweep.scene.wear is None or not sweep.rates:
+    wear = sweep.scene.wear
+    if not isinstance(wear, Wear) or not sweep.rates:
         return {}
-    usual, rates = sweep.scene.wear.specific_wear_rate, sweep.rates
+    usual, rates = wear.specific_wear_rate, sweep.rates
     shapes = {"rise_quantile": (len(QUANTILES),), "mean_rise": (), "pin_heat_share": ()}
     columns = {name: np.full((steps, len(rates), *shape), np.nan) for name, shape in shapes.items()}
     for step, state in at_load.items():

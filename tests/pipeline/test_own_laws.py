@@ -22,12 +22,12 @@ LAWS = (
     re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)[0]
     + """
 class Short(RunningIn):
-    def depth(self, pressure):
-        return pressure
+    def over(self, begin):
+        return tribo.Wear(1e-15)
 
 class Broken(RunningIn):
-    def depth(self, pressure, begin, end):
-        return -self.compliance(begin, end) * pressure
+    def over(self, begin, end):
+        return 1e-15
 
 def _median(rises, share, quantiles):
     return np.apply_along_axis(lambda row: np.interp(0.5, quantiles, row), -1, rises)
@@ -85,7 +85,7 @@ def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
     ]
     assert main(["run", "own.toml", *options]) == 1
     streams = capsys.readouterr()
-    assert "400 N, 2 m/s: InvariantError: wear balance" in streams.out + streams.err
+    assert "400 N, 2 m/s: InvariantError: wear law: its wear over" in streams.out + streams.err
 
 
 def test_a_criterion_of_one_s_own_judges_a_store(folder):
@@ -178,11 +178,11 @@ def test_the_scene_of_the_page_runs(folder, irg):
         ("temperature.criterion=laws:np", "is not a tribo.Rule"),
         (
             "wear.law=laws:mean_of_hottest",
-            "has no method compliance(begin, end); see tribo.WearLaw",
+            "has no method over(begin, end); see tribo.WearLaw",
         ),
-        ("wear.law=laws:Dimples", "has no method compliance"),
-        ("wear.law=laws:hottest", "has no method compliance"),
-        ("wear.law=laws:Short", "has no method depth(pressure, begin, end)"),
+        ("wear.law=laws:Dimples", "has no method over"),
+        ("wear.law=laws:hottest", "has no method over"),
+        ("wear.law=laws:Short", "has no method over(begin, end)"),
         ("disk.surface={law='laws:Dimples'}", "leave out one of them"),
     ],
 )

@@ -50,45 +50,42 @@ def test_contacts_of_a_law_by_distance_are_not_shared():
     )
 
 
-@dataclass(frozen=True)
-class Growing(tribo.RunningIn):
-    def depth(self, pressure, begin, end):
-        return -self.compliance(begin, end) * pressure
-
-
-class Doubled(tribo.RunningIn):
-    def depth(self, pressure, begin, end):
-        return 2 * self.compliance(begin, end) * pressure
-
-
-class Broken(tribo.RunningIn):
-    def depth(self, pressure, begin, end):
-        return np.where(begin > 1.0, np.nan, self.compliance(begin, end)) * pressure
+class Number(tribo.RunningIn):
+    def over(self, begin, end):
+        return 1e-15
 
 
 class Negative(tribo.RunningIn):
-    def compliance(self, begin, end):
-        return (1.0 - begin) * 1e-15
+    def over(self, begin, end):
+        return tribo.Wear((1.0 - begin) * 1e-15, self.pattern)
+
+
+class Spoilt(tribo.RunningIn):
+    def over(self, begin, end):
+        return tribo.Wear(math.nan, self.pattern)
 
 
 @pytest.mark.parametrize(
     ("law", "said"),
     [
-        (Growing, "wear balance"),
-        (Doubled, "wear balance: the pin has lost .* its law says"),
-        (Broken, "wear law: its depth from .* and be finite"),
-        (Negative, "wear law: its compliance from .* must be finite and at least 0"),
+        (Number, "wear law: its wear over 0 to .* must be a tribo.Wear"),
+        (Negative, "specific_wear_rate is -.* must be finite and ≥ 0"),
+        (Spoilt, "specific_wear_rate is nan"),
     ],
 )
-def test_a_law_that_breaks_its_own_word_is_refused(law, said):
+def test_a_law_that_gives_no_wear_is_refused(law, said):
     scene = replace(small_scene(increments=6), wear=law(6e-15, 1e-15, 1.5))
-    with pytest.raises(tribo.InvariantError, match=said):
+    with pytest.raises(tribo.TriboError, match=said):
         worn_volume(scene)
 
 
 def test_what_is_no_law_is_refused():
-    with pytest.raises(tribo.InputError, match="has no pattern, compliance, depth, volume"):
+    with pytest.raises(tribo.InputError, match="has no pattern, over"):
         replace(small_scene(), wear=object())
+
+
+def test_a_scene_names_its_law_and_no_rate_of_it():
+    assert "RunningIn(initial_rate=6e-15" in repr(replace(small_scene(), wear=LAW))
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,6 @@ from dataclasses import fields, replace
 import numpy as np
 
 from tribo.errors import InputError, require_positive
-from tribo.laws import OwnWear
 from tribo.loading import Station
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.fidelity import Fidelity
@@ -33,6 +32,7 @@ from tribo.simulation.loading_step import advance, start
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
+from tribo.wear import Wear
 
 
 def wear_number(scene: Scene, velocity: float) -> float:
@@ -47,7 +47,10 @@ def wear_number(scene: Scene, velocity: float) -> float:
     >>> tribo.wear_number(mild, 0.5), tribo.wear_number(worn, 0.5)
     (0.0, 1e-15)
     """
-    return scene.wear.specific_wear_rate * abs(velocity) if scene.wear else 0.0
+    if scene.wear is None:
+        return 0.0
+    # A law of one's own has no rate, and contacts at one velocity alone.
+    return (scene.wear.specific_wear_rate if isinstance(scene.wear, Wear) else 1.0) * abs(velocity)
 
 
 def mechanics(scene: Scene) -> Scene:
@@ -68,7 +71,7 @@ def mechanics(scene: Scene) -> Scene:
     parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
     parts["pin"] = replace(scene.pin, material=replace(scene.pin.material, **athermal))
     parts["disk"] = replace(scene.disk, **athermal)
-    if scene.wear and scene.wears and not isinstance(scene.wear, OwnWear):
+    if isinstance(scene.wear, Wear) and scene.wears:
         parts["wear"] = replace(scene.wear, specific_wear_rate=1.0)
     return Scene(**parts)
 
@@ -89,7 +92,7 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     """
     if scene.remembers_heat:
         return "heat_model is 'history': temperatures depend on the heat of all the steps before"
-    if isinstance(scene.wear, OwnWear):
+    if scene.wears_by_law:
         return "the wear follows a law of one's own, by the distance slid"
     if scene.wears and len({scene.windows_worn(velocity) for velocity in velocities}) > 1:
         return "the pin rolls at some of the velocities and stands still at others"

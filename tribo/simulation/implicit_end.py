@@ -62,7 +62,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 def _worn(scene: Scene, state: State) -> Mask:
     """Elements at which the pressure wears the pin; of a row that is swept, all of them."""
     touched: Mask = state.pressure > 0
-    if scene.wear_of_contact and scene.wear_of_contact.pattern == "swept":
+    if scene.contact_pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)
     return touched
 

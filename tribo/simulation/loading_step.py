@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.contact import ContactSolution, solve_contact
-from tribo.laws import OwnWear
 from tribo.loading import Station
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import Pass, passes, separation_at
@@ -108,7 +107,7 @@ def advance(
         passed = contact.pressure
     if wear:
         area = _element_area(scene) * scene.windows_worn(velocity)
-        volume = _worn_volume(wear, state, station, velocity, area)
+        volume = _worn_volume(scene, wear, state, station, velocity, area)
         check_wear(state.wear_depth, wear_depth, area, volume)
     advanced = State(
         pressure=contact.pressure,
@@ -133,13 +132,14 @@ def advance(
 
 
 def _worn_volume(
-    wear: Wear, state: State, station: Station, velocity: float, element_area: float
+    scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
 ) -> float:
     """Volume that the whole pin has lost by its law up to a station [m³]."""
-    if isinstance(wear, OwnWear):
-        mean_load = (station.impulse - state.impulse) / (station.time - state.time)
-        return float(state.wear_depth.sum()) * element_area + wear.volume(mean_load)
-    return wear.specific_wear_rate * abs(velocity) * station.impulse
+    rate = wear.specific_wear_rate * abs(velocity)
+    if scene.wears_by_law:  # of this step alone is the rate known
+        before = float(state.wear_depth.sum()) * element_area
+        return before + rate * (station.impulse - state.impulse)
+    return rate * station.impulse
 
 
 def solve_pass(

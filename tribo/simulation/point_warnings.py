@@ -271,11 +271,13 @@ def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
 def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where steps have been too long for explicit wear, and say how many would do."""
     fidelity = scene.fidelity
-    if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
+    if fidelity.wear_scheme != "explicit" or not state.normal_load:
         return
     solid = elastic_bodies(scene).solid
     velocity = state.sliding_distance / state.time
-    wear = scene.wear_at(velocity) or scene.wear
+    wear = scene.wear_at(velocity, (0.0, state.sliding_distance))
+    if not wear:
+        return
     for holding, name in ((False, "increments"), (True, "steps of the hold")):
         lengths = _step_lengths(scene, state, holding)
         distance = velocity * max(lengths, default=0.0)

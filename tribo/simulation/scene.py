@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from tribo.errors import InputError
 from tribo.grid import Grid
-from tribo.laws import OwnWear, Surface, heights_of, wear_of
+from tribo.laws import Surface, WearLaw, heights_of, require_wear, wear_over
 from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
 from tribo.simulation.fidelity import Fidelity
@@ -19,7 +19,7 @@ from tribo.simulation.roughness import MeasuredRoughness, SelfAffineRoughness
 from tribo.thermal import HeatedLength
 from tribo.topography import block_average, block_sample
 from tribo.types import Array
-from tribo.wear import RollingWear, Wear
+from tribo.wear import RollingWear, Wear, WearPattern
 
 # Elements along x with which the shape of the wear is still known well.
 _FEWEST_ELEMENTS = 24
@@ -46,7 +46,7 @@ class Scene:
     roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
         Roughness of the disk, or a surface of one's own; smooth if not given.
     wear : Wear or WearLaw, optional
-        Wear of the pin, or a law of one's own, which becomes an `OwnWear`; none if not given.
+        Wear of the pin, or a law of one's own; none if not given.
     friction_heat : bool
         True if there is friction, and with it heat. If not, no temperature is solved for: the rise
         is 0.
@@ -75,14 +75,14 @@ class Scene:
     pixels: Grid
     loading: Ramp | MeasuredLoad
     roughness: SelfAffineRoughness | MeasuredRoughness | Surface | None = None
-    wear: Wear | None = None
+    wear: Wear | WearLaw | None = None
     friction_heat: bool = True
     motion: Motion | None = None
     unequal_bulks: bool = False
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "wear", wear_of(self.wear))
+        require_wear(self.wear)
         block = self.fidelity.pixels_per_element
         if any(n % block for n in self.pixels.shape):
             raise InputError(
@@ -107,7 +107,7 @@ class Scene:
             )
         if not isinstance(self.roughness, SelfAffineRoughness):
             self.heights()
-        if self.motion and isinstance(self.wear, OwnWear):
+        if self.motion and self.wears_by_law:
             raise InputError(
                 "wear follows a law of one's own, and the scene has a motion; a law of one's own "
                 "needs a pin at rest: leave out one of them"
@@ -140,31 +140,35 @@ class Scene:
         return self.track_length / self.pixels.size[0]
 
     @property
-    def wear_of_contact(self) -> Wear | None:
-        """Wear of the pin at rest by one contact; None if it does not wear.
+    def wears_by_law(self) -> bool:
+        """True if the pin wears by a law of one's own, at a rate that depends on the way."""
+        return self.wear is not None and not isinstance(self.wear, Wear)
+
+    @property
+    def contact_pattern(self) -> WearPattern | None:
+        """Pattern in which one contact wears the pin; None if it does not wear.
 
         Along a free y each position of the disk wears the pin by its own pressure.
         """
-        if self.wear is None or self.pixels.periodic[1]:
-            return self.wear
-        return replace(self.wear, pattern="local")
+        if self.wear is None:
+            return None
+        return self.wear.pattern if self.pixels.periodic[1] else "local"
 
     @property
     def wears_locally(self) -> bool:
         """True if each point of the pin wears by its own pressure on one patch."""
-        wear = self.wear_of_contact
-        return wear is not None and wear.pattern == "local" and not self.sweeps_over
+        return self.contact_pattern == "local" and not self.sweeps_over
 
-    def wear_at(self, sliding: float, way: tuple[float, float] = (0.0, 1.0)) -> Wear | None:
+    def wear_at(self, sliding: float, way: tuple[float, float]) -> Wear | None:
         """Wear of the pin by one contact at a sliding velocity [m/s]; None if it does not wear.
 
         A law of one's own may depend on the way, the distances slid at both ends of the step [m].
         """
-        wear = self.wear_of_contact
-        if isinstance(wear, OwnWear) and wear.law:
-            wear = replace(OwnWear.between(wear.law, *way), pattern=wear.pattern)
-        windows = self.windows_worn(sliding) if wear and self.motion else 1.0
-        if wear is None or windows == 1:
+        if self.wear is None or self.contact_pattern is None:
+            return None
+        wear = replace(wear_over(self.wear, *way), pattern=self.contact_pattern)
+        windows = self.windows_worn(sliding) if self.motion else 1.0
+        if windows == 1:
             return wear
         return RollingWear(wear.specific_wear_rate, wear.pattern, min(1.0, 1 / windows))
 
@@ -213,8 +217,9 @@ class Scene:
     @property
     def wears(self) -> bool:
         """True if the pin loses any material."""
-        wear = self.wear
-        return wear is not None and (wear.specific_wear_rate > 0 or isinstance(wear, OwnWear))
+        return self.wears_by_law or (
+            isinstance(self.wear, Wear) and self.wear.specific_wear_rate > 0
+        )
 
     @property
     def remembers_steps(self) -> bool:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep.model import Sweep
-from tribo import InputError, Ramp, rig_heating, specific_wear_rate
+from tribo import InputError, Ramp, Wear, rig_heating, specific_wear_rate
 from tribo.types import Array
 from workflows.paper.publication import (
     RIG_HEATING,
@@ -165,7 +165,9 @@ def _of_oil_a(rates: Sequence[float], transitions: Sequence[Transition]) -> dict
     cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
     wears = [scene.scene.wear for scene, _ in transitions[::2]]
-    in_scenes = np.array([_UNIT * wear.specific_wear_rate for wear in wears if wear])
+    in_scenes = np.array(
+        [_UNIT * wear.specific_wear_rate for wear in wears if isinstance(wear, Wear)]
+    )
     return {
         "printed_rate": _UNIT * SPECIFIC_WEAR_RATE,
         "duration": _DURATIONS[_CHOSEN],

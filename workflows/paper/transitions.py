@@ -18,6 +18,7 @@ from tribo import InputError, State, failed_share, measures, simulate
 from tribo.corrections import moment_of
 from tribo.criterion import Criterion
 from tribo.types import Array
+from tribo.wear import Wear as ArchardWear
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import mean, spread
 from workflows.paper.study import Study
@@ -153,8 +154,8 @@ def worn(sweep: Sweep, wear: Wear) -> Sweep:
     """The scene unworn, or with its wear in a pattern."""
     if wear == "unworn":
         return sweep.changed(wear=None)
-    if sweep.scene.wear is None:
-        raise InputError(f"the scene {sweep.about.name} must have a [wear]")
+    if not isinstance(sweep.scene.wear, ArchardWear):
+        raise InputError(f"the scene {sweep.about.name} must have a [wear] of a constant rate")
     return sweep.changed(wear=replace(sweep.scene.wear, pattern=wear))
 
 
