@@ -12,10 +12,15 @@ import numpy as np
 
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOAD, SPEED
-from pipeline.scene.rows import quantity_and_unit, read_rows
+from pipeline.scene.headings import (
+    columns_for,
+    heading_of,
+    missing_columns,
+    with_units_below,
+)
+from pipeline.scene.rows import may_be_thousands, read_rows
 from pipeline.store.place import PathLike
 from tribo import InputError
-from tribo.files import reason_of
 
 _KINDS = {"load": LOAD, "velocity": SPEED}
 _MOST_FAULTS = 20  # that are written out
@@ -55,9 +60,9 @@ class OperatingPoints:
         Parameters
         ----------
         source : path or mapping of str to sequence
-            A .csv file, or columns by heading, such as a data frame: ``load`` and ``velocity``,
-            with units in brackets after the heading or in each cell; bare numbers of a mapping are
-            in N and m/s. Further columns are passed on.
+            A file as CSV or Excel, or columns by heading, such as a data frame: ``load`` and
+            ``velocity``, or such as ``Normalkraft / N``, with units in the heading or in each
+            cell; bare numbers of a mapping are in N and m/s. Further columns are passed on.
 
         Raises
         ------
@@ -74,7 +79,7 @@ class OperatingPoints:
         if isinstance(source, Mapping) or not isinstance(source, str | os.PathLike):
             cells = _cells_of(source)
         else:
-            cells = _read_csv(Path(source), faults)
+            cells = _read_file(Path(source), faults)
         quantities = {name: _quantity(cells, name, faults) for name in _KINDS}
         if faults:
             listed = [f"  {fault}" for fault in faults[:_MOST_FAULTS]]
@@ -92,39 +97,38 @@ class OperatingPoints:
 
 
 class _Cells(NamedTuple):
-    """Cells of a table by heading, and the number of each row in its file."""
+    """Cells of a table by heading, the number of each row in its file, and its decimal mark."""
 
     name: str
     rows: Sequence[int]
     columns: Mapping[str, Sequence[Any]]
+    decimal: str = "."
 
 
-def _read_csv(path: Path, faults: list[str]) -> _Cells:
+def _read_file(path: Path, faults: list[str]) -> _Cells:
     """Cells of a file, without its empty lines; faults are added to the list."""
-    if path.suffix.lower() != ".csv":
-        raise InputError(f"cannot read {path}: operating points are read from a .csv file")
-    try:
-        heads, rows, wrong_rows = read_rows(path)
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {reason_of(error, path)}") from error
-    except UnicodeDecodeError:
-        raise InputError(f"cannot read {path}: it is not in UTF-8; save it as such") from None
-    if not heads:
+
+    def is_heading(cells: list[str]) -> bool:
+        places, wrong = columns_for(cells, _KINDS)
+        return not wrong and _KINDS.keys() == places.keys()
+
+    read = read_rows(path, is_heading)
+    if not read.heads:
         raise InputError(f'{path} is empty; begin it with a line "load [N],velocity [m/s]"')
-    twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
+    twice = dict.fromkeys(head for head in read.heads if read.heads.count(head) > 1)
     faults += [f'column "{head}" stands there twice; name each once' for head in twice]
-    faults += wrong_rows
-    full = [[*row.cells, *[""] * len(heads)] for row in rows]
-    columns = {head: [row[place] for row in full] for place, head in enumerate(heads)}
-    return _Cells(str(path), [row.number for row in rows], columns)
+    faults += read.faults
+    heads, rows = with_units_below(read.heads, read.rows)
+    columns = {head: [row.cells[place] for row in rows] for place, head in enumerate(heads)}
+    return _Cells(str(path), [row.number for row in rows], columns, read.decimal)
 
 
 def _cells_of(columns: Any) -> _Cells:
     """Cells of a mapping or a data frame."""
     if not hasattr(columns, "keys"):
         raise InputError(
-            f"points are of type {type(columns).__name__}; give a .csv file, or columns by heading "
-            'such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
+            f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
+            'by heading such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
         )
     listed = {str(head): list(np.atleast_1d(columns[head]).tolist()) for head in columns}
     lengths = {head: len(cells) for head, cells in listed.items()}
@@ -138,21 +142,23 @@ def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[fl
     """Heading and values in SI of a quantity; faults are added to the list."""
     kind = _KINDS[name]
     usual = kind.example.split()[1]
-    read = {head: quantity_and_unit(head) for head in cells.columns}
-    heads = [head for head, (quantity, _) in read.items() if quantity == name]
-    if len(heads) != 1:
-        listed = ", ".join(f'"{head}"' for head in cells.columns)
-        faults.append(f'{"two columns" if heads else "no column"} "{name} [{usual}]" in {listed}')
+    places, ambiguous = columns_for([*cells.columns], [name])
+    if name not in places:
+        named = f'; name one as in "{name} [{usual}]"'
+        faults += [f"{problem}{named}" for problem in ambiguous]
+        faults += [] if ambiguous else [missing_columns([*cells.columns], [name])]
         return "", []
-    (head,) = heads
-    unit, wrong, values = read[head][1], Faults(), list[float]()
+    head = [*cells.columns][places[name]]
+    unit, wrong, values = heading_of(head).unit, Faults(), list[float]()
     heading = "" if unit else f', or the heading "{name} [{usual}]"'
     if unit:
         kind.read(f"1 {unit}", f'column "{head}"', wrong)
     for row, cell in zip(cells.rows, cells.columns[head], strict=True) if not wrong else ():
         in_si = not unit and not isinstance(cell, str)
         place, text = f'row {row}, column "{head}"', f"{cell} {usual if in_si else unit}".strip()
-        if str(cell).strip():
+        if cells.decimal == "," and may_be_thousands(str(cell)):
+            wrong.note(place, f'"{cell}" beside decimal commas may be thousands; write it plainly')
+        elif str(cell).strip():
             values.append(kind.read(text, place, wrong))
         else:
             wrong.note(place, f"empty; give {kind}")

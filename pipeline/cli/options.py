@@ -109,6 +109,22 @@ OF_SCAN = (
     ),
 )  # fmt: skip
 
+OF_TESTS = (
+    Option(
+        "log", metavar="LOG", type=Path,
+        help="log of tests, or a trace of friction over time: .csv, .txt or .xlsx",
+    ),
+    Option(
+        "--column", metavar="ENTRY=HEADING", type=values.pair, action="append", default=[],
+        help='column of an entry that is not found, like "load=Normalkraft F_N / N"; may be '
+        "repeated",
+    ),
+    Option(
+        "--word", metavar="WORD=OUTCOME", type=values.word, action="append", default=[],
+        help="what a word of the log means, like Fresser=severe; may be repeated",
+    ),
+    Option("--decimal", choices=(".", ","), help="mark of decimals, where it is not found"),
+)  # fmt: skip
 TOPIC = Option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
 OF_NEW = (
     Group(
@@ -156,8 +172,8 @@ PLACE = (
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
 POINTS = Option(
     "--points", metavar="DUTY.csv", type=Path,
-    help='operating points, a row each, in columns "load [N]" and "velocity [m/s]" or in other '
-    "units; further columns are passed on",
+    help='operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
+    ".csv, .txt or .xlsx; further columns are passed on",
 )  # fmt: skip
 REALIZATION = Option(
     "--realization", metavar="SEED", type=partial(values.count, least=0),

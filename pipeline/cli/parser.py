@@ -41,6 +41,11 @@ COMMANDS = (
         'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SCAN,
     ),
     Command(
+        "tests", "laboratory:tests",
+        "print what is understood of a laboratory's log, and the lines of a scene for it",
+        "log.csv --word Fresser=severe", o.OF_TESTS,
+    ),
+    Command(
         "run", "running:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
         (*o.OF_SCENE, *o.OF_RUN),
     ),

@@ -206,3 +206,25 @@ def setting(text: str) -> tuple[str, Any]:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         return key, value
+
+
+def pair(text: str) -> tuple[str, str]:
+    """Read ``NAME=TEXT``.
+
+    Examples
+    --------
+    >>> pair("load=F_N / N")
+    ('load', 'F_N / N')
+    """
+    name, separator, value = text.partition("=")
+    if not (name.strip() and separator and value.strip()):
+        raise Refused(f'"{text}" is not a pair; give one like "load=Normalkraft F_N / N"')
+    return name.strip(), value.strip()
+
+
+def word(text: str) -> tuple[str, str]:
+    """Read ``WORD=OUTCOME``."""
+    name, outcome = pair(text)
+    if outcome not in ("mild", "severe"):
+        raise Refused(f'"{outcome}" is no outcome; give {name}=mild or {name}=severe')
+    return name, outcome

@@ -340,6 +340,7 @@ UNKNOWN = ByPath(Distribution(
     listed=List(Scalar(), distinct=True),  # each as likely
 ), "the paths of entries")
 
+OUTCOMES = ("mild", "severe")
 _TEST = {
     "load": Entry(LOAD, "Normal load on the pin there."),
     "load_scatter": Optional(Quantity("a load", "10 N"),
@@ -360,12 +361,19 @@ _TEST = {
 TRANSITION = Table(_TEST, form="entries")
 TEST = Table({
     **_TEST,
-    "outcome": Entry(Choice(("mild", "severe")), "Outcome of the test, at the end of its hold."),
+    "outcome": Entry(Choice(OUTCOMES), "Outcome of the test, at the end of its hold."),
 }, form="entries")
 LOG = Table({
     "file": Entry(Text(),
-        "Log in CSV in place of the entries: a row for each test, and columns by the names of the "
-        "entries, such as `load [N]`; beside the scene."),
+        "Log as CSV or Excel in place of the entries: a row for each test, and columns such as "
+        "`load [N]`; beside the scene. `irg tests LOG` prints these lines."),
+    "columns": Optional(ByPath(Text(), "entries of a test"),
+        "Heading of the column for an entry, where it is not found by its own words.",
+        example={"load": "Kraft / N"}),
+    "words": Optional(ByPath(Choice(OUTCOMES), "words of the log"),
+        "What a word of the log means as an outcome.", example={"Fresser": "severe"}),
+    "decimal": Optional(Choice((".", ",")),
+        "Mark of decimals; by default a comma in a file with semicolons or tabs that has any."),
 }, form="log")
 
 FORMAT = Table({

@@ -1,20 +1,239 @@
-"""Tests of a laboratory's log: rows of a CSV file in place of tables of the scene.
+"""Tests of a laboratory's log: rows of a file in place of tables of the scene.
 
-A heading names an entry, with the unit of its column in brackets, such as ``load [N]``; a cell that
-is empty leaves the entry out. Columns of other names, as of dates and operators, are not used.
+A heading names an entry, with the unit of its column, such as ``load [N]`` or ``Normalkraft / N``;
+a cell that is empty leaves the entry out. Columns of other names, as of dates and operators, are
+not used. What was not named exactly is noted.
 """
 
 from __future__ import annotations
 
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import TEST, TRANSITION
-from pipeline.scene.kinds import Kind, Number
-from pipeline.scene.rows import quantity_and_unit, read_rows
+from pipeline.scene.format import LOG, OUTCOMES, TEST, TRANSITION
+from pipeline.scene.headings import (
+    Heading,
+    columns_for,
+    heading_of,
+    missing_columns,
+    with_units_below,
+)
+from pipeline.scene.kinds import Choice, Kind, Number
+from pipeline.scene.rows import Row, may_be_thousands, read_rows
 from pipeline.scene.schema import Table
+from tribo import InputError
+
+_MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser"
+_SEVERE = (
+    "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer"
+)
+_YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
+_SHOWN = 6  # rows of a fault that are named
+
+
+def outcome_of(word: str, heading: str) -> str | None:
+    """Outcome for which a word stands below a heading, if that is known.
+
+    Examples
+    --------
+    >>> outcome_of("ok", "Ergebnis"), outcome_of("n.i.O.", "Ergebnis"), outcome_of("no", "scuffing")
+    ('mild', 'severe', 'mild')
+    """
+    mild, severe, asked = set(_MILD.split()), set(_SEVERE.split()), heading.lower()
+    if re.search(r"scuff|fress|seiz|sever", asked):
+        mild, severe = mild | set(_NO.split()), severe | set(_YES.split())
+    elif re.search(r"pass|bestanden", asked):
+        mild, severe = mild | set(_YES.split()), severe | set(_NO.split())
+    plain = re.sub(r"[\W_]+", "", word.lower()).replace("freß", "fress")
+    return "mild" if plain in mild else "severe" if plain in severe else None
+
+
+@dataclass(frozen=True, slots=True)
+class Log:
+    """Rows of a log, and how they are understood.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    heads : list of str
+        Headings.
+    labelled : list of str
+        Headings with their units, of which those without any may stand in a row below.
+    places : dict of str to int
+        Column of each entry that the log gives.
+    words : dict of str to str
+        Outcome for each word of the log that is not one itself.
+    decimal : str
+        Mark of decimals.
+    form : list of str
+        Words on the form of the file.
+    rows : list of Row
+        Rows of tests.
+    left_out : list of int
+        Numbers of rows without load and velocity.
+    faults : list of str
+        What is wrong with the file as a whole.
+    """
+
+    path: Path
+    heads: list[str]
+    labelled: list[str]
+    places: dict[str, int]
+    words: dict[str, str]
+    decimal: str
+    form: list[str]
+    rows: list[Row]
+    left_out: list[int]
+    faults: list[str]
+
+    def heading(self, name: str) -> Heading:
+        """Heading of an entry."""
+        return heading_of(self.labelled[self.places[name]])
+
+    def cells(self, name: str) -> list[str]:
+        """Cells of an entry."""
+        return [row.cells[self.places[name]] for row in self.rows]
+
+    @property
+    def unused(self) -> list[str]:
+        """Titles of the columns that are not used."""
+        used = self.places.values()
+        return [head for place, head in enumerate(self.heads) if place not in used]
+
+    @property
+    def guessed(self) -> list[str]:
+        """What stands for an entry or an outcome without being called so."""
+        said = [
+            f'"{self.heads[place]}" as {name}'
+            for name, place in self.places.items()
+            if heading_of(self.heads[place]).name != name
+        ]
+        return said + [f'"{word}" as {outcome}' for word, outcome in self.words.items()]
+
+
+def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table = TEST) -> Log:
+    """Read a log, and find the columns for the entries of a test.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    entries : mapping, optional
+        Columns, words and decimal mark, as a scene gives them beside the file.
+    row_of : Table
+        Entries of a row.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    given = entries or {}
+    chosen = given.get("columns") or {}
+
+    def is_heading(cells: list[str]) -> bool:
+        places, faults = columns_for(cells, row_of.keys, chosen)
+        return not faults and {"load", "velocity"} <= places.keys()
+
+    read = read_rows(path, is_heading, given.get("decimal"))
+    places, faults = columns_for(read.heads, row_of.keys, chosen)
+    if (missing := [name for name in row_of.needed if name not in places]) and not faults:
+        faults = [missing_columns(read.heads, missing)]
+    labelled, rows = with_units_below(read.heads, read.rows)
+    needed = [places[name] for name in ("load", "velocity") if name in places]
+    kept = [row for row in rows if not needed or any(row.cells[place] for place in needed)]
+    if not kept and not faults:
+        faults = [f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"']
+    left_out = [row.number for row in rows if row not in kept]
+    faults += read.faults
+    form = read.decimal, read.form
+    log = Log(path, read.heads, labelled, places, {}, *form, kept, left_out, faults)
+    if "outcome" in places:
+        own, title = given.get("words") or {}, log.heading("outcome").title
+        for word in dict.fromkeys(log.cells("outcome")):
+            if word not in OUTCOMES and (outcome := own.get(word) or outcome_of(word, title)):
+                log.words[word] = outcome
+    return log
+
+
+def entries_of(log: Log, row_of: Table = TEST) -> tuple[list[dict[str, Any]], list[str]]:
+    """Tests of a log as tables of a scene; and faults, those of one kind in one line."""
+    tests, faults = [], dict[tuple[str, str], tuple[str, list[int]]]()
+    for row in log.rows:
+        test = {}
+        for name, place in log.places.items():
+            cell = log.words.get(row.cells[place]) if name == "outcome" else None
+            cell = cell or row.cells[place]
+            if cell:
+                test[name] = _value(cell, log.heading(name).unit, row_of.keys[name].kind)
+        wrong = Faults()
+        row_of.read(test, "", wrong)
+        for name, problem, _ in wrong:
+            if name in row_of.keys and name not in log.places:
+                continue  # a missing column is said once
+            said = problem + _hint(log, name, row, problem)
+            kind = re.sub(r'"(\\.|[^"\\])*"', "", problem)
+            faults.setdefault((name, kind), (said, []))[1].append(row.number)
+        ambiguous = [
+            name
+            for name, place in log.places.items()
+            if log.decimal == "," and may_be_thousands(row.cells[place]) and name != "outcome"
+        ]
+        for name in ambiguous:
+            cell = row.cells[log.places[name]]
+            said = (
+                f'"{cell}" beside decimal commas is {float(cell):g} or {cell.replace(".", "")}; '
+                'give the decimal mark of the file, as decimal = "." or ","'
+            )
+            faults.setdefault((name, "mark"), (said, []))[1].append(row.number)
+        if not wrong and not ambiguous:
+            tests.append(test)
+    listed = [f"{_rows(numbers)}, {key[0]}: {said}" for key, (said, numbers) in faults.items()]
+    return tests, [*log.faults, *listed]
+
+
+def _value(cell: str, unit: str, kind: Kind) -> Any:
+    """A cell as a scene file has it: a number, or text with a unit."""
+    if isinstance(kind, Choice):
+        return cell
+    if not unit and isinstance(kind, Number):
+        try:
+            return float(cell)
+        except ValueError:
+            return cell
+    return f"{cell} {unit}".strip()
+
+
+def _hint(log: Log, name: str, row: Row, problem: str) -> str:
+    """What else to do about a fault of a cell; empty if there is nothing."""
+    if "has no unit" in problem:
+        return f"; or the unit of the column in its heading, such as {name} [...]"
+    if name == "outcome" and "is unknown" in problem:
+        word = json.dumps(row.cells[log.places[name]], ensure_ascii=False)
+        return f'; or say what it means, as words = {{ {word} = "severe" }}'
+    return ""
+
+
+def _rows(numbers: Sequence[int]) -> str:
+    """Rows in words.
+
+    Examples
+    --------
+    >>> _rows([2]), _rows([2, 3, 5])
+    ('row 2', 'rows 2, 3 and 5')
+    """
+    if len(numbers) == 1:
+        return f"row {numbers[0]}"
+    shown = [str(number) for number in numbers[:_SHOWN]]
+    more = f"{len(numbers) - _SHOWN} more" if len(numbers) > _SHOWN else shown.pop()
+    return f"rows {', '.join(shown)} and {more}"
 
 
 def with_rows(entries: dict[str, Any], document: Document, faults: Faults) -> dict[str, Any]:
@@ -29,8 +248,8 @@ def with_rows(entries: dict[str, Any], document: Document, faults: Faults) -> di
         rows: list[Any] = []
         for number, entry in enumerate(listed):
             if isinstance(entry, dict) and isinstance(entry.get("file"), str):
-                place, folder = f"{key}[{number}].file", document.file_of(key).parent
-                rows += _rows(entry, place, folder, row_of, faults)
+                place, folder = f"{key}[{number}]", document.file_of(key).parent
+                rows += _of_file(entry, place, folder, row_of, faults)
             else:
                 rows.append(entry)
         entries = {name: value for name, value in entries.items() if name != key}
@@ -39,53 +258,31 @@ def with_rows(entries: dict[str, Any], document: Document, faults: Faults) -> di
     return entries
 
 
-def _rows(
+def _of_file(
     entry: dict[str, Any], place: str, folder: Path, row_of: Table, faults: Faults
 ) -> list[dict[str, Any]]:
-    """Rows of a file as tables of a scene; faults are named by row and column."""
-    if others := [f'"{name}"' for name in entry if name != "file"]:
-        problem = f"stands beside {', '.join(others)}; give these as columns of the file"
-        faults.note(place, problem)
-    path = folder / entry["file"]
-    try:
-        heads, numbered, wrong_rows = read_rows(path)
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not in UTF-8"
-        faults.note(place, f"{path} cannot be read: {reason}; give a CSV file in UTF-8")
+    """Tests of a file as tables of a scene; faults are named by row and column."""
+    wrong = Faults()
+    entries = LOG.read(entry, place, wrong)
+    faults += wrong
+    if wrong:
         return []
-    if not numbered:
-        problem = f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"'
-        faults.note(place, problem)
-    for problem in wrong_rows:
+    place, path = f"{place}.file", folder / entry["file"]
+    try:
+        log = read_log(path, entries, row_of)
+    except InputError as error:
+        faults.note(place, str(error))
+        return []
+    tests, problems = entries_of(log, row_of)
+    for problem in problems:
         faults.note(place, f"{path.name}, {problem}")
-    columns = [quantity_and_unit(head) for head in heads]
-    if unused := [name for name, _ in columns if name not in row_of.keys]:
-        faults.notes.append(f"{place}: columns not used: {', '.join(unused)}")
-    rows = []
-    for number, cells in numbered:
-        if len(cells) != len(columns):
-            continue
-        row = {
-            name: _value(cell, unit, row_of.keys[name].kind)
-            for (name, unit), cell in zip(columns, cells, strict=True)
-            if name in row_of.keys and cell
-        }
-        wrong = Faults()
-        row_of.read(row, "", wrong)
-        for key, problem, _ in wrong:
-            if "has no unit" in problem:
-                problem += f"; or the unit of the column in its heading, such as {key} [...]"
-            faults.note(place, f"{path.name}, row {number}, {key or 'row'}: {problem}")
-        if not wrong:
-            rows.append(row)
-    return rows
-
-
-def _value(cell: str, unit: str, kind: Kind) -> Any:
-    """A cell as a scene file has it: a number, or text with a unit."""
-    if unit in ("", "1", "-") and isinstance(kind, Number):
-        try:
-            return float(cell)
-        except ValueError:
-            return cell
-    return f"{cell} {unit}".strip()
+    if log.faults:
+        shell = f"irg tests {path}"
+        faults.note(place, f"what is understood of it is printed by: {shell}")
+    if log.unused:
+        faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
+    if log.guessed:
+        faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
+    if log.left_out:
+        faults.notes.append(f"{place}: {_rows(log.left_out)} without load and velocity left out")
+    return tests

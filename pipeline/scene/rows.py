@@ -1,14 +1,21 @@
-"""Rows of a CSV file, whose headings name quantities and their units, such as ``load [N]``."""
+"""Rows of a file as instruments and offices write them: CSV in any usual form, or Excel."""
 
 from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-_HEAD = re.compile(r"\s*(?P<title>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
-_USUAL = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
+from tribo import InputError
+from tribo.files import reason_of, require_file
+
+ROW_FILES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx")
+_NAMES = {";": "semicolons", "\t": "tabs", ",": "commas"}
+_COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,])(.*)", re.DOTALL)
+_MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
+_MARKS = {",": "decimal commas", ".": "decimal points"}
 
 
 class Row(NamedTuple):
@@ -18,34 +25,174 @@ class Row(NamedTuple):
     cells: list[str]
 
 
-def read_rows(path: Path) -> tuple[list[str], list[Row], list[str]]:
-    """Headings of a file in UTF-8, its rows that are not empty, and faults in their lengths.
+class Rows(NamedTuple):
+    """Headings of a file, the rows below them that are not empty, and how it was read.
 
-    Cells stand between commas, semicolons or tabs: those that the first line has most of.
+    Attributes
+    ----------
+    heads : list of str
+        Headings.
+    rows : list of Row
+        Rows, with decimal points; those of another length than the headings are left out.
+    decimal : str
+        Mark of decimals in the file.
+    form : list of str
+        Words on the file: its separators, decimals and encoding.
+    faults : list of str
+        Rows whose length is wrong.
     """
-    text = path.read_text(encoding="utf-8-sig")
-    separator = max(",;\t", key=text.partition("\n")[0].count)
-    lines = csv.reader(text.splitlines(), delimiter=separator)
-    rows = [Row(number, list(map(str.strip, cells))) for number, cells in enumerate(lines, 1)]
-    heads, *others = [row for row in rows if any(row.cells)] or [Row(1, [])]
-    faults = [
-        f"row {number}: {len(cells)} cells below {len(heads.cells)} headings"
-        for number, cells in others
-        if len(cells) != len(heads.cells)
+
+    heads: list[str]
+    rows: list[Row]
+    decimal: str
+    form: list[str]
+    faults: list[str]
+
+
+def read_rows(
+    path: Path, is_heading: Callable[[list[str]], bool], decimal: str | None = None
+) -> Rows:
+    """Read the rows of a file below the first line that is a heading.
+
+    Cells stand between semicolons, tabs or commas. Lines above the heading, and lines that begin
+    with ``#``, are comments. A file with semicolons or tabs has decimal commas where any cell has
+    one, unless `decimal` says otherwise.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    require_file(path)
+    if path.suffix.lower() not in ROW_FILES:
+        raise InputError(f"{path} cannot be read: rows are read from {', '.join(ROW_FILES)}")
+    try:
+        read = _of_excel if path.suffix.lower() == ".xlsx" else _of_text
+        lines, form, separator = read(path)
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
+    filled = [row for row in lines if any(row.cells)]
+    plain = [Row(row.number, _uncommented(row.cells)) for row in filled]
+    chosen = next((row for row in plain if is_heading(row.cells)), None)
+    if chosen is None:
+        shortlist = [row for row in filled if not row.cells[0].startswith("#")]
+        chosen = next(iter(shortlist or plain), Row(0, []))
+    heads = _without_empty_end(chosen.cells)
+    below = [
+        Row(row.number, _without_empty_end(row.cells, len(heads)))
+        for row in filled
+        if row.number > chosen.number and not row.cells[0].startswith("#")
     ]
-    return heads.cells, others, faults
+    faults = [
+        f"row {number}: {len(cells)} cells below {len(heads)} headings"
+        for number, cells in below
+        if len(cells) != len(heads)
+    ]
+    if decimal is None:
+        cells = (cell for row in below for cell in row.cells)
+        decimal = "," if separator in ";\t" and any(map(_COMMA.fullmatch, cells)) else "."
+    rows = [
+        Row(row.number, [_with_point(cell) if decimal == "," else cell for cell in row.cells])
+        for row in below
+        if len(row.cells) == len(heads)
+    ]
+    return Rows(heads, rows, decimal, [*form, _MARKS[decimal]], faults)
 
 
-def quantity_and_unit(heading: str) -> tuple[str, str]:
-    """Quantity that a heading stands for, and its unit.
+def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
+    """All lines of a text file as rows, words on its form, and its separator."""
+    content = path.read_bytes()
+    form = []
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        encoding = "utf-16"
+    else:
+        encoding = "utf-8-sig"
+        try:
+            content.decode(encoding)
+        except UnicodeDecodeError:
+            encoding = "cp1252"
+            form.append("Latin-1")
+    text = content.decode(encoding, errors="replace").replace("\0", "")
+    lines = text.splitlines()
+    filled = [line for line in lines if line.strip()]
+    # In a file with decimal commas these may be as many as semicolons.
+    separator = next(
+        (mark for mark in _NAMES if 2 * sum(mark in line for line in filled) >= len(filled) > 0),
+        ",",
+    )
+    try:
+        cells = [list(map(str.strip, line)) for line in csv.reader(lines, delimiter=separator)]
+    except csv.Error as error:
+        raise InputError(f"{path} cannot be read: {error}; save it as CSV again") from error
+    rows = [Row(number, line or [""]) for number, line in enumerate(cells, 1)]
+    return rows, [f"{_NAMES[separator]} between cells", *form], separator
+
+
+def _of_excel(path: Path) -> tuple[list[Row], list[str], str]:
+    """All lines of the first sheet of an Excel file as rows, and words on it."""
+    try:
+        import openpyxl
+    except ImportError as error:
+        raise InputError(
+            f"{path}: openpyxl reads .xlsx, and is not installed; install irg-transition[excel], "
+            "or save the sheet as CSV"
+        ) from error
+    try:
+        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+        sheet = book.worksheets[0]
+        lines = [[_as_text(cell) for cell in line] for line in sheet.iter_rows(values_only=True)]
+        name = sheet.title
+        book.close()
+    except OSError:
+        raise
+    except Exception as error:  # of the archive, its XML, or openpyxl
+        raise InputError(f"{path} is no sound .xlsx file: {error}; save it again") from error
+    rows = [Row(number, line or [""]) for number, line in enumerate(lines, 1)]
+    return rows, [f'sheet "{name}"'], ""
+
+
+def _as_text(cell: Any) -> str:
+    """Cell of a sheet as a CSV file would have it."""
+    if cell is None:
+        return ""
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    return str(cell).removesuffix(" 00:00:00").strip()  # of a date
+
+
+def _uncommented(cells: list[str]) -> list[str]:
+    """Cells of a line that may be a heading behind a ``#``, as `numpy.savetxt` writes it."""
+    return [cells[0].lstrip("# "), *cells[1:]] if cells[0].startswith("#") else cells
+
+
+def _without_empty_end(cells: Sequence[str], least: int = 0) -> list[str]:
+    """Cells without empty ones at the end, beyond a number of them."""
+    end = len(cells)
+    while end > least and not cells[end - 1]:
+        end -= 1
+    return list(cells[:end])
+
+
+def _with_point(cell: str) -> str:
+    """Cell with a decimal point in place of a comma; one that may be thousands stays a fault.
 
     Examples
     --------
-    >>> quantity_and_unit("Normal load [kN]"), quantity_and_unit("outcome")
-    (('load', 'kN'), ('outcome', ''))
+    >>> _with_point("1,75"), _with_point("1.250,5 N"), _with_point("0.4"), _with_point("04.05.2026")
+    ('1.75', '1250.5 N', '0.4', '04.05.2026')
     """
-    match = _HEAD.fullmatch(heading)
-    if match is None:
-        return heading.strip(), ""
-    name = match["title"].lower().replace(" ", "_")
-    return _USUAL.get(name, name), match["unit"] or ""
+    if match := _COMMA.fullmatch(cell):
+        whole, decimals, unit = match.groups()
+        return f"{whole.replace('.', '')}.{decimals}{unit}"
+    return cell
+
+
+def may_be_thousands(cell: str) -> bool:
+    """True of ``1.250`` beside decimal commas, which is 1.25 or 1250.
+
+    Examples
+    --------
+    >>> may_be_thousands("1.250"), may_be_thousands("0.250"), may_be_thousands("1.25")
+    (True, False, False)
+    """
+    return _MAYBE_THOUSANDS.fullmatch(cell.split(" ")[0]) is not None

@@ -94,3 +94,72 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
         rel=1e-12,
     )
     assert held > plain
+
+
+OFFICE = (
+    "Prüfer: Müller;;;;;\nNr.;Normalkraft F_N / N;Gleitgeschw. v in m/s;T_oil (°C);COF;Ergebnis\n"
+    "1;400;1,75;25;0,098;ok\n2;1.200,5;2,75;25;;Fresser\n;;;;;\nMittelwert;;;;0,1;\n"
+)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+def test_a_log_of_an_office_is_read_as_it_is(tmp_path, encoding):
+    (tmp_path / "lab.toml").write_text(SCENE, encoding="utf-8")
+    (tmp_path / "log.csv").write_bytes(OFFICE.encode(encoding))
+    about = pipeline.load_scene(tmp_path / "lab.toml").about
+    assert about.tested[1:] == (
+        Measurement(400.0, 1.75, 0.098, bulk_temperature=298.15, outcome="mild"),
+        Measurement(1200.5, 2.75, bulk_temperature=298.15, outcome="severe"),
+    )
+    assert any('"Normalkraft F_N / N" as load' in note for note in about.notes)
+    assert any("row 6 without load and velocity left out" in note for note in about.notes)
+
+
+def test_a_sheet_of_excel_is_read_as_the_same_csv(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["Scuffing tests"], [], ["F_N/N", "v/(m/s)", "scuffed"], [400, 1.75, "no"]):
+        book.active.append(row)
+    book.save(tmp_path / "log.xlsx")
+    scene = SCENE.replace("log.csv", "log.xlsx")
+    (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
+    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
+    assert tested[1] == Measurement(400.0, 1.75, outcome="mild")
+
+
+def test_columns_words_and_decimals_of_the_user_come_first(tmp_path):
+    own = '\ncolumns = { load = "Soll [N]" }\nwords = { kaputt = "severe" }\ndecimal = ","\n'
+    (tmp_path / "lab.toml").write_text(SCENE + own, encoding="utf-8")
+    log = 'Soll [N],Ist [N],v [m/s],Befund\n400,398,"1,75",kaputt\n'
+    (tmp_path / "log.csv").write_text(log, encoding="utf-8")
+    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
+    assert tested[1] == Measurement(400.0, 1.75, outcome="severe")
+
+
+def test_faults_of_one_kind_stand_in_one_line(lab):
+    rows = "".join(f"400,{velocity},kaputt\n" for velocity in range(1, 9))
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        lab(f"load [N],velocity [m/s],outcome\n{rows}")
+    (fault,) = caught.value.faults
+    assert "rows 2, 3, 4, 5, 6, 7 and 2 more, outcome" in fault
+
+
+def test_columns_that_are_missing_are_said_once_with_those_found(lab):
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        lab("Kraft [N],speed [rpm],result\n400,500,ok\n600,500,ok\n")
+    fault, how = caught.value.faults
+    assert 'no column "velocity [m/s]" in "Kraft [N]", "speed [rpm]", "result"' in fault
+    assert '"speed [rpm]" is in rpm' in fault
+    assert "irg tests" in how
+
+
+def test_a_number_that_may_be_thousands_is_refused(lab):
+    with pytest.raises(pipeline.SceneFileError, match=r'"1.250" .* 1.25 or 1250'):
+        lab("load [N];velocity [m/s];outcome\n1.250;1,5;mild\n")
+
+
+def test_an_entry_that_no_test_has_is_named(tmp_path):
+    (tmp_path / "lab.toml").write_text(SCENE + '\ncolumns = { lod = "x" }\n', encoding="utf-8")
+    (tmp_path / "log.csv").write_text("load [N],velocity [m/s],outcome\n1,1,mild\n")
+    with pytest.raises(pipeline.SceneFileError, match=r'columns.lod: no entry .*"load"'):
+        pipeline.load_scene(tmp_path / "lab.toml")

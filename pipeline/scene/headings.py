@@ -1,0 +1,222 @@
+"""Headings of a laboratory's columns: the quantity that each stands for, and its unit."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from pipeline.scene.faults import did_you_mean
+from pipeline.scene.rows import Row
+from pipeline.scene.units import UnitError, si_unit
+
+_UNIT_AT_END = (
+    re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]"),
+    re.compile(r"(?P<title>.*?)\s*\((?P<unit>[^()]*(?:\([^()]*\)[^()]*)?)\)"),
+    re.compile(r"(?P<title>.*?)\s+in\s+(?P<unit>\S.*)"),
+    re.compile(r"(?P<title>.*?)\s+/\s*(?P<unit>\S.*)"),
+    re.compile(r"(?P<title>.*?),?\s+(?P<unit>\S+)"),
+    re.compile(r"(?P<title>[^/]*?)/(?P<unit>\S.*)"),
+    re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
+)
+"""Ways to write a unit. All but the first count only if what stands there is a unit."""
+_EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
+_DIMENSION = {
+    "load": "N", "velocity": "m s-1", "friction": "1", "bulk_temperature": "K", "hold": "s",
+    "time": "s",
+}  # fmt: skip
+"""Units in SI of quantities; of others nothing is guessed."""
+_EXACT = {
+    "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
+}  # fmt: skip
+_WORDS = {
+    "load": (
+        r"\b(load|force|normalkraft|kraft|last|belastung|charge|f ?n|f ?z|f)\b",
+        r"\b(friction|reib\w*|tangential\w*|cell|step|stage|stufe|rate|limit|f ?[rtxy])\b",
+    ),
+    "velocity": (
+        r"(\b(velocity|speed|v|vitesse)\b|geschw)",
+        r"(\b(entrain\w*|roll\w*|mean|sum\w*|hydro\w*)\b|mittlere|summen)",
+    ),
+    "friction": (
+        r"(\b(cof|mu|µ|μ|friction)\b|reib(ungs)?(wert|zahl|koeff)|frottement)",
+        r"(\b(force|torque|work|power|energy)\b|kraft|moment)",
+    ),
+    "bulk_temperature": (
+        r"(\b(temp|temperature|bulk|t)\b|temperatur)",
+        r"(\b(contact|flash|room|ambient|crit\w*|max)\b|raum|umgebung|kontakt|blitz)",
+    ),
+    "hold": (r"(\b(hold|dwell)\b|halte(zeit|dauer))", r"$^"),
+    "outcome": (
+        r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat)\b"
+        r"|ergebnis|befund|bewertung|urteil|verschlei(ß|ss)(art|form)?$|fresse(r|n)\b)",
+        r"\b(volume|rate|scar|depth|width|coefficient)\b",
+    ),
+    "time": (r"(\b(time|t|zeit|temps)\b)", r"\b(of day|date|stamp)\b"),
+}  # fmt: skip
+"""Words by which a heading names a quantity, and words by which it means another one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """A heading: as it stands in the file, its title without the unit, and the unit."""
+
+    text: str
+    title: str
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """Entry of a scene that it names exactly, if it is one.
+
+        Examples
+        --------
+        >>> heading_of("Normal load [kN]").name, heading_of("outcome").name
+        ('load', 'outcome')
+        """
+        name = self.title.lower().replace(" ", "_")
+        return _EXACT.get(name, name)
+
+
+def heading_of(text: str) -> Heading:
+    """Split a heading into title and unit: in brackets, in parentheses, after / or "in".
+
+    Examples
+    --------
+    >>> for text in ("F_N / N", "T_oil (°C)", "v in m/s", "load [kN]", "pass/fail"):
+    ...     heading = heading_of(text)
+    ...     print(f"{heading.title}: {heading.unit or None}")
+    F_N: N
+    T_oil: °C
+    v: m/s
+    load: kN
+    pass/fail: None
+    """
+    text = text.strip().strip('"')
+    for number, way in enumerate(_UNIT_AT_END):
+        match = way.fullmatch(text)
+        if match is None:
+            continue
+        unit = _usual_unit(match["unit"])
+        if number == 0 or unit in ("", "1") or (match["title"] and is_unit(unit)):
+            return Heading(text, match["title"].strip(" /"), unit)
+    return Heading(text, text, "")
+
+
+def _usual_unit(unit: str) -> str:
+    """Unit without parentheses around it, and with powers that are read as such."""
+    unit = unit.strip()
+    if unit.startswith("(") and unit.endswith(")"):
+        unit = unit[1:-1]
+    return "" if unit in ("-", "–", "–", "1") else _EXPONENT.sub(r"^\1", unit)
+
+
+@cache
+def is_unit(unit: str) -> bool:
+    """True of a unit of any dimension."""
+    try:
+        return bool(si_unit(f"1 {unit}")) and not unit.isdigit()
+    except UnitError:
+        return False
+
+
+def columns_for(
+    heads: Sequence[str], wanted: Collection[str], chosen: Mapping[str, str] | None = None
+) -> tuple[dict[str, int], list[str]]:
+    """Places of the columns for wanted quantities, and faults.
+
+    A column is one that the user chose by its heading, or that names the quantity exactly, or the
+    only one whose words and unit are of that quantity.
+
+    Examples
+    --------
+    >>> columns_for(["Nr", "Normalkraft F_N / N", "v in m/s"], ["load", "velocity"])
+    ({'load': 1, 'velocity': 2}, [])
+    """
+    headings = [heading_of(head) for head in heads]
+    places: dict[str, int] = {}
+    faults = []
+    for name, head in (chosen or {}).items():
+        if name not in wanted:
+            hint = did_you_mean(name, wanted)
+            faults.append(f"columns.{name}: no entry{hint}; give one of {', '.join(wanted)}")
+        elif head in heads:
+            places[name] = heads.index(head)
+        else:
+            faults.append(f"columns.{name}: there is no column {_listed([head])}")
+    for name in wanted:
+        if name in places or name in (chosen or {}):
+            continue
+        free = [place for place in range(len(heads)) if place not in places.values()]
+        found = [place for place in free if headings[place].name == name]
+        found = found or [place for place in free if _means(headings[place], name)]
+        if len(found) == 1:
+            places[name] = found[0]
+        elif found:
+            several = _listed(heads[place] for place in found)
+            faults.append(f"{len(found)} columns may be {name}: {several}")
+    return places, faults
+
+
+def _means(heading: Heading, name: str) -> bool:
+    """True if the words of a heading are of a quantity, and its unit does not contradict."""
+    if name not in _WORDS:
+        return False
+    words = _words(heading)
+    of_it, of_another = _WORDS[name]
+    if not re.search(of_it, words) or re.search(of_another, words):
+        return False
+    needed = _DIMENSION.get(name)
+    if heading.unit:
+        return needed not in (None, "1") and _is_of(heading.unit, str(needed))
+    # A lone letter without a unit, as t or v, may be anything.
+    return needed in (None, "1") or len(words) > 2
+
+
+def _is_of(unit: str, needed: str) -> bool:
+    degrees = {"C": "degC", "F": "degF"} if needed == "K" else {}
+    unit = degrees.get(unit, unit)
+    return is_unit(unit) and si_unit(f"1 {unit}") == needed
+
+
+def with_units_below(heads: list[str], rows: list[Row]) -> tuple[list[str], list[Row]]:
+    """Headings with the units of a first row that holds nothing else, and the other rows."""
+    first = rows[0].cells if rows else []
+    units = [heading_of(f"x [{cell.strip('[]()')}]").unit for cell in first]
+    if not any(map(is_unit, filter(None, units))) or not all(
+        not unit or is_unit(unit) for unit in units
+    ):
+        return heads, rows
+    return [
+        f"{head} [{unit}]" if unit and not heading_of(head).unit else head
+        for head, unit in zip(heads, units, strict=True)
+    ], rows[1:]
+
+
+def missing_columns(heads: Sequence[str], missing: Sequence[str]) -> str:
+    """Say which columns are missing among those of a file."""
+    wrong = []
+    for heading in map(heading_of, heads):
+        meant = [name for name in missing if _has_words(heading, name)]
+        if heading.unit and any(not _is_of(heading.unit, _DIMENSION.get(n, "1")) for n in meant):
+            wrong.append(f"{_listed([heading.text])} is in {heading.unit}")
+    near = "".join(did_you_mean(heading_of(head).name, missing) for head in heads)
+    units = {"load": "load [N]", "velocity": "velocity [m/s]"}
+    wanted = _listed(units.get(name, name) for name in missing)
+    hint = f" ({'; '.join(wrong)})" if wrong else near
+    return f"no column {wanted} in {_listed(heads)}{hint}"
+
+
+def _has_words(heading: Heading, name: str) -> bool:
+    return name in _WORDS and re.search(_WORDS[name][0], _words(heading)) is not None
+
+
+def _words(heading: Heading) -> str:
+    """Words of a title, without signs and digits between them."""
+    return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
+
+
+def _listed(texts: Iterable[str]) -> str:
+    return ", ".join(json.dumps(text, ensure_ascii=False) for text in texts)
