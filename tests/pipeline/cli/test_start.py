@@ -86,9 +86,9 @@ def test_the_examples_are_of_the_scenes_that_new_writes(tmp_path):
     assert options["plot"].load in scene.plane.loads
     assert pytest.approx(options["plot"].velocity) in scene.plane.velocities
     for name, of in (("margin", scene), ("point", scene), ("risk", samples)):
-        assert of.loads[0] <= options[name].load <= of.loads[-1]
-        assert of.velocities[0] <= options[name].velocity <= of.velocities[-1]
-    assert samples.samples is not None
+        assert of.plane.loads[0] <= options[name].load <= of.plane.loads[-1]
+        assert of.plane.velocities[0] <= options[name].velocity <= of.plane.velocities[-1]
+    assert samples.variants.draw is not None
     for name in ("risk", "sensitivity"):
         assert str(options[name].store) == "results/uncertain.zarr"
 
