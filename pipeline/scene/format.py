@@ -266,6 +266,9 @@ FRICTION_TABLE = Table({
     "coefficient": Entry(FRICTION, "Coefficient of friction."),
     "band": Optional(List(FRICTION, length=2),
         "Lowest and highest coefficient, drawn as a band in the diagram."),
+    "same_rig": Optional(Flag(),
+        "Friction that tests have measured is that of the scene, which `irg infer` learns from it; "
+        "false where the scene is another machine than the rig.", default=True),
     "by_velocity": Optional(List(Table({
         "velocity": Entry(SPEED, "Sliding velocity."),
         "coefficient": Entry(FRICTION, "Coefficient of friction there."),

@@ -165,6 +165,7 @@ class _Reader:
                 measured=tuple(map(Measurement.of, tables["measured"])),
                 tested=tuple(map(Measurement.of, tables["tested"])),
                 friction_band=tables["friction"]["band"],
+                same_rig=tables["friction"]["same_rig"],
                 oil=oil,
                 preset=preset,
                 sources=taken,

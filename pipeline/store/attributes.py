@@ -83,6 +83,7 @@ def _present(sweep: Sweep) -> dict[str, Any]:
         "preset": sweep.about.preset,
         "conditions": sweep.conditions.as_dict(),
         "friction_band": list(sweep.about.friction_band) if sweep.about.friction_band else None,
+        "same_rig": sweep.about.same_rig,
         "measured": [measurement.as_dict() for measurement in sweep.about.measured],
         "tested": [measurement.as_dict() for measurement in sweep.about.tested],
         "library": [entry._asdict() for entry in sweep.about.sources],

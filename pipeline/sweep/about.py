@@ -81,6 +81,8 @@ class About:
         Tests that stayed mild or turned severe.
     friction_band : tuple of float or None
         Lowest and highest friction coefficient measured.
+    same_rig : bool
+        True if the friction that tests measured is that of the scene, False if of another machine.
     oil : Oil or None
         Lubricant, to tell the regime of lubrication; no number of the simulation depends on it.
     preset : str or None
@@ -107,6 +109,7 @@ class About:
     measured: tuple[Measurement, ...] = ()
     tested: tuple[Measurement, ...] = ()
     friction_band: tuple[float, float] | None = None
+    same_rig: bool = True
     oil: Oil | None = None
     preset: str | None = None
     selection: Selection | None = None

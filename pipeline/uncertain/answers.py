@@ -20,8 +20,13 @@ LEAST_SLOPE = 0.05
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """Draws that are given, or else draws from the scene's own distributions."""
-    return draws or prior(ensemble.unknown, ensemble.design.seed + 1)
+    """Draws that are given, or else draws from the scene's own distributions.
+
+    Of those that tests have weighed the inputs of the rig, which stand last, are left out.
+    """
+    if draws is None:
+        return prior(ensemble.unknown, ensemble.design.seed + 1)
+    return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights)
 
 
 def probabilities(

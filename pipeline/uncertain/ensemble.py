@@ -110,6 +110,8 @@ class Ensemble:
         Inputs that have one value in place of their distribution.
     missing : int
         Samples left out, since some of their loads are not done.
+    same_rig : bool
+        True if the friction of tests is that of the scene, False if it is another machine's.
 
     Examples
     --------
@@ -134,6 +136,7 @@ class Ensemble:
     rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
     fixed: tuple[Fixed, ...] = ()
     missing: int = 0
+    same_rig: bool = True
 
     @classmethod
     def of(
@@ -208,6 +211,7 @@ class Ensemble:
             rises_by_hold=by_hold,
             fixed=(*map(Fixed.from_dict, about.get("fixed", ())), *fixed),
             missing=int(np.count_nonzero(~done)),
+            same_rig=bool(about.get("same_rig", True)),
         )
 
     @property

@@ -18,6 +18,7 @@ from scipy.special import log_ndtr
 
 from pipeline.uncertain.answers import LEAST_SLOPE, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.rig import Rig
 from tribo import InputError
 from tribo.types import Array
 
@@ -33,12 +34,14 @@ _SPAN = 1.05  # ratio of loads between which a slope is taken
 class Distances(NamedTuple):
     """Distances of draws from tests, shape (n_test, n).
 
-    ``values`` are the logarithm of a test's velocity over the critical one of each draw, and
-    ``variance`` that of it without the scatter of the velocity.
+    ``values`` are the logarithm of a test's velocity over the critical one of each draw,
+    ``variance`` that of it without the scatter of the velocity, and ``told`` the logarithm of the
+    likelihood of its measured friction, where that tells of the rig's.
     """
 
     values: Array
     variance: Array
+    told: Array | float = 0.0
 
 
 def require_possible(ensemble: Ensemble) -> None:
@@ -63,17 +66,25 @@ def require_possible(ensemble: Ensemble) -> None:
             )
 
 
-def distances_of(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Distances:
-    """Distances of draws of an ensemble's inputs, shape (n, n_unknown), from tests."""
-    values, variance = np.empty((2, len(tests), len(inputs)))
+def distances_of(
+    ensemble: Ensemble, tests: Sequence[Test], inputs: Array, rig: Rig | None = None
+) -> Distances:
+    """Distances of draws of an ensemble's inputs, shape (n, n_unknown), from tests.
+
+    Without a rig the friction of a test is what was measured, or that of the draws.
+    """
+    values, variance, told = np.empty((3, len(tests), len(inputs)))
     for hold, held in ensemble.by_hold.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if part := [tests[number] for number in numbers]:
-            values[numbers], variance[numbers] = _of_one_hold(held, part, inputs)
-    return Distances(values, variance)
+            part_of = _of_one_hold(held, part, inputs, rig)
+            values[numbers], variance[numbers], told[numbers] = part_of
+    return Distances(values, variance, told)
 
 
-def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Distances:
+def _of_one_hold(
+    ensemble: Ensemble, tests: Sequence[Test], inputs: Array, rig: Rig | None
+) -> Distances:
     """Distances of draws from tests that held the load as the ensemble does."""
     nodes = np.geomspace(*ensemble.velocities, _NODES)
     ends = ensemble.loads[[0, -1]]
@@ -84,11 +95,17 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
     conditions = ensemble.conditions
     # A friction that was measured stands in place of the scene's friction by velocity.
     table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
-    values, variances = [], []
+    values, variances, told = [], [], []
     for test in tests:
         number, friction = loads.index(test["normal_load"]), test.get("friction")
-        rise = rises[:, number] if friction is None else rises[:, number] - table
+        is_given = friction is not None or rig is not None
+        rise = rises[:, number] - table if is_given else rises[:, number]
         log_velocity = math.log(test["velocity"])
+        by_friction, by_rig = _friction_error(test), np.zeros(1)
+        if rig is not None:
+            factor = float(np.interp(log_velocity, x, table))
+            acted, by_friction, by_rig = rig.learnt(test, factor)
+            friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
         slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
         variance = excess.error[:, number, place] ** 2
@@ -96,13 +113,18 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
             low, high = (rises[:, loads.index(load), place] for load in around)
             steepness = (high - low) / math.log(around[1] / around[0])
             variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
-        if "friction_scatter" in test:
-            variance = variance + (test["friction_scatter"] / test["friction"]) ** 2
+        variance = variance + by_friction
         limit = ensemble.log_limit(inputs, friction, test.get("bulk_temperature"))
         critical, *_ = log_crossings(nodes, rise - limit[:, None])
         values.append(log_velocity - critical)
         variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)
-    return Distances(np.array(values), np.array(variances))
+        told.append(np.broadcast_to(by_rig, len(inputs)))
+    return Distances(np.array(values), np.array(variances), np.array(told))
+
+
+def _friction_error(test: Test) -> Any:
+    """Variance of the logarithm of a measured friction."""
+    return (test.get("friction_scatter", 0.0) / (test.get("friction") or 1.0)) ** 2
 
 
 def _around(test: Test, ends: Array) -> tuple[float, ...]:
@@ -139,4 +161,4 @@ def log_likelihoods(
     for number, test in enumerate(tests):
         if "outcome" in test:
             logarithms[number] = log_ndtr(SIGNS[test["outcome"]] * z[number])
-    return z, logarithms
+    return z, logarithms + np.asarray(distances.told)[..., None]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,7 +109,7 @@ class Measurement(NamedTuple):
     ``values`` (n,) are true results, ``slopes`` (n, n_feature) those about each truth, and
     ``deviation`` (n,) is the standard deviation of what is measured. Beyond ``low`` or ``high``
     only that is learnt; a test that is mild or severe has both at its velocity. ``test`` is its
-    place.
+    place, ``besides`` a number that it measures, too.
     """
 
     what: str
@@ -119,6 +119,7 @@ class Measurement(NamedTuple):
     low: float = -math.inf
     high: float = math.inf
     test: dict[str, float] | None = None
+    besides: Measurement | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,6 +144,10 @@ class Knowledge:
 
     def expected(self, measurement: Measurement, target: Array) -> float:
         """Spread of a target that a measurement is expected to leave."""
+        if measurement.besides:
+            together, _, deviation = self._predicted(measurement.besides)
+            known = self._narrowed(together / deviation[:, None], np.ones(len(deviation)))
+            return known.expected(measurement._replace(besides=None), target)
         together, predicted, deviation = self._predicted(measurement)
         low, high = _ends(measurement, predicted, deviation)
         moved = np.einsum("mnf,nf->mn", target, together) / deviation
@@ -151,6 +156,9 @@ class Knowledge:
 
     def after(self, measurement: Measurement, chance: np.random.Generator) -> Knowledge:
         """What is known after a measurement, whose error is drawn for each truth."""
+        if measurement.besides:
+            known = self.after(measurement.besides, chance)
+            return known.after(measurement._replace(besides=None), chance)
         together, predicted, deviation = self._predicted(measurement)
         low, high = _ends(measurement, predicted, deviation)
         error = measurement.deviation * chance.standard_normal(len(self.truths))
@@ -160,8 +168,12 @@ class Knowledge:
         by_end = np.where(result < low, below * (below + low), above * (above - high))
         learnt = np.where((result < low) | (result > high), by_end, 1.0)
         gain = together / deviation[:, None]
-        covariance = self.covariance - np.einsum("n,nf,ng->nfg", learnt, gain, gain)
-        return Knowledge(self.truths, self.mean + shift[:, None] * gain, covariance)
+        return replace(self._narrowed(gain, learnt), mean=self.mean + shift[:, None] * gain)
+
+    def _narrowed(self, gain: Array, learnt: Array) -> Knowledge:
+        """Knowledge with the share `learnt` of what a result explains, and the mean of before."""
+        explained = np.einsum("n,nf,ng->nfg", learnt, gain, gain)
+        return replace(self, covariance=self.covariance - explained)
 
     def knowing(self, part: slice) -> Knowledge:
         """What is known where some of the coordinates are."""

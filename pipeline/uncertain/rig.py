@@ -1,0 +1,102 @@
+"""Friction of the rig on which tests are made, learnt from the friction that its tests measured.
+
+The friction µ of a test is that of the rig, µ₀, times a scatter of its own, and is measured with an
+error: ln µ = ln µ₀ ± τ, and the measured one is ln µ ± s. So a measured friction tells of µ₀ with
+the variance τ² + s², and the friction that acted in its test is known by both: a mean of ln µ₀ and
+of the measured one, weighed by 1/τ² and 1/s². The scatter τ is inferred, too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.fixed import FRICTION
+from tribo.types import Array
+
+SCATTER = Unknown("friction.scatter", "log-normal", (0.02, 3.0))
+"""Standard deviation of ln(friction) between tests: nothing to more than 10 %."""
+OTHER = "friction.rig"
+"""Path of a rig's own friction, where it is not that of the scene."""
+_LEAST = 1e-3  # friction
+_ROUNDED = 0.005  # of a measured friction: its error at least, as logs have two or three digits
+
+
+class Rig(NamedTuple):
+    """Draws of a rig's friction, and of its scatter between tests, each shape (n,)."""
+
+    friction: Array
+    scatter: Array
+
+    def learnt(self, test: Mapping[str, Any], log_factor: float) -> tuple[Array, Array, Array]:
+        """Logarithm of the friction that acted in a test, its variance, and what it tells.
+
+        The last is the logarithm of the likelihood of the measured friction; the factor is that of
+        friction at the velocity of the test.
+        """
+        of_rig = np.log(np.maximum(self.friction, _LEAST)) + log_factor
+        by_test = self.scatter**2
+        if test.get("friction") is None:
+            return of_rig, by_test, np.zeros(1)
+        measured = math.log(test["friction"])
+        by_error = max(test.get("friction_scatter", 0.0) / test["friction"], _ROUNDED) ** 2
+        variance = by_test + by_error
+        acted = (measured * by_test + of_rig * by_error) / variance
+        told = -0.5 * ((measured - of_rig) ** 2 / variance + np.log(variance))
+        return acted, by_test * by_error / variance, told
+
+
+class Places(NamedTuple):
+    """Columns of a rig's friction and of its scatter, among those of all inputs."""
+
+    friction: int
+    scatter: int
+
+    def rig(self, inputs: Array) -> Rig:
+        """The rig of draws (n, n_unknown)."""
+        return Rig(inputs[:, self.friction], inputs[:, self.scatter])
+
+
+def with_rigs(
+    ensembles: Sequence[Ensemble], unknown: tuple[Unknown, ...], columns: Sequence[Any]
+) -> tuple[tuple[Unknown, ...], tuple[Places | None, ...]]:
+    """Inputs with those of the rigs after them, and the places of each sweep's rig.
+
+    A sweep has none where its friction is known exactly, or none of its tests has measured it.
+    """
+    has_rig = [
+        any(one.path == FRICTION for one in ensemble.unknown)
+        and any(test.get("friction") is not None for test in ensemble.tests)
+        for ensemble in ensembles
+    ]
+    if not any(has_rig):
+        return unknown, (None,) * len(ensembles)
+    others = list(_others(ensembles, has_rig))
+    joint = (*unknown, *(one for one in others if one), SCATTER)
+    places: list[Places | None] = []
+    following = len(unknown)
+    for ensemble, of_sweep, has, other in zip(ensembles, columns, has_rig, others, strict=True):
+        if not has:
+            places.append(None)
+            continue
+        own = [one.path for one in ensemble.unknown].index(FRICTION)
+        places.append(Places(following if other else int(of_sweep[own]), len(joint) - 1))
+        following += other is not None
+    return joint, tuple(places)
+
+
+def _others(ensembles: Sequence[Ensemble], has_rig: Sequence[bool]) -> Iterator[Unknown | None]:
+    """Friction of each sweep's rig, where it is another input than that of the scene."""
+    for number, (ensemble, has) in enumerate(zip(ensembles, has_rig, strict=True), 1):
+        if not has or ensemble.same_rig:
+            yield None
+            continue
+        (friction,) = (one for one in ensemble.unknown if one.path == FRICTION)
+        path = f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
+        yield replace(friction, path=path, correlated=())
