@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from scipy import stats
 
+from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import Design, samples_per_contact
 from pipeline.sweep.unknown import Unknown
@@ -108,6 +109,7 @@ def dataset(samples, growth=((0.0, 1.0),)):
             "time": (dims, np.broadcast_to(1.0 + holds, rise.shape[:3])),
             "contact_width": (dims, np.broadcast_to(samples.widths[..., None], rise.shape[:3])),
             "mean_rise": (dims, 0.6 * rise[..., 0]),
+            "status": (dims[:2], np.full(rise.shape[:2], DONE)),
             "rise_quantile": ((*dims, "quantile"), rise * (1 + 0.5 * (quantiles - 0.9))),
         },
         {
