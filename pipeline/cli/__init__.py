@@ -57,7 +57,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
     if options.quiet:
         output.QUIET.set()
     # Of what is computed, no other command keeps anything before its end.
-    safe = "; finished points are safe" if options.command == "running:run" else ""
+    safe = "; finished points are safe" if getattr(options, "command", "") == "running:run" else ""
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: output.tell(f"note: {message}")

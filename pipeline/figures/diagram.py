@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from scipy.ndimage import maximum_filter, minimum_filter
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
@@ -50,6 +51,7 @@ from pipeline.store.schema import PENDING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from tribo import Criterion, InputError
+from tribo.types import Mask
 
 _AS_DRAWN = (
     "the diagram of samples shows the probability of severe wear for the inputs as they were "
@@ -303,13 +305,29 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     ]  # fmt: skip
     size = 4.0 if done.size < 1500 else 2.0
     usual: dict[str, Any] = {"ls": "none", "ms": size, "mew": 0.9, "zorder": 3.5}
+    far = _far_from_others(hot.values, cold.values)
     legend: list[Artist] = []
     for label, where, look in kinds:
-        rows, columns = np.nonzero(where.values)
-        if rows.size:
-            places = ds["velocity"].values[columns], ds["load"].values[rows]
-            legend += axes.plot(*places, label=label, gid=label, **usual | look)
+        told = where.values & far if label.endswith("computed") else np.zeros_like(far)
+        for shown, gid, alpha in ((where.values & ~told, label, 1.0), (told, f"{label}, far", 0.3)):
+            rows, columns = np.nonzero(shown)
+            if rows.size:
+                places = ds["velocity"].values[columns], ds["load"].values[rows]
+                marks = axes.plot(*places, label=label, gid=gid, alpha=alpha, **usual | look)
+                legend += marks if alpha == 1 or not (where.values & ~told).any() else []
     return legend
+
+
+def _far_from_others(hot: Mask, cold: Mask) -> Mask:
+    """Points whose neighbours all have their own kind of wear, which tell nothing of the boundary.
+
+    None where there is but one kind.
+    """
+    if not (hot.any() and cold.any()):
+        return np.zeros_like(hot)
+    kind = np.where(hot, 1, 0) - np.where(cold, 1, 0)
+    alike: Mask = maximum_filter(kind, 3) == minimum_filter(kind, 3)
+    return alike
 
 
 def _on_any(holds: xr.DataArray) -> xr.DataArray:

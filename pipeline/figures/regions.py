@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.figures.style import BLUE, TINTS, VERMILION
 from tribo import Criterion
 from tribo.types import Array, Mask
 
-_LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions take
+_LABEL_SIZE = (0.42, 0.07)  # of the axes: about what the names of the regions take
+MILD, SEVERE = "mild wear (I and II)", "severe adhesive wear (III* and III)"
 _LEAST_ROOM = 0.4  # of a label's size, around its middle
 
 
@@ -37,15 +37,15 @@ def name_regions(
     taken = [(across(point["velocity"]), up(point["normal_load"])) for point in measured]
     severe, mild = (of(plane.values, limit) for of in (Criterion.is_severe, Criterion.is_mild))
     for inside, name, colour, tint in (
-        (mild, "I/II\nmild wear", BLUE, TINTS["mild"]),
-        (severe, "III/III*\nsevere adhesive wear", VERMILION, TINTS["severe"]),
+        (mild, MILD, BLUE, TINTS["mild"]),
+        (severe, SEVERE, VERMILION, TINTS["severe"]),
     ):
         place = _roomiest(inside, x, y, rows, taken)
         if place is not None:
             axes.text(
                 *place, name, transform=axes.transAxes, ha="center", va="center", fontsize=10.5,
-                fontweight="bold", linespacing=1.05, color=colour, zorder=5,
-                path_effects=[withStroke(linewidth=3, foreground=tint)],
+                fontweight="bold", color=colour, zorder=5,
+                bbox={"fc": tint, "ec": "none", "pad": 0.5},
             )  # fmt: skip
 
 

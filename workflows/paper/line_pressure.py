@@ -119,7 +119,7 @@ def _draw(sweep: Sweep, fields: Mapping[str, Array], peak: float, half_width: fl
     titles = {"free": "a  free ends", "nearest_image": "b  compensated by the nearest images"}
     for axes, (name, title) in zip(upper, titles.items(), strict=True):
         image = axes.pcolormesh(
-            1e6 * x, 1e6 * y, fields[name].T / 1e9,
+            1e6 * x, 1e6 * y, np.ma.masked_equal(fields[name].T / 1e9, 0.0),
             cmap=colours, vmin=0, vmax=1.6, rasterized=True,
         )  # fmt: skip
         axes.set_title(title, loc="left")

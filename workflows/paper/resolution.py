@@ -267,8 +267,9 @@ def _patches(figure: SubFigure, sweep: Sweep, fields: Mapping[str, Array], incre
     highest = max(float(part.max()) for part in parts)
     for letter, axes, name, part in zip("cd", row, fields, parts, strict=False):
         image = axes.imshow(
-            part.T, origin="lower", cmap="viridis_r", vmin=0, vmax=highest, aspect="auto",
-            extent=(0, dx * part.shape[0], 0, dy * part.shape[1]), interpolation="nearest",
+            np.ma.masked_equal(part.T, 0.0), origin="lower", cmap="viridis_r", vmin=0,
+            vmax=highest, aspect="auto", interpolation="nearest",
+            extent=(0, dx * part.shape[0], 0, dy * part.shape[1]),
         )  # fmt: skip
         axes.set_title(f"{letter}  {name}, {increments} increments", loc="left")
         axes.set_xlabel("x [µm]")

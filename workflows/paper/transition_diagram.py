@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
 from pipeline.analysis.boundary import boundary
 from pipeline.figures.diagram import diagram
+from pipeline.figures.style import GREEN
 from workflows.paper.report import Report, Table
 from workflows.paper.study import Study
+from workflows.paper.transitions import worn
 
 _GOOD = 0.1  # relative, as in report.agree
 
@@ -15,6 +21,7 @@ def fig10(study: Study) -> Report:
     sweep = study.scene("irg_transition")
     name = sweep.about.name if study.preset is None else f"{sweep.about.name}_{study.preset}"
     outcome, ds = study.sweep(sweep, name)
+    _, by_local_wear = study.sweep(worn(sweep, "local"), f"{name}_local")
 
     def critical(load: float, friction: float | None = None) -> float:
         return float(boundary(ds, friction=friction)["critical_velocity"].sel(load=load))
@@ -61,5 +68,22 @@ def fig10(study: Study) -> Report:
             "computed": outcome.computed,
             "points": outcome.total,
         },
-        figure=diagram(ds),
+        figure=_with_local_wear(diagram(ds), boundary(by_local_wear)),
     )
+
+
+def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
+    """Draw the transition by the paper's Eq. (26), wear by the local pressure, into a diagram."""
+    axes, loads = figure.axes[0], crossings["load"].values
+    velocities = crossings["critical_velocity"].values
+    known = np.isfinite(velocities)
+    axes.plot(velocities[known], loads[known], color=GREEN, ls="-.", lw=1.8, gid="local wear")
+    beyond = f"mild throughout below {loads[known].min():g} N" if known.any() else "mild throughout"
+    axes.annotate(
+        f"local wear, Eq. (26):\n{beyond}",
+        (velocities[known].max(), loads[known].min()) if known.any() else (0.98, 0.9),
+        xytext=(0, -9), textcoords="offset points", ha="right", va="top", fontsize=9.5, color=GREEN,
+        xycoords="data" if known.any() else "axes fraction",
+        bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5},
+    )  # fmt: skip
+    return figure

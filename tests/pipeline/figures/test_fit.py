@@ -98,8 +98,8 @@ def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
         text.get_text() for text in log.get_xticklabels() if low < text.get_position()[0] < high
     ]
     assert labels == ["1", "2", "3", "4"]
-    names = {text.get_text().split("\n")[0] for text in log.texts}
-    assert names == {"I/II", "III/III*"}
+    names = {text.get_text() for text in log.texts}
+    assert names == {"mild wear (I and II)", "severe adhesive wear (III* and III)"}
 
 
 def test_the_users_own_style_goes_before_that_of_the_house(sweep):

@@ -121,6 +121,24 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
     assert sum(len(marks[name]) for name in marked) == sweep["status"].size + len(MEASURED)
 
 
+def test_points_whose_neighbours_agree_with_them_are_faint(drawn):
+    loads, velocities = np.array(LOADS), np.array(VELOCITIES)
+    severe = synthetic.rise(loads[:, None], velocities, 0.9) > synthetic.limit()
+    opaque = {line.get_gid(): line.get_alpha() for line in drawn.lines}
+    for kind, is_severe in ((MILD, False), (SEVERE, True)):
+        assert opaque[kind] == 1.0
+        assert opaque[f"{kind}, far"] < 0.5
+        for velocity, load in lines(drawn)[f"{kind}, far"]:
+            i, j = np.flatnonzero(loads == load)[0], np.flatnonzero(velocities == velocity)[0]
+            around = severe[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
+            assert (around == is_severe).all()
+
+
+def test_a_diagram_of_one_kind_of_wear_has_no_faint_points(sweep):
+    mild = diagram(sweep, friction=0.01).axes[0]
+    assert f"{MILD}, far" not in lines(mild)
+
+
 def test_several_frictions_make_the_band_and_their_middle_the_boundary(sweep):
     figure = diagram(sweep, friction=(0.1, 0.08, 0.12))
     assert "transition at friction 0.08–0.12" in labels(figure.legends[0])
@@ -148,10 +166,10 @@ def test_names_stand_inside_their_regions(sweep, friction):
         place[text.get_text()] = to_data.transform(text.get_position())
     limit = synthetic.limit(friction=friction)
     if friction < 0.15:
-        velocity, load = place.pop("I/II\nmild wear")
+        velocity, load = place.pop("mild wear (I and II)")
         assert velocity < 0.95 * synthetic.critical_velocity(load, limit)
     if friction > 0.05:
-        velocity, load = place.pop("III/III*\nsevere adhesive wear")
+        velocity, load = place.pop("severe adhesive wear (III* and III)")
         assert velocity > 1.05 * synthetic.critical_velocity(load, limit)
     assert not place  # too little room elsewhere
 
