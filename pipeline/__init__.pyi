@@ -3,8 +3,6 @@ from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.difference import Difference as Difference
 from .analysis.difference import diff as diff
-from .analysis.inference import CriticalTemperatures as CriticalTemperatures
-from .analysis.inference import critical_temperatures as critical_temperatures
 from .analysis.margin import Margin as Margin
 from .analysis.margin import margins as margins
 from .analysis.margin_table import margin_table as margin_table
@@ -27,6 +25,8 @@ from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
 from .run.follow import follow_boundary as follow_boundary
+from .run.inference import CriticalTemperatures as CriticalTemperatures
+from .run.inference import critical_temperatures as critical_temperatures
 from .run.source import ExecutionError as ExecutionError
 from .run.sweep import Outcome as Outcome
 from .run.sweep import run_sweep as run_sweep

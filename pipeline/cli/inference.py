@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pipeline
 from pipeline.analysis.tables import TABLES, Column, Table, writable_path
 from pipeline.cli.output import Result, counted, tell
-from pipeline.cli.progress import working
+from pipeline.cli.progress import run_line, working
 from pipeline.cli.scenes import PLACE, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
@@ -24,7 +24,7 @@ from pipeline.sweep.turns import note_on_turns
 from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
-    from pipeline.analysis.inference import CriticalTemperatures
+    from pipeline.run.inference import CriticalTemperatures
 
 _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 """Share by which more elements of so many pixels touch than the pixels do [%]."""
@@ -154,7 +154,10 @@ def infer(options: argparse.Namespace) -> Result:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
         raise InputError(f"{flags_of([*ignored])} belongs to --contact-width, which is not given")
-    inferred = pipeline.critical_temperatures(sweep, progress=tell)
+    with run_line() as progress:
+        inferred = pipeline.critical_temperatures(
+            sweep, tell=tell, out=options.kept, workers=options.workers, progress=progress
+        )
     tables = [_transitions(inferred)]
     return Result(inferred.as_dict(), _on_temperatures(inferred), tables=tables)
 

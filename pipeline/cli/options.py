@@ -146,6 +146,13 @@ WORKERS = Option(
     "--workers", metavar="N", type=values.count,
     help="number of workers; default: one for each core",
 )  # fmt: skip
+KEPT = (
+    Option(
+        "--store", metavar="OUT.zarr", dest="kept", type=values.new_store,
+        help="store of the points, resumed if it is there; without it none is kept",
+    ),
+    WORKERS,
+)  # fmt: skip
 OF_RUN = (
     output("OUT.zarr", "path of the store; default: results/<scene>.zarr", values.new_store),
     Group(
@@ -239,6 +246,7 @@ OF_INFER = (
     SET,
     CRITERION,
     OWN_LAWS,
+    *KEPT,
     Option(
         "--next", metavar="COUNT", nargs="?", const=1, type=values.count,
         help="of samples: rank the measurements to make next, or plan so many tests at once",

@@ -13,6 +13,7 @@ import pipeline
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.cli.output import Result, tell
+from pipeline.cli.progress import run_line
 from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
 
@@ -30,15 +31,19 @@ def vary(options: argparse.Namespace) -> Result:
         over.setdefault(key, []).extend(values)
     if not over and not options.physics:
         raise InputError("nothing to vary; give --over KEY=VALUE,VALUE for an entry, or --physics")
-    result = pipeline.vary(
-        options.scene,
-        over,
-        options.preset,
-        settings_of(options),
-        tell=tell,
-        physics=options.physics,
-        own_laws=options.own_laws,
-    )
+    with run_line() as progress:
+        result = pipeline.vary(
+            options.scene,
+            over,
+            options.preset,
+            settings_of(options),
+            tell=tell,
+            physics=options.physics,
+            own_laws=options.own_laws,
+            out=options.kept,
+            workers=options.workers,
+            progress=progress,
+        )
     table = _critical_velocities(result)
     return Result(
         result.as_dict(),

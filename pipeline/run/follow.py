@@ -20,7 +20,8 @@ from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.model import Point, Sweep
-from tribo import InputError
+from pipeline.sweep.variants import Variant
+from tribo import InputError, Scene
 
 
 def follow_boundary(
@@ -80,13 +81,16 @@ def follow_boundary(
             "leave out the search (--boundary-only)"
         )
     searches = {
-        variant: BoundarySearch.of(sweep.variant(variant), tolerance)
+        variant: BoundarySearch.of(sweep.variant(variant), tolerance, sweep.leads[variant].ratio)
         for variant in sweep.variants.names
     }
+    alike: dict[Scene, list[Variant]] = {}  # whose points have the same numbers
+    for variant in searches:
+        alike.setdefault(sweep.variant(variant).scene, []).append(variant)
 
     def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
         """Sweep of the points done or failed and those to compute next; None if there are none."""
-        rises, failed = _results(store, sweep) if store else ({}, set())
+        rises, failed = results_of(store, sweep) if store else ({}, set())
         wanted: set[Point] = set()
         for variant, search in searches.items():
             rises_here = {
@@ -94,7 +98,8 @@ def follow_boundary(
             }
             hopeless = {Point(*point[:2]) for point in failed if point.variant == variant}
             asked = search.wanted(rises_here, () if retry_failed else hopeless)
-            wanted |= {Point(*point[:2], variant) for point in asked}
+            same = alike[sweep.variant(variant).scene]
+            wanted |= {Point(*point[:2], other) for point in asked for other in same}
         return sweep.changed(chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)
@@ -102,18 +107,19 @@ def follow_boundary(
     store = Store(place, root) if root else None
     begun = further(store, retry_failed)
     if begun is None and store:
-        begun = sweep.changed(chosen=frozenset(itertools.chain(*_results(store, sweep))))
+        begun = sweep.changed(chosen=frozenset(itertools.chain(*results_of(store, sweep))))
     return run_sweep(
         begun or sweep, out, workers, client, progress, retry_failed, further, tell, patience,
         dashboard,
     )  # fmt: skip
 
 
-def _results(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
+def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
     """Decisive rise of each point of a store that is done [K], and points that failed."""
     names = [name for name in STEPPED if name in store.arrays]
     columns = {name: store.read(name, ...) for name in names}
-    loads = np.array(store.axes["load"])[:, None, None]
+    inner = len(store.dims) - store.dims.index("load")  # further dimensions, with the step
+    loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
     variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
     rises = {
         conditions: decisive_rises(columns, loads, conditions)

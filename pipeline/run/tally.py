@@ -131,12 +131,9 @@ class Tally:
         if self.computed and self._worked:
             pending = asked & (flags != DONE) & (flags != FAILED)
             durations, velocities = self._durations, self._store.axes["velocity"]
-            if self._store.has_plane:
-                expected = expected_durations(durations, velocities)
-            else:
-                expected = np.swapaxes(
-                    expected_durations(np.swapaxes(durations, -1, -2), velocities), -1, -2
-                )
+            axes = self._store.dims.index("load"), self._store.dims.index(self._store.along)
+            rows = np.moveaxis(durations, axes, (-2, -1))
+            expected = np.moveaxis(expected_durations(rows, velocities), (-2, -1), axes)
             work = float(expected[pending].sum())
             time_to_go = work * self._seconds_of_work()
         total, elapsed = int(np.count_nonzero(asked)), now - self._began

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from os import PathLike
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray as xr
+from distributed import Client
 
-from pipeline.analysis.transition import Transition, outcomes
-from pipeline.run.boundary_search import BoundarySearch
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.transition import outcomes
+from pipeline.analysis.warned_points import warned
+from pipeline.run.follow import follow_boundary
 from pipeline.run.physics import Effect, physics_of
-from pipeline.run.sharing import SharedContacts, SharedPoint
+from pipeline.run.tally import Progress
 from pipeline.scene.over import note_of
 from pipeline.scene.scenefile import load_scene
+from pipeline.scene.unknown import differing
 from pipeline.scene.variants import absolute
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import decisive_rises
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.stages import staged
-from pipeline.sweep.variants import Variants
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE
+from pipeline.store.write import opened, stored
+from pipeline.sweep.model import PART_OF, Sweep
+from pipeline.sweep.variants import Label, rows
 from pipeline.sweep.warned import NO_WARNING, Warned
-from tribo import Criterion, Scene, wear_number
 from tribo.types import Array
+
+_ROW = "variation"  # dimension of the scenes
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +149,7 @@ class Variations:
 
 
 def vary(
-    scene: str | PathLike[str],
+    scene: PathLike,
     over: Mapping[str, Iterable[Any]],
     preset: str | None = None,
     overrides: Mapping[str, Any] | None = None,
@@ -152,11 +157,17 @@ def vary(
     tell: Callable[[str], None] | None = None,
     physics: bool = False,
     own_laws: bool = False,
+    out: PathLike | None = None,
+    workers: int | None = None,
+    client: Client | None = None,
+    progress: Callable[[Progress], None] | None = None,
 ) -> Variations:
     """Find the boundary of a scene, and of the same with single entries changed.
 
-    Scenes that differ in friction and temperatures alone are simulated once. Those that differ in
+    Scenes that differ in friction and temperatures alone share their points. Those that differ in
     wear rate and thermal constants share the contacts of one product of wear rate and velocity.
+    All are computed on Dask, as by `pipeline.run_sweep`: in a script, call it under
+    ``if __name__ == "__main__":``.
 
     Parameters
     ----------
@@ -171,11 +182,15 @@ def vary(
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
     tell : callable, optional
-        Called with a line before each scene: which, of how many, and the time to go; and with
-        a note, if the scene has several values of an entry.
+        Called with a line for the user, such as a note if the scene has several values of an
+        entry.
     physics : bool
         Add the physics beside the half-spaces: each effect that the scene counts left out, each
         other one with a usual size.
+    out : path, optional
+        Store of the points, which is resumed if it is there, and kept; none is kept if not given.
+    workers, client, progress : optional
+        See `pipeline.run_sweep`.
 
     Raises
     ------
@@ -202,91 +217,42 @@ def vary(
     }
     effects = physics_of(sweep) if physics else ()
     others |= {effect.key: effect.scene for effect in effects if effect.scene}
-    planes: dict[Scene, _Plane] = {}
-    contacts = SharedContacts()
-
-    def scale(variant: Sweep) -> float:
-        if not (
-            sweep.scene.wear and variant.scene.wear and sweep.scene.wears and variant.scene.wears
-        ):
-            return 1.0
-        return wear_number(variant.scene, 1.0) / wear_number(sweep.scene, 1.0)
-
-    def boundary(key: str, value: str, variant: Sweep) -> Variation:
-        plain = variant.changed(variants=Variants())
-        plane = planes.setdefault(plain.scene, _Plane(plain, contacts, scale(variant)))
-        return Variation(key, value, *plane.boundary(sweep, variant.conditions, tolerance))
-
-    def named(variant: tuple[str, str, Sweep]) -> str:
-        return f"{variant[0]} = {variant[1]}" if variant[0] else "the scene as it is"
-
-    scenes = [("", "", sweep), *((*name, scene) for name, scene in others.items())]
-    unvaried, *varied = (boundary(*variant) for variant in staged(scenes, tell, named))
-    count = sum(len(plane.results) for plane in planes.values())
-    warned = _warned(planes.values())
-    counts = count, contacts.computed
-    return Variations(
-        sweep.about.title, sweep.plane.loads, unvaried, tuple(varied), *counts, warned, effects
-    )
-
-
-class _Plane:
-    """Points of one scene that were computed; its wear rate is in that of the first scene."""
-
-    def __init__(self, sweep: Sweep, contacts: SharedContacts, scale: float = 1.0) -> None:
-        self._sweep, self._contacts, self._scale = sweep, contacts, scale
-        self.results: dict[Point, SharedPoint] = {}
-        self.beside: set[Point] = set()  # a boundary that was asked for
-
-    def boundary(
-        self, asked: Sweep, conditions: Conditions, tolerance: float
-    ) -> tuple[tuple[float, ...], tuple[str, ...]]:
-        """Critical velocity and outcome at each load under some conditions, by simulation."""
-        search = BoundarySearch.of(replace(asked, conditions=conditions), tolerance, self._scale)
-        limit, ends = search.limit, (search.lowest, search.highest)
-        while wanted := search.wanted(rises := self._rises(conditions)):
-            self.results |= self._contacts.points(self._sweep, wanted)
-        self.beside.update(_beside(rises, limit))
-        velocities, outcomes = zip(
-            *(_crossing(rises, load, limit, ends) for load in asked.plane.loads), strict=True
+    variations = [("", ""), *others]
+    scenes = [sweep, *others.values()]
+    varied = _varied(sweep.variant(), variations, scenes)
+    with stored(out) as path:
+        follow_boundary(varied, path, tolerance, workers, client, progress, tell=tell)
+        store, ds = opened(path), open_sweep(path)
+        done = store.points_at(np.nonzero(store.flags == DONE))
+        contacts = {(*varied.contact_of(point), point.load) for point in done}
+        found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
+        words = outcomes(varied.conditions.decisive)
+        unvaried, *rest = (
+            Variation(key, value, *_crossings(found.isel({_ROW: row}), words))
+            for row, (key, value) in enumerate(variations)
         )
-        return velocities, outcomes
+    counts = len(done), len(contacts)
+    loads = sweep.plane.loads
+    return Variations(sweep.about.title, loads, unvaried, tuple(rest), *counts, carried, effects)
 
-    def _rises(self, conditions: Conditions) -> dict[Point, float]:
-        return {
-            point: float(decisive_rises(result.columns, point.load, conditions))
-            for point, result in self.results.items()
+
+def _crossings(
+    found: xr.Dataset, words: Mapping[int, str]
+) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Critical velocities of one scene by load [m/s], and their outcomes in words."""
+    velocities = found["critical_velocity"].values.tolist()
+    return tuple(velocities), tuple(words[code] for code in found["outcome_at_load"].values)
+
+
+def _varied(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterable[Sweep]) -> Sweep:
+    """The sweep with a table of the scenes, a row each."""
+    words = (f"{key} = {value}" if key else "the scene as it is" for key, value in variations)
+    changes: dict[Label, dict[str, Any]] = {
+        label: {
+            name: value
+            for name, value in differing(sweep, scene)
+            if PART_OF[name] not in ("plane", "record")
         }
-
-
-def _beside(rises: Mapping[Point, float], limit: float) -> Iterator[Point]:
-    """Points with a neighbour in velocity that has the other kind of wear."""
-    for one, other in itertools.pairwise(sorted(rises)):
-        kinds = {bool(Criterion.is_severe(rises[point], limit)) for point in (one, other)}
-        if one.load == other.load and len(kinds) > 1:
-            yield from (one, other)
-
-
-def _warned(planes: Iterable[_Plane]) -> Warned:
-    """Count the points that carry a warning, and show one, beside a boundary if there is any."""
-    rows = [
-        (point not in plane.beside, point, result.warnings)
-        for plane in planes
-        for point, result in plane.results.items()
-        if result.warnings
-    ]
-    warned = NO_WARNING
-    for away, point, warnings in sorted(rows, key=lambda row: row[:2]):
-        kinds = {warning.kind.label: 1 for warning in warnings}
-        warned += Warned(1, kinds, int(not away), f"{point}: {warnings[0]}")
-    return warned
-
-
-def _crossing(
-    rises: Mapping[Point, float], load: float, limit: float, ends: tuple[float, float]
-) -> tuple[float, str]:
-    """Critical velocity at a load, and the outcome in words."""
-    row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
-    velocities, values = np.array(row).T
-    crossing = Transition.along(velocities, values, limit, ends)
-    return crossing.place, outcomes("velocity")[crossing.outcome]
+        for label, scene in zip(words, scenes, strict=True)
+    }
+    return sweep.changed(variants=rows(_ROW, changes))

@@ -12,6 +12,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -22,8 +24,17 @@ from pipeline.store.identity import record_checksum
 from pipeline.store.layout import arrays_of, blocks, chunk_key, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.packing import packed
-from pipeline.store.place import LOCK, ROOT, Place, StoreError, reads, writes
-from pipeline.store.root import Root, root_document
+from pipeline.store.place import (
+    LOCK,
+    ROOT,
+    PathLike,
+    Place,
+    StoreError,
+    place_of,
+    reads,
+    writes,
+)
+from pipeline.store.root import Root, read_root, root_document
 from pipeline.store.schema import DONE, FAILED, PENDING, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
@@ -76,9 +87,10 @@ class Store:
     # Places of points
 
     @property
-    def has_plane(self) -> bool:
-        """True if all rows share the velocities, and none has one of its own."""
-        return "velocity" in self.dims
+    def along(self) -> str:
+        """Dimension of the velocities: their own, or that of rows with one each."""
+        (name,) = self.arrays["velocity"].metadata.dimension_names
+        return str(name)
 
     def index(self, point: Point) -> _Index:
         """Place of a point."""
@@ -92,9 +104,7 @@ class Store:
         points = []
         for index in zip(*(along.tolist() for along in where), strict=True):
             values = {name: self.axes[name][i] for name, i in zip(self.dims, index, strict=True)}
-            if not self.has_plane:
-                (along,) = self.arrays["velocity"].metadata.dimension_names
-                values["velocity"] = self.axes["velocity"][index[self.dims.index(along)]]
+            values["velocity"] = self.axes["velocity"][index[self.dims.index(self.along)]]
             load, velocity = values.pop("load"), values.pop("velocity")
             points.append(Point(load, velocity, tuple(values.items())))
         return points
@@ -234,6 +244,22 @@ class Store:
                 f"{self.place}: its lock ({LOCK}) was deleted or replaced while this run wrote; it "
                 "stops, since another one may write now. What is finished is safe, run it again"
             )
+
+
+def opened(path: PathLike) -> Store:
+    """A store, open to be read."""
+    place = place_of(path)
+    return Store(place, read_root(place))
+
+
+@contextmanager
+def stored(path: PathLike | None) -> Iterator[PathLike]:
+    """The path of a store that is kept; if none is given, of one that goes when it was read."""
+    if path is not None:
+        yield path
+        return
+    with TemporaryDirectory(prefix="irg-") as folder:
+        yield Path(folder) / "points.zarr"
 
 
 def values_of(record: PointRecord) -> dict[str, Any]:

@@ -227,7 +227,7 @@ def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeyp
     assert note in irg("point", folder / "scene.toml", *place)
     assert note not in irg("point", alone_file(folder), *place)
     notes = []
-    monkeypatch.setattr("pipeline.run.vary.staged", lambda *_: 1 / 0)
+    monkeypatch.setattr("pipeline.run.vary.follow_boundary", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         pipeline.vary(folder / "scene.toml", {"pin.radius": ["3 mm"]}, tell=notes.append)
     assert note in notes[0]

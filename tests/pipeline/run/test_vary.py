@@ -11,6 +11,13 @@ SMALL = SCENE.replace("coefficient = 0.1", "coefficient = 0.13").replace(
 )
 
 
+OVER = {
+    "friction.coefficient": [0.12],
+    "temperature.critical": ["137 degC"],
+    "wear.specific_wear_rate": ["4e-6 mm^3/(N m)"],
+}
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("vary")
@@ -20,12 +27,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def variations(folder):
-    over = {
-        "friction.coefficient": [0.12],
-        "temperature.critical": ["137 degC"],
-        "wear.specific_wear_rate": ["4e-6 mm^3/(N m)"],
-    }
-    return pipeline.vary(folder / "small.toml", over)
+    return pipeline.vary(folder / "small.toml", OVER)
 
 
 def test_less_friction_and_more_wear_raise_the_boundary_and_a_weaker_oil_lowers_it(variations):
@@ -70,12 +72,20 @@ def test_wear_rate_and_thermal_constants_take_each_contact_once(folder):
         assert alone.contacts == alone.points
 
 
-def test_friction_and_temperatures_cost_few_points(variations, folder):
+def test_friction_and_temperatures_cost_few_contacts(variations, folder):
     scene = folder / "small.toml"
-    alone = pipeline.vary(scene, {})
     rate = {"wear.specific_wear_rate": ["4e-6 mm^3/(N m)"]}
-    assert variations.points <= pipeline.vary(scene, rate).points + 4
-    assert alone.points < variations.points
+    assert variations.contacts <= pipeline.vary(scene, rate).contacts + 4
+    assert pipeline.vary(scene, {}).contacts < variations.contacts
+
+
+def test_points_that_are_kept_are_resumed_with_the_same_numbers(folder, variations):
+    kept = folder / "kept.zarr"
+    first = pipeline.vary(folder / "small.toml", OVER, out=kept, workers=1)
+    done = []
+    again = pipeline.vary(folder / "small.toml", OVER, out=kept, progress=done.append)
+    assert repr(first) == repr(again) == repr(variations)
+    assert done[0].done == done[-1].total
 
 
 def test_the_entry_that_moves_the_boundary_most_comes_first(variations):

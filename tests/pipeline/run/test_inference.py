@@ -1,11 +1,11 @@
-"""A lubricant's limit from measured transitions (pipeline/analysis/inference.py)."""
+"""A lubricant's limit from measured transitions (pipeline/run/inference.py)."""
 
 import numpy as np
 import pytest
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
-from pipeline.analysis.inference import critical_temperatures
+from pipeline.run.inference import critical_temperatures
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from distributed import Client
 
+from pipeline.run.follow import results_of
+from pipeline.run.source import ExecutionError
+from pipeline.run.sweep import run_sweep
+from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import SceneLike, sweep_of
+from pipeline.store.place import PathLike
+from pipeline.store.write import opened, stored
+from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.stages import staged
-from tribo import Criterion, InputError, Transition, critical_temperature
+from pipeline.sweep.variants import Label, Variants, rows, surfaces
+from tribo import Criterion, InputError, Transition
 from tribo.errors import require_positive
+
+_PLACE = ("normal_load", "velocity")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +93,12 @@ class CriticalTemperatures:
 
 def critical_temperatures(
     sweep: SceneLike,
-    progress: Callable[[str], None] | None = None,
+    tell: Callable[[str], None] | None = None,
     own_laws: bool = False,
+    out: PathLike | None = None,
+    workers: int | None = None,
+    client: Client | None = None,
+    progress: Callable[[Progress], None] | None = None,
 ) -> CriticalTemperatures:
     """Find the temperature that the failing share exceeds at each measured transition.
 
@@ -97,10 +111,12 @@ def critical_temperatures(
         Scene, or its path or name, with measured transitions, simulated on each of its
         realizations if it has any. A transition without a friction, a bulk temperature or a hold
         of its own has the sweep's.
-    progress : callable, optional
-        Called with a line before each transition on each surface, and the time to go.
     own_laws : bool
         See `pipeline.load_scene`.
+    out : path, optional
+        Store of the points, which is resumed if it is there, and kept; none is kept if not given.
+    tell, workers, client, progress : optional
+        See `pipeline.run_sweep`. In a script, call this under ``if __name__ == "__main__":``.
 
     Raises
     ------
@@ -132,38 +148,40 @@ def critical_temperatures(
         for entry in sweep.about.measured
     )
     seeds = tuple(map(int, sweep.variants.axes.get("realization", ())))
-    surfaces: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
+    on: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
     for crossing in transitions:
         require_positive(friction=crossing.friction)
-    stages = staged(
-        [(seed, number) for seed in surfaces for number in range(len(transitions))],
-        progress,
-        lambda stage: _worded(sweep, transitions[stage[1]], stage[0]),
-        lambda stage: transitions[stage[1]].normal_load,
-    )
-    temperatures: list[list[float]] = [[] for _ in transitions]
-    for seed, number in stages:
-        test = sweep.about.measured[number]
-        bulk, on_surface = test.bulk_temperature, sweep.on_surface(seed)
-        result = critical_temperature(
-            (on_surface if test.hold is None else on_surface.held(test.hold)).scene,
-            transitions[number : number + 1],
-            conditions.bulk_temperature if bulk is None else bulk,
-            conditions.decisive,
-            conditions.bulk_difference if bulk is None else 0.0,
-            conditions.corrections,
+    asked = _at_transitions(sweep.variant(), transitions, surfaces(seeds))
+    with stored(out) as path:
+        run_sweep(asked, path, workers, client, progress, retry_failed=True, tell=tell)
+        rises, failed = results_of(opened(path), asked)
+    if failed:
+        raise ExecutionError(
+            f"{min(failed)} could not be computed; see irg check of the scene, or give another "
+            "fidelity"
         )
-        temperatures[number] += result.temperatures
-    return CriticalTemperatures(
-        transitions, surfaces, tuple(map(tuple, temperatures)), conditions.decisive
-    )
+    by_row: dict[Label, list[float]] = {number: [] for number in range(len(transitions))}
+    for point, rise in sorted(rises.items(), key=lambda item: item[0].variant):
+        conditions = asked.variant(point.variant).conditions
+        by_row[point.variant[0][1]].append(contact_temperature(rise, conditions))
+    temperatures = tuple(tuple(values) for values in by_row.values())
+    return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
 
 
-def _worded(sweep: Sweep, transition: Transition, seed: int | None) -> str:
-    surface = f", surface {seed}" if "realization" in sweep.variants.axes else ""
-    return (
-        f"{sweep.about.name}, {transition.normal_load:g} N at {transition.velocity:g} m/s{surface}"
-    )
+def _at_transitions(sweep: Sweep, transitions: Sequence[Transition], seeds: Variants) -> Sweep:
+    """The sweep with a row for each transition, which has a place and conditions of its own."""
+    changes: dict[Label, dict[str, Any]] = {}
+    for number, (test, at) in enumerate(zip(sweep.about.measured, transitions, strict=True)):
+        judged = replace(sweep.conditions.at_friction(at.friction), critical_temperature=None)
+        if test.bulk_temperature is not None:
+            judged = judged.changed(bulk_temperature=test.bulk_temperature)
+        scene = (sweep if test.hold is None else sweep.held(test.hold)).scene
+        changes[number] = {"conditions": judged, "loading": scene.loading}
+    loads, velocities = ([getattr(at, name) for at in transitions] for name in _PLACE)
+    table = rows("test", changes, velocities=velocities, loads=loads) * seeds
+    places = {"loads": sorted(set(loads)), "velocities": sorted(set(velocities))}
+    plane = {name: tuple(values) for name, values in places.items()}
+    return sweep.changed(variants=table, wear_rates=None, fields=False, chosen=None, **plane)
 
 
 def _spread(values: tuple[float, ...]) -> float | None:
