@@ -47,7 +47,7 @@ def surface(options: argparse.Namespace) -> Result:
     """Print the roughness of a scan, and the table of a scene that makes more of the same."""
     with working("fitting the spectrum"):
         scan = pipeline.surface_statistics(
-            options.scan, options.height_unit, options.pixel_size, options.transpose, options.flip
+            options.scan, options.height_unit, options.pixel_size, options.transpose
         )
     text = list(scan.lines())
     if scan.is_self_affine:

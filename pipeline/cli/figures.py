@@ -27,7 +27,7 @@ _OF_KINDS = (*PLACE, *CONDITIONS, "log", "given_measured", "scatter")
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    look = values_in(options, *PLACE, "scatter", "width", "dpi", "log", "given_measured")
+    look = values_in(options, *PLACE, "scatter", "width", "log", "given_measured")
     conditions = conditions_in(options)
     _require_options(options.kind, [*look, *conditions])
     look |= {"with_title": not options.no_title}
@@ -78,7 +78,7 @@ def explore(options: argparse.Namespace) -> Result:
     ds = opened(options)
     out = options.output or beside(options.store, ".html")
     criterion = criterion_in(options)
-    chosen = values_in(options, "most_fields", "scatter", "given_measured") | criterion
+    chosen = values_in(options, "scatter", "given_measured") | criterion
     if options.no_fields:
         chosen["most_fields"] = 0
     with working("writing the page"):

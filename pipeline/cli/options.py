@@ -103,10 +103,6 @@ OF_SCAN = (
         "gives none; after --transpose",
     ),
     _flag("--transpose", "exchange x and y of the file"),
-    Option(
-        "--flip", choices=("no", "x", "y", "heights"), default="no",
-        help="axis to reverse; or the heights, as of a replica",
-    ),
 )  # fmt: skip
 
 OF_TESTS = (
@@ -300,16 +296,10 @@ OF_PLOT = (
         ),
     ),
     _quantity("--width", "W", "8.5 cm", "width of the figure, whose words stay readable"),
-    Option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png"),
     _flag("--no-title", "draw no title, where a caption gives it"),
     _flag("--log", "scale both axes of the diagram by the logarithm"),
 )  # fmt: skip
 OF_EXPLORE = (
     output("PAGE.html", "file of the page; default: beside the store"),
-    Option(
-        "--most-fields", metavar="N", type=values.count,
-        help="number of points whose fields the page holds, those nearest to the transition, about "
-        "10 kB each; default: 500",
-    ),
     _flag("--no-fields", "leave all fields out"),
 )  # fmt: skip

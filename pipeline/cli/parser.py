@@ -8,18 +8,20 @@ import pkgutil
 import re
 import sys
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, NamedTuple
+from itertools import zip_longest
+from typing import Any, NamedTuple, NoReturn
 
 from pipeline.cli import options as o
 
 
 class Command(NamedTuple):
-    """A command: its function as ``module:name`` of this folder, its help, and its options."""
+    """A command: its group, its function as ``module:name`` here, its help, and its options."""
 
+    group: str
     name: str
     function: str
     purpose: str
@@ -27,43 +29,45 @@ class Command(NamedTuple):
     takes: tuple[o.Option | o.Group, ...]
 
 
+GROUPS = ("run", "ask", "show", "look after")
 _AT = '--load "500 N" --velocity "2 m/s"'
 
 COMMANDS = (
     Command(
-        "new", "begin:new",
+        "run", "new", "begin:new",
         "write a commented scene to start from: all tables, keys, units and defaults",
         "scene.toml --from twin_disc", o.OF_NEW,
     ),
     Command(
-        "surface", "begin:surface",
+        "run", "surface", "begin:surface",
         "describe a scan: roughness, lay, correlation lengths, and a scene's table that makes more",
         'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SCAN,
     ),
     Command(
-        "tests", "laboratory:tests",
+        "run", "tests", "laboratory:tests",
         "print what is understood of a laboratory's log, and the lines of a scene for it",
         "log.csv --word Fresser=severe", o.OF_TESTS,
     ),
     Command(
-        "run", "running:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
+        "run", "run", "running:run", "run or resume the sweep of a scene",
+        "scene.toml --accuracy 2%",
         (*o.OF_SCENE, *o.OF_RUN),
     ),
     Command(
-        "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
+        "run", "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
         "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
     ),
     Command(
-        "status", "stores:status",
+        "look after", "status", "stores:status",
         "count the points done, failed and pending; or list the stores and scenes of a folder",
         "results", (o.STORE_OR_FOLDER,),
     ),
     Command(
-        "verify", "stores:verify", "read a whole store and name each damaged point",
+        "look after", "verify", "stores:verify", "read a whole store and name each damaged point",
         "results/scene.zarr --repair", (o.STORE, o.REPAIR),
     ),
     Command(
-        "boundary", "crossings:boundary",
+        "ask", "boundary", "crossings:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (
@@ -72,7 +76,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "margin", "margins:margin",
+        "ask", "margin", "margins:margin",
         "distance of operating points from severe wear: of one, or of a table of them",
         f"results/scene.zarr {_AT}",
         (
@@ -81,28 +85,29 @@ COMMANDS = (
         ),
     ),
     Command(
-        "diff", "stores:diff", "differences between two stores: of scenes, boundaries and points",
+        "look after", "diff", "stores:diff",
+        "differences between two stores: of scenes, boundaries and points",
         "results/scene.zarr results/other.zarr",
         (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION, o.OWN_LAWS),
     ),
     Command(
-        "vary", "studies:vary",
+        "ask", "vary", "studies:vary",
         "find the boundary for each value of some inputs, one input at a time",
         "scene.toml --over friction.coefficient=0.08,0.12 --over wear.specific_wear_rate=-20%,+20%",
         (*o.OF_SCENE, o.OVER, o.PHYSICS, o.FIGURE_OR_TABLE, *o.KEPT),
     ),
     Command(
-        "point", "inference:point", "simulate one point", f"scene.toml {_AT}",
+        "run", "point", "inference:point", "simulate one point", f"scene.toml {_AT}",
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY),
     ),
     Command(
-        "infer", "inference:infer",
+        "ask", "infer", "inference:infer",
         "find the critical temperature from measured transitions, or a wear rate from a contact "
         "width; from a store of samples, all unknown inputs by the transitions and tests",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"', o.OF_INFER,
     ),
     Command(
-        "risk", "unknowns:risk",
+        "ask", "risk", "unknowns:risk",
         "find the probability of severe wear, where inputs are not known exactly",
         f"results/uncertain.zarr {_AT}",
         (
@@ -111,17 +116,18 @@ COMMANDS = (
         ),
     ),
     Command(
-        "sensitivity", "unknowns:sensitivity",
+        "ask", "sensitivity", "unknowns:sensitivity",
         "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
         "results/uncertain.zarr -o sensitivity.png",
         (o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.CRITERION, o.OWN_LAWS),
     ),
     Command(
-        "trade", "studies:trade", "measure speed against accuracy", "scene.toml -o trade.png",
+        "ask", "trade", "studies:trade", "measure speed against accuracy",
+        "scene.toml -o trade.png",
         o.OF_TRADE,
     ),
     Command(
-        "plot", "figures:plot", "draw a figure of a store",
+        "show", "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, *o.OF_PLOT, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
@@ -129,7 +135,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "report", "figures:report",
+        "show", "report", "figures:report",
         "write a report for people without the tool, as HTML that a browser prints",
         "results/scene.zarr --points duty.csv -o report.html",
         (
@@ -138,14 +144,15 @@ COMMANDS = (
         ),
     ),
     Command(
-        "explore", "figures:explore", "write a page to explore a store in a browser",
+        "show", "explore", "figures:explore", "write a page to explore a store in a browser",
         "results/scene.zarr -o page.html",
         (
             o.STORE, *o.OF_EXPLORE, o.GIVEN_MEASURED, o.SCATTER, o.AT, o.CRITERION, o.OWN_LAWS,
         ),
     ),
     Command(
-        "help", "begin:help_", "print a page of the documentation, or list them", "first-hour",
+        "look after", "help", "begin:help_", "print a page of the documentation, or list them",
+        "first-hour",
         (o.TOPIC,),
     ),
 )  # fmt: skip
@@ -169,12 +176,17 @@ class _Parser(argparse.ArgumentParser):
         # A private name of argparse; not needed once 3.14 is the oldest Python.
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
+    def error(self, message: str) -> NoReturn:
+        """Say in one line what is wrong, and where the options stand."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
 
 def whole_parser() -> argparse.ArgumentParser:
     """Parser of all commands."""
     parser = _Parser(
         prog="irg",
-        description="Predict where a lubricated sliding contact goes from mild to severe wear.",
+        description="Predict where a lubricated sliding contact goes from mild to severe wear.\n\n"
+        + "\n".join(_listed()),
         epilog="Begin with:\n  irg new scene.toml\nWhat a command takes:\n  irg COMMAND --help\n"
         "Completion in bash and zsh, with argcomplete installed:\n"
         '  eval "$(register-python-argcomplete irg)"',
@@ -186,10 +198,23 @@ def whole_parser() -> argparse.ArgumentParser:
         help="print the version and exit",
     )
     parser.set_defaults(parser=parser)
-    parsers = parser.add_subparsers(metavar="COMMAND")
+    parsers = parser.add_subparsers(metavar="COMMAND", help="one of these; see irg COMMAND --help")
     for command in COMMANDS:
         _add(parsers, command)
     return parser
+
+
+def _listed() -> Iterator[str]:
+    """Commands by their groups, with their purposes."""
+    for group in GROUPS:
+        yield f"{group}:"
+        for command in COMMANDS:
+            if command.group == group:
+                lines = textwrap.wrap(command.purpose, 62)
+                yield from (
+                    f"  {name:<13} {line}"
+                    for name, line in zip_longest([command.name], lines, fillvalue="")
+                )
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -231,7 +256,6 @@ def _add(parsers: Any, command: Command) -> None:
     """Add the parser of a command."""
     added = parsers.add_parser(
         command.name,
-        help=command.purpose,
         description=f"{command.purpose[0].upper()}{command.purpose[1:]}.",
         epilog=f"example:\n  irg {command.name} {command.example}",
     )

@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 from pipeline.cli import main
+from pipeline.cli.parser import COMMANDS
 from tests.helpers.scenes import MEASURED, SCENE
 
 
@@ -246,8 +247,18 @@ def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, argume
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
     ],
 )
-def test_wrong_use_exits_with_2_and_says_why(arguments, said, irg):
-    assert said in irg(*arguments, code=2)
+def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
+    words = irg(*arguments, code=2)
+    assert said in words
+    assert words.count("\n") == 1
+
+
+def test_the_help_lists_every_command_in_one_of_four_groups(irg):
+    lines = irg("--help").splitlines()
+    heads = [lines.index(f"{group}:") for group in ("run", "ask", "show", "look after")]
+    assert heads == sorted(heads)
+    listed = [line.split()[0] for line in lines[heads[0] :] if line[:2] == "  " and line[2] != " "]
+    assert set(listed) >= {command.name for command in COMMANDS}
 
 
 @pytest.mark.parametrize(
