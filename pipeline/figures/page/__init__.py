@@ -1,5 +1,5 @@
 """A page that shows a sweep in a browser: one file, which asks for nothing from anywhere.
 
-``model.js`` computes what `pipeline.analysis` does, by the same interpolation; ``page.js`` shows
-it; `content` says what they are given.
+`content` tabulates the rises of a sweep, ``rise.js`` joins them by straight lines, and ``page.js``
+shows what follows.
 """
