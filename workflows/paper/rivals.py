@@ -193,9 +193,22 @@ def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditio
     )
 
 
+_IN_FULL = {
+    "ours": "temperature exceeded on 10 % of the rough, worn contact (this model)",
+    "power": "friction power",
+    "blok_unworn": "Blok's flash temperature, smooth contact, unworn",
+    "power_per_area_unworn": "friction power per area, unworn contact",
+    "pv_unworn": "pressure × velocity, unworn contact",
+    "blok_worn": "Blok's flash temperature, smooth contact, worn",
+    "power_per_area_worn": "friction power per area, worn contact",
+    "pv_worn": "pressure × velocity, worn contact",
+    _FITTED: "load × velocityⁿ, n fitted to these tests",
+}
+
+
 @in_house_style
 def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
-    figure = Figure(figsize=(8.4, 4.6))
+    figure = Figure(figsize=(8.8, 5.6))
     axes = figure.subplots()
     places = np.arange(len(TABLE_4))
     for number, (key, criterion) in enumerate(criteria.items()):
@@ -208,12 +221,16 @@ def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
             lw=2.4 if is_ours else 1.1,
             ls="-" if is_ours else ":" if key.endswith("_worn") else "--",
             zorder=3 if is_ours else 2,
-            label=criterion.name,
+            label=_IN_FULL[key],
         )
     axes.axhline(1, color=BLACK, lw=0.8)
     axes.set_xticks(places, list(map(name_of, TABLE_4)))
     axes.set_xlim(-0.3, len(TABLE_4) - 0.7)
-    axes.set_ylabel("over its mean along the line")
-    axes.set_title("criteria along the measured line; rises are above the bulk temperature")
-    figure.legend(loc="outside lower center", ncols=3)
+    axes.set_ylabel("criterion / its mean over the four tests")
+    axes.set_title(
+        "Which quantity is the same at every measured transition to severe wear?\n"
+        "One that decides is 1.0 at all four; temperatures count above the bulk",
+        fontsize=11,
+    )
+    figure.legend(loc="outside lower center", ncols=2)
     return figure
