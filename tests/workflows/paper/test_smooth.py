@@ -10,7 +10,7 @@ from workflows.paper.smooth import SmoothContact, load_speed_exponent
 @pytest.fixture(scope="module")
 def contact():
     sweep = pipeline.load_scene("first_try")
-    return SmoothContact(sweep.pin, sweep.disk)
+    return SmoothContact(sweep.scene.pin, sweep.scene.disk)
 
 
 def test_blok_is_far_from_constant_along_the_measured_line(contact):
