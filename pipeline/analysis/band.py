@@ -45,7 +45,11 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
         columns = {
             f"{name}_mean": (mean, unit, "mean over the surfaces"),
             f"{name}_spread": (spread, unit, "their standard deviation"),
-            f"{name}_quantile": (quantiles.T, unit, "that a share of the surfaces stays below"),
+            f"{name}_quantile": (
+                quantiles.transpose(..., "quantile", axis),
+                unit,
+                "that a share of the surfaces stays below",
+            ),
             f"crossing_at_{axis}": (crossing, "1", "surfaces that cross"),
             f"known_at_{axis}": (certain, "1", "surfaces whose outcome is known"),
         }

@@ -6,7 +6,8 @@ Friction, bulk temperature, critical temperature and failing share enter only he
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,10 +15,10 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import with_band
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
-from pipeline.analysis.dataset import asked, plane_of, variant_of
+from pipeline.analysis.dataset import asked, dataset_of, entry_dims, plane_of, variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import exponent
-from pipeline.analysis.scenes import by_scene, stacked
+from pipeline.analysis.scenes import differing, scenes, stacked
 from pipeline.analysis.transition import UNITS, Transition, outcomes, range_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
@@ -26,7 +27,6 @@ from tribo import InputError
 from tribo.types import Array, Mask
 
 
-@by_scene
 def boundary(
     ds: xr.Dataset,
     friction: float | Iterable[float] | None = None,
@@ -113,47 +113,114 @@ def boundary(
     """
     if isinstance(friction, str):
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
-    ds = plane_of(ds)
+    ds = dataset_of(ds)
     others = (bulk_temperature, critical_temperature, share, criterion, own_laws)
     if hasattr(friction, "ndim"):  # an array, which may be of no dimension
         friction = np.asarray(friction).tolist()
-    if not isinstance(friction, Iterable):
-        return boundary_under(ds, conditions_of(ds, friction, *others))
-    several = [conditions_of(ds, value, *others) for value in friction]
+    several = list(friction) if isinstance(friction, Iterable) else [friction]
     if not several:
         raise InputError("friction is an empty list; give one at least, or leave it out")
+    judged = [
+        [(scene, conditions_of(scene, value, *others)) for value in several]
+        for scene in map(plane_of, scenes(ds))
+    ]
     axis = xr.DataArray(
-        [conditions.friction for conditions in several],
+        [conditions.friction for _, conditions in judged[0]],
         dims="friction",
         name="friction",
         attrs={"units": "1", "long_name": "friction coefficient"},
     )
-    return stacked([boundary_under(ds, conditions) for conditions in several], [axis])
+    frictions = [axis] if isinstance(friction, Iterable) else []
+    return _boundaries(judged, [ds[name] for name in entry_dims(ds)], frictions)
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """The boundary under some conditions, with a band over several surfaces."""
-    rise = decisive_rise(ds, conditions)
-    is_missing = rise.isnull() & asked(ds)
-    attributes = attributes_by(conditions) | {"missing_points": int(is_missing.sum())}
-    if "wear_rate" in ds.attrs:
-        attributes["wear_rate"] = ds.attrs["wear_rate"]
-    boundaries = xr.Dataset(coords=rise.coords, attrs=attributes)
+    return _boundaries([[(ds, conditions)]], [], [])
+
+
+_Judged = tuple[xr.Dataset, Conditions]
+"""A sweep of one scene, and the conditions that it is judged by."""
+
+
+def _boundaries(
+    judged: Sequence[Sequence[_Judged]],
+    entries: Sequence[xr.DataArray],
+    frictions: Sequence[xr.DataArray],
+) -> xr.Dataset:
+    """The boundary of scenes along the dimensions of their entries, each at some frictions.
+
+    Whatever stands in front of load and velocity, there is one search for crossings; the limit of
+    the rise may differ from row to row.
+    """
+    flat, axes = [one for row in judged for one in row], [*entries, *frictions]
+    rises = [decisive_rise(*one) for one in flat]
+    missing = [rise.isnull() & asked(ds) for rise, (ds, _) in zip(rises, flat, strict=True)]
+    attributes = [
+        attributes_by(conditions)
+        | {"missing_points": int(one.sum())}
+        | {name: ds.attrs[name] for name in ("wear_rate",) if name in ds.attrs}
+        for (ds, conditions), one in zip(flat, missing, strict=True)
+    ]
+    count = len(judged[0])
+    of_scenes = [_shared(attributes[begin : begin + count]) for begin in range(0, len(flat), count)]
+    rise = stacked(rises, axes)
+    limit = stacked([xr.DataArray(rise_limit(conditions)) for _, conditions in flat], axes)
+    boundaries = xr.Dataset(coords=rise.coords, attrs=_shared(of_scenes))
+    boundaries = boundaries.assign_coords(differing(of_scenes, entries))
     for axis in ("velocity", "load"):
-        boundaries = boundaries.assign(_transitions(axis, ds, rise, is_missing, conditions))
-    variant = variant_of(ds)
+        found = _transitions(axis, flat[0][0], rise, stacked(missing, axes), limit)
+        boundaries = boundaries.assign(found | _films(axis, flat, axes, found))
+    variant = variant_of(flat[0][0])
     return with_band(boundaries, variant) if variant else boundaries
 
 
+def _shared(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Attributes that all rows have alike."""
+    first, *others = rows
+    return {
+        name: value
+        for name, value in first.items()
+        if all(name in row and row[name] == value for row in others)
+    }
+
+
+def _films(
+    axis: str,
+    judged: Sequence[_Judged],
+    axes: Sequence[xr.DataArray],
+    found: Mapping[str, xr.DataArray],
+) -> dict[str, xr.DataArray]:
+    """Film parameters at crossings along an axis, where a scene gives an oil."""
+    line = "load" if axis == "velocity" else "velocity"
+    crossings, films = found[f"critical_{axis}"], []
+    sizes = {one.name: one.size for one in axes}
+    for place, (ds, conditions) in zip(np.ndindex(*sizes.values()), judged, strict=True):
+        here = crossings.isel(dict(zip(sizes, place, strict=True)))
+        lubrication = Lubrication.stored(attributes_of(ds))
+        film = np.full(here.shape, np.nan)
+        if lubrication is not None:
+            film = lubrication.film_parameter(
+                temperature=conditions.mean_bulk_temperature,
+                **{line: here[line].values, axis: here.values},
+            )
+        films.append(here.copy(data=film))
+    if all(Lubrication.stored(attributes_of(ds)) is None for ds, _ in judged):
+        return {}
+    attributes = {"units": "1", "long_name": "film parameter at the crossing"}
+    stack = stacked(films, axes).drop_attrs(deep=False).assign_attrs(attributes)
+    return {f"film_parameter_at_{line}": stack}
+
+
 def _transitions(
-    axis: str, ds: xr.Dataset, rise: xr.DataArray, is_missing: xr.DataArray, conditions: Conditions
+    axis: str, ds: xr.Dataset, rise: xr.DataArray, is_missing: xr.DataArray, limits: xr.DataArray
 ) -> dict[str, xr.DataArray]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
     line = "load" if axis == "velocity" else "velocity"
     noun = "velocity" if axis == "velocity" else "normal load"
-    x, limit, ends = rise[axis].values, rise_limit(conditions), range_of(ds, axis)
+    x, ends = rise[axis].values, range_of(ds, axis)
 
-    def along(row: Array, missing: Mask) -> tuple[float, ...]:
+    def along(row: Array, missing: Mask, limit: float) -> tuple[float, ...]:
         transition = Transition.along(x, row, limit, ends, missing)
         slope = exponent(x, row, transition.place)
         return transition.place, transition.outcome, *transition.computed, transition.bridged, slope
@@ -162,7 +229,8 @@ def _transitions(
         along,
         rise,
         is_missing,
-        input_core_dims=[[axis]] * 2,
+        limits,
+        input_core_dims=[[axis], [axis], []],
         output_core_dims=[[]] * 6,
         output_dtypes=[float, np.int8, float, float, int, float],
         vectorize=True,
@@ -182,15 +250,6 @@ def _transitions(
     if axis == "velocity":
         words = "d ln(rise) / d ln(velocity) at the crossing"
         columns["rise_exponent_at_load"] = slope, "1", words
-    lubrication = Lubrication.stored(attributes_of(ds))
-    if lubrication is not None:
-        film = lubrication.film_parameter(
-            temperature=conditions.mean_bulk_temperature,
-            **{line: rise[line].values, axis: place.values},
-        )
-        columns[f"film_parameter_at_{line}"] = (
-            place.copy(data=film), "1", "film parameter at the crossing"
-        )  # fmt: skip
     transitions = {
         name: values.drop_attrs(deep=False).assign_attrs(units=units, long_name=words)
         for name, (values, units, words) in columns.items()

@@ -89,7 +89,8 @@ def by_scene(
         names = entry_dims(ds)
         results = [function(scene, *args, **options) for scene in scenes(ds)]
         result = stacked(results, [ds[name] for name in names])
-        return result.assign_coords(_differing(results, [ds.sizes[name] for name in names], names))
+        rows = [result.attrs for result in results]
+        return result.assign_coords(differing(rows, [ds[name] for name in names]))
 
     return cast("Callable[Concatenate[xr.Dataset | PathLike, Given], Result]", of_all)
 
@@ -139,13 +140,13 @@ def joined(columns: tuple[Column, ...], parts: Iterable[tuple[Sequence[Any], Tab
     return Table((*columns, *heads), tuple(rows))
 
 
-def _differing(
-    results: Sequence[Result], sizes: Sequence[int], names: Sequence[str]
-) -> dict[str, tuple[Sequence[str], Any]]:
-    """Attributes in which results differ, such as the friction, as coordinates."""
-    rows = [result.attrs for result in results]
-    differing = [name for name in rows[0] if any(row.get(name) != rows[0][name] for row in rows)]
-    return {name: (names, np.reshape([row.get(name) for row in rows], sizes)) for name in differing}
+def differing(
+    rows: Sequence[Mapping[str, Any]], axes: Sequence[xr.DataArray]
+) -> dict[str, tuple[Sequence[Any], Any]]:
+    """Attributes in which rows differ, such as the friction, as coordinates along some axes."""
+    names, sizes = [axis.name for axis in axes], [axis.size for axis in axes]
+    several = [name for name in rows[0] if any(row.get(name) != rows[0][name] for row in rows)]
+    return {name: (names, np.reshape([row.get(name) for row in rows], sizes)) for name in several}
 
 
 def stacked(results: Sequence[Result], axes: Sequence[xr.DataArray]) -> Result:
