@@ -368,7 +368,8 @@ def test_what_is_no_client_is_refused(tmp_path):
         run_sweep(SHORT, tmp_path / "out.zarr", client="tcp://a:1")
 
 
-def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path, monkeypatch):
+def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
+    pytest.importorskip("bokeh")
     told = []
 
     def look(progress):
@@ -379,9 +380,12 @@ def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path, monkeypa
     path = tmp_path / "out.zarr"
     run_sweep(SHORT, path, workers=1, progress=look, tell=told.append, dashboard=True)
     assert told[1] == 200
+
+
+def test_a_dashboard_without_its_library_is_refused_in_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr("pipeline.run.cluster.find_spec", lambda name: None)
     with pytest.raises(ExecutionError, match="the dashboard needs bokeh: pip install"):
-        run_sweep(SHORT, path, workers=1, dashboard=True)
+        run_sweep(SHORT, tmp_path / "out.zarr", workers=1, dashboard=True)
 
 
 def test_a_local_cluster_talks_to_its_own_driver_only():
