@@ -7,6 +7,7 @@ from .analysis.margin import Margin as Margin
 from .analysis.margin import margins as margins
 from .analysis.margin_table import margin_table as margin_table
 from .analysis.operating_points import OperatingPoints as OperatingPoints
+from .analysis.operating_points import Place as Place
 from .analysis.scenes import at_entries as at_entries
 from .analysis.tables import Column as Column
 from .analysis.tables import Table as Table
@@ -14,6 +15,7 @@ from .analysis.temperatures import decisive_temperature as decisive_temperature
 from .analysis.temperatures import temperatures as temperatures
 from .analysis.warned_points import warned as warned
 from .analysis.wear_rate import at_wear_rate as at_wear_rate
+from .figures.designs import draw_design as draw_design
 from .figures.page.write import Page as Page
 from .figures.page.write import explore as explore
 from .figures.plot import plot as plot
@@ -72,6 +74,9 @@ from .tradeoff.table import Trade as Trade
 from .tradeoff.trade import trade as trade
 from .uncertain.answers import probabilities as probabilities
 from .uncertain.answers import risk_lines as risk_lines
+from .uncertain.design import Goal as Goal
+from .uncertain.design import Limit as Limit
+from .uncertain.design import design as design
 from .uncertain.ensemble import Ensemble as Ensemble
 from .uncertain.plan import Candidate as Candidate
 from .uncertain.plan import candidates as candidates

@@ -272,6 +272,22 @@ OF_INFER = (
     REALIZATION,
 )  # fmt: skip
 
+OF_DESIGN = (
+    Option(
+        "--over", metavar="ENTRY", dest="entries", action="append", required=True,
+        help="unknown input with a range, from and to, whose value is sought; or two of them",
+    ),
+    Option(
+        "--risk", metavar="SHARE", type=values.share,
+        help="highest probability of severe wear; default: 1%%",
+    ),
+    _quantity(
+        "--margin", "T", "20 K",
+        "distance to the critical temperature that 95 %% of the probability keeps, instead of a "
+        "risk",
+    ),
+)  # fmt: skip
+
 OF_TRADE = (
     *OF_SCENE,
     Option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice"),

@@ -122,6 +122,15 @@ COMMANDS = (
         (o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.CRITERION, o.OWN_LAWS),
     ),
     Command(
+        "ask", "design", "designs:design",
+        "find the value of an unknown input that makes severe wear unlikely enough",
+        f"results/uncertain.zarr {_AT} --risk 1% --over disk.roughness.correlation_length",
+        (
+            o.STORE, *o.OF_DESIGN, *o.PLACE, o.POINTS, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED,
+            o.SCATTER, o.AT, o.CRITERION, o.OWN_LAWS,
+        ),
+    ),
+    Command(
         "ask", "trade", "studies:trade", "measure speed against accuracy",
         "scene.toml -o trade.png",
         o.OF_TRADE,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
-_FIXING = ("unknowns:risk", "margins:margin", "crossings:boundary")
+_FIXING = ("unknowns:risk", "margins:margin", "crossings:boundary", "designs:design")
 """Commands that take ``--at`` for unknown inputs of samples, too."""
 PLACE = ("load", "velocity", "realization")
 """Options that `pipeline.plot` takes by these names."""

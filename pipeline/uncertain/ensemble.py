@@ -263,15 +263,20 @@ class Ensemble:
         return np.full(len(draws), value)
 
     def log_limit(
-        self, draws: Array, friction: float | None = None, bulk: float | None = None
+        self,
+        draws: Array,
+        friction: float | Array | None = None,
+        bulk: float | None = None,
+        margin: float = 0.0,
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 
-        A friction and a bulk temperature [K] that are given replace those of the draws.
+        A friction and a bulk temperature [K] that are given replace those of the draws. With a
+        margin [K] it is the rise that stays as far below the critical temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk
-        rise = np.maximum(self.values(CRITICAL, draws) - bulks, _LEAST_RISE)
+        rise = np.maximum(self.values(CRITICAL, draws) - margin - bulks, _LEAST_RISE)
         return np.asarray(np.log(rise / np.maximum(frictions, _LEAST)))
 
     @functools.cached_property

@@ -16,7 +16,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
 ):
     page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
-    assert len(commands) == 11
+    assert len(commands) == 12
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     scene = str(WORKFLOWS / "uncertain.toml")
@@ -35,7 +35,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
     )
     assert re.search(r"effective sample size \d+ of \d+", "".join(printed))
     assert re.search(r"velocity factor +0\.\d+ +1\.\d+ +1\.\d+", printed[2])
-    assert len(list((tmp_path / "results").glob("*.png"))) == 4
+    assert len(list((tmp_path / "results").glob("*.png"))) == 5
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
     near = pipeline.risk(ensemble, 400.0, 2.0).probability
     (probability,) = re.findall(r"probability of (\d\.\d+) ± 0\.015 there", page)

@@ -210,3 +210,32 @@ def test_a_swapped_rise_of_a_sample_is_damage_though_it_is_finite(sampled, tmp_p
     rises[5] *= 0.97
     with pytest.raises(StoreError, match=r"damaged at .*sample 5: the data are not those"):
         pipeline.Ensemble.of(pipeline.open_sweep(path))
+
+
+RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
+
+
+def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg):
+    load(tmp_path, unknown=UNKNOWN + RANGE)
+    store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
+    irg("run", tmp_path / "scene.toml", "-o", store, "-q")
+    asked = ("design", store, *place, "--over", "disk.roughness.ra", "--json")
+    ends = [
+        irg("risk", store, *place, "--at", f"disk.roughness.ra={ra} um", "--json")["probability"]
+        for ra in (0.1, 0.5)
+    ]
+    risk = float(np.mean(ends))
+    assert abs(ends[1] - ends[0]) > 0.02
+    found = irg(*asked, f"--risk={risk}", "-o", tmp_path / "design.png")
+    assert 1e-7 < found["limit"]["value"] < 5e-7
+    assert found["direct"]["simulated"] > 0
+    direct = found["direct"]["probability"], found["direct"]["error"]
+    assert abs(direct[0] - risk) < 0.2  # as 16 samples of a coarse scene tell
+    assert found["confirmed"] == (direct[0] <= risk + 2 * direct[1])
+    assert (tmp_path / "design.png").stat().st_size > 10_000
+    (tmp_path / "scene.toml").write_text(SMALL.replace("2 mm", "3 mm") + UNKNOWN + RANGE)
+    changed = irg(*asked, f"--risk={risk}")
+    assert (changed["direct"], changed["confirmed"]) == (None, False)
+    said = irg("design", store, *place, "--over", "disk.roughness.ra", f"--risk={risk}")
+    assert "scene.toml is not the scene of the store any more" in said
+    assert "give one of them" in irg(*asked[:-1], "--risk=1%", "--margin=20 K", code=2)

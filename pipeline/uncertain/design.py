@@ -1,0 +1,349 @@
+"""The value of an input that makes severe wear unlikely enough: an inverse question on samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from pipeline.analysis.operating_points import Place
+from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import run_point
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.answers import draws_of
+from pipeline.uncertain.ensemble import Ensemble, Excess
+from pipeline.uncertain.inputs import Draws, prior
+from tribo import InputError
+from tribo.types import Array, Mask
+
+RISK = 0.01
+"""Probability of severe wear that a design may have, if none is given."""
+RISK_OF_MARGIN = 0.05
+"""Probability that the distance to the critical temperature is less than the margin."""
+_VALUES = 17  # of the input, among which a limit is sought
+_DRAWS, _FRESH = 2**13, 2**11  # of the inputs; of those that are drawn anew for a direct check
+_LEAST = 1e-9  # probability
+_SCORE = 1.645  # standard errors within which 90 % lie
+_NEAR, _MOST = 4.0, 400  # errors of the emulator from the limit, within which draws are simulated
+_AGREES = 2.0  # standard errors of the direct check
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What a design is to reach.
+
+    Attributes
+    ----------
+    places : tuple of Place
+        Operating points, at each of which it is to be reached.
+    risk : float
+        Highest probability.
+    margin : float
+        Distance to the critical temperature that the probability is of falling short of [K]; 0 for
+        that of severe wear.
+
+    Examples
+    --------
+    >>> Goal((Place(300.0, 1.74),), risk=0.01).margin
+    0.0
+    """
+
+    places: tuple[Place, ...]
+    risk: float
+    margin: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """Values of an input with which a goal is reached.
+
+    Attributes
+    ----------
+    entry : Unknown
+        The input.
+    goal : Goal
+        What is to be reached.
+    side : {"at most", "at least", "between", "any", "none"}
+        Values that reach it: up to the limit, from it on, between two limits, all, or none.
+    value : float or None
+        The limit [SI]; the upper one of two.
+    interval : tuple of float or None
+        Ends between which it lies with 90 % probability, as far as samples and draws tell [SI].
+    safe : tuple of float or None
+        Lowest and highest value that reach the goal [SI].
+    best : tuple of float
+        Value of the lowest probability, and that probability.
+    binding : Place
+        Operating point that decides.
+    values, probabilities : tuple of float
+        Values of the input [SI], and the highest probability over the operating points at each.
+
+    Examples
+    --------
+    See `design`.
+    """
+
+    entry: Unknown
+    goal: Goal
+    side: str
+    value: float | None
+    interval: tuple[float, float] | None
+    safe: tuple[float, float] | None
+    best: tuple[float, float]
+    binding: Place
+    values: tuple[float, ...]
+    probabilities: tuple[float, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all results as plain data, in SI."""
+        limit = None
+        if self.value is not None:
+            limit = {"value": self.value, "unit": self.entry.unit, "interval": self.interval}
+        return {
+            "entry": self.entry.path,
+            "risk": self.goal.risk,
+            "margin": self.goal.margin or None,
+            "side": self.side,
+            "limit": limit,
+            "safe": self.safe,
+            "best": dict(zip(("value", "probability"), self.best, strict=True)),
+            "binding": self.binding._asdict(),
+            "values": list(self.values),
+            "probabilities": list(self.probabilities),
+        }
+
+
+def design(
+    ensemble: Ensemble,
+    goal: Goal,
+    over: str,
+    draws: Draws | None = None,
+    at: Mapping[str, float] | None = None,
+) -> Limit:
+    """Values of an unknown input, uniform between two, with which a goal is reached.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Samples of a sweep.
+    goal : Goal
+        What is to be reached.
+    over : str
+        Path of the input.
+    draws : Draws, optional
+        Draws of the inputs that tests have weighed; see `pipeline.risk`.
+    at : mapping of str to float, optional
+        Values of other inputs by their paths [SI].
+
+    Raises
+    ------
+    InputError
+        If the input is not one of the samples, or not uniform, or a point lies outside the sweep.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> from dataclasses import replace
+    >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
+    >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
+    >>> goal = pipeline.Goal((pipeline.Place(400.0, 2.2),), risk=0.05)
+    >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
+    >>> limit.side, 418 < limit.value < 438
+    ('at least', True)
+    """
+    entry = designed(ensemble, over)
+    draws = draws_of(ensemble, draws or prior(ensemble.unknown, ensemble.design.seed + 1, _DRAWS))
+    low, high = entry.parameters
+
+    def worst(value: float) -> tuple[float, float, int]:
+        """Highest probability over the places, its error, and the number of the place."""
+        inputs = with_values(ensemble, draws.inputs, {**(at or {}), over: value})
+        found = [
+            _probability(_excess(ensemble, inputs, place, goal.margin), draws)
+            for place in goal.places
+        ]
+        number = int(np.argmax([probability for probability, _ in found]))
+        return *found[number], number
+
+    def off(value: float) -> float:
+        return math.log(max(worst(value)[0], _LEAST) / goal.risk)
+
+    values = np.linspace(low, high, _VALUES)
+    found = [worst(value) for value in values.tolist()]
+    chances = np.array([one[0] for one in found])
+    best = int(np.argmin(chances))
+    if chances[best] > goal.risk or (chances <= goal.risk).all():
+        side, ends = ("none", None) if chances[best] > goal.risk else ("any", (low, high))
+        binding = goal.places[found[best if ends is None else int(np.argmax(chances))][2]]
+        value = interval = None
+    else:
+        first, last = _run(chances <= goal.risk, best)
+        below = low if first == 0 else brentq(off, values[first - 1], values[first], rtol=1e-4)
+        above = high if last == _VALUES - 1 else brentq(off, values[last], values[last + 1])
+        ends = float(below), float(above)
+        side = "at least" if last == _VALUES - 1 else "at most" if first == 0 else "between"
+        value = ends[0] if side == "at least" else ends[1]
+        chance, error, number = worst(value)
+        binding = goal.places[number]
+        step = (high - low) / (8 * _VALUES)
+        slope = (off(min(value + step, high)) - off(max(value - step, low))) / (2 * step)
+        apart = _SCORE * error / max(chance, _LEAST) / max(abs(slope), 1e-300)
+        interval = max(value - apart, low), min(value + apart, high)
+    return Limit(
+        entry, goal, side, value, interval, ends, (float(values[best]), float(chances[best])),
+        binding, tuple(values.tolist()), tuple(chances.tolist()),
+    )  # fmt: skip
+
+
+def designed(ensemble: Ensemble, path: str) -> Unknown:
+    """The input of a design; raises if it is not uniform between two values."""
+    by_path = {one.path: one for one in ensemble.unknown}
+    if path not in by_path:
+        ranges = ", ".join(one.path for one in by_path.values() if one.kind == "uniform")
+        raise InputError(
+            f"{path} is not an unknown input of these samples; those with a range are "
+            f"{ranges or 'none'}: give one, or run the scene with it as {{ from, to }} in [unknown]"
+        )
+    entry = by_path[path]
+    if entry.kind != "uniform":
+        distribution = str(entry).partition(": ")[2]
+        raise InputError(
+            f"{path} is {distribution}; a design needs a range: give it as {{ from, to }} in "
+            "[unknown]"
+        )
+    return entry
+
+
+def with_values(ensemble: Ensemble, inputs: Array, values: Mapping[str, float]) -> Array:
+    """Inputs with some of them at one value."""
+    numbers = {one.path: number for number, one in enumerate(ensemble.unknown)}
+    other = inputs.copy()
+    for path, value in values.items():
+        other[:, numbers[path]] = value
+    return other
+
+
+def _excess(ensemble: Ensemble, inputs: Array, place: Place, margin: float) -> Excess:
+    """Logarithm of the rise over the one that leaves a margin."""
+    excess = ensemble.excess(inputs, *place)
+    limits = ensemble.log_limit(inputs), ensemble.log_limit(inputs, margin=margin)
+    return excess._replace(values=excess.values + limits[0] - limits[1])
+
+
+def _probability(excess: Excess, draws: Draws) -> tuple[float, float]:
+    """Probability that the excess is above 0, and its standard error."""
+    by_draw = excess.probability
+    chance = float(np.clip(draws.mean(by_draw), 0.0, 1.0))
+    of_draws = math.sqrt(float(np.sum((draws.weights * (by_draw - chance)) ** 2)))
+    density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
+    return chance, math.hypot(of_draws, float(draws.mean(density * excess.shared / excess.error)))
+
+
+def _run(fits: Mask, place: int) -> tuple[int, int]:
+    """First and last number of the run of true values that a place is in."""
+    (wrong,) = np.nonzero(~fits)
+    before, after = wrong[wrong < place], wrong[wrong > place]
+    return (
+        int(before[-1]) + 1 if before.size else 0,
+        int(after[0]) - 1 if after.size else len(fits) - 1,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Direct:
+    """Probability by direct simulations of the draws that are near the limit.
+
+    Attributes
+    ----------
+    probability, error : float
+        The probability, and its standard error.
+    draws, simulated : int
+        Draws made anew, and those of them that were simulated, the 400 nearest to the limit at
+        most; others are as the emulator has them.
+
+    Examples
+    --------
+    >>> Direct(0.009, 0.0022, draws=2048, simulated=61).agrees_with(0.01)
+    True
+    """
+
+    probability: float
+    error: float
+    draws: int
+    simulated: int
+
+    def agrees_with(self, risk: float) -> bool:
+        """True if it is no higher than a probability, within its error."""
+        return self.probability <= risk + _AGREES * self.error
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields by name."""
+        return asdict(self)
+
+
+def confirmed(
+    ensemble: Ensemble,
+    goal: Goal,
+    place: Place,
+    values: Mapping[str, float],
+    scene_with: Callable[[Mapping[str, Any]], Sweep],
+    draws: Draws | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Direct:
+    """Find a probability anew, with direct simulations where the emulator is not sure.
+
+    Parameters
+    ----------
+    ensemble, goal, draws
+        Those of `design`.
+    place : Place
+        Operating point.
+    values : mapping of str to float
+        Values of the designed inputs by their paths [SI].
+    scene_with : callable
+        Gives the scene with entries by their paths, as a scene file has them.
+    progress : callable, optional
+        Called with the simulations done and their number.
+    """
+    rng = np.random.default_rng([ensemble.design.seed, 2718])
+    if draws is None:
+        inputs = prior(ensemble.unknown, ensemble.design.seed + 2718, _FRESH).inputs
+    else:
+        weighed = draws_of(ensemble, draws)
+        inputs = weighed.inputs[rng.choice(len(weighed.weights), _FRESH, p=weighed.weights)]
+    inputs = with_values(ensemble, inputs, values)
+    excess = _excess(ensemble, inputs, place, goal.margin)
+    scores = np.abs(excess.values / excess.error)
+    near = np.argsort(scores)[: min(int(np.sum(scores < _NEAR)), _MOST)]
+    severe = excess.values > 0
+    limits = ensemble.log_limit(inputs, margin=goal.margin)
+    for number, row in enumerate(near.tolist()):
+        if progress:
+            progress(number, len(near))
+        sweep = scene_with(written(ensemble, inputs[row]))
+        columns = run_point(sweep, *place).columns
+        rise = float(decisive_rises(columns, place.load, sweep.conditions))
+        severe[row] = math.log(rise) > limits[row]
+    chance = float(severe.mean())
+    error = math.sqrt(max(chance * (1 - chance), 1 / _FRESH) / _FRESH)
+    return Direct(chance, error, _FRESH, len(near))
+
+
+def written(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
+    """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths."""
+    pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
+    pairs += [(one.unknown, one.value) for one in ensemble.fixed]
+    return {one.path: _entry(one, value) for one, value in pairs}
+
+
+def _entry(unknown: Unknown, value: float) -> float | int | str:
+    unit = unknown.shown
+    if unit.name != "1":
+        return f"{float(unit.of(value))!r} {unit.name}"
+    return int(value) if unknown.kind == "list" and value == int(value) else float(value)

@@ -1,0 +1,79 @@
+"""The value of an input that makes severe wear unlikely, on a rise known in closed form."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.operating_points import Place
+from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.uncertain.design import Goal
+from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, ensemble, rise
+from tribo import InputError
+
+WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
+UNKNOWN = (WIDE, RATE, FRICTION, LENGTH)
+HERE = Place(400.0, 1.6)
+
+
+@pytest.fixture(scope="module")
+def samples():
+    return ensemble(UNKNOWN)
+
+
+def hottest(place, share):
+    """Temperature of the contact that a share of direct draws stays below [K]."""
+    direct = drawn(UNKNOWN, 99, 2**15)
+    return 298.15 + np.quantile(direct[:, 2] * rise(direct, *place, UNKNOWN), share)
+
+
+@pytest.mark.parametrize("risk", [0.3, 0.05, 0.01])
+def test_the_limit_is_where_direct_draws_have_the_risk(samples, risk):
+    limit = pipeline.design(samples, Goal((HERE,), risk), WIDE.path)
+    assert limit.side == "at least"
+    assert limit.value == pytest.approx(hottest(HERE, 1 - risk), abs=1.5)
+    assert limit.interval[0] < limit.value < limit.interval[1]
+    assert limit.safe == (limit.value, 473.15)
+    assert limit.as_dict()["limit"]["unit"] == "K"
+
+
+def test_a_margin_asks_for_that_much_more(samples):
+    with_margin = pipeline.design(samples, Goal((HERE,), 0.05, margin=20.0), WIDE.path)
+    without = pipeline.design(samples, Goal((HERE,), 0.05), WIDE.path)
+    assert with_margin.value - without.value == pytest.approx(20.0, abs=0.2)
+
+
+def test_of_several_points_the_worst_one_binds(samples):
+    duty = (Place(200.0, 1.0), HERE, Place(300.0, 1.2))
+    limit = pipeline.design(samples, Goal(duty, 0.05), WIDE.path)
+    assert limit.binding == HERE
+    assert limit.value == pipeline.design(samples, Goal((HERE,), 0.05), WIDE.path).value
+
+
+def test_an_input_that_is_not_enough_says_what_it_reaches(samples):
+    none = pipeline.design(samples, Goal((Place(750.0, 5.0),), 0.01), LENGTH.path)
+    assert (none.side, none.value, none.safe) == ("none", None, None)
+    assert none.best[0] == 3e-6  # where the rise is least
+    assert none.best[1] == min(none.probabilities)
+    everything = pipeline.design(samples, Goal((Place(200.0, 0.6),), 0.5), LENGTH.path)
+    assert (everything.side, everything.value) == ("any", None)
+
+
+def test_a_second_entry_moves_the_limit_of_the_first(samples):
+    low, high = (
+        pipeline.design(samples, Goal((HERE,), 0.05), WIDE.path, at={LENGTH.path: length}).value
+        for length in (3e-6, 6e-6)
+    )
+    # The rise is 6 % higher.
+    assert (high - 298.15) / (low - 298.15) == pytest.approx(1.03 / 0.97, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("path", "fault"),
+    [
+        (FRICTION.path, r"friction\.coefficient is normal, .*; a design needs a range"),
+        ("pin.radius", r"pin\.radius is not an unknown input .* range are temperature\.critical"),
+    ],
+)
+def test_an_entry_without_a_range_is_refused(samples, path, fault):
+    with pytest.raises(InputError, match=fault):
+        pipeline.design(samples, Goal((HERE,), 0.05), path)
