@@ -14,13 +14,22 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.analytic import hertz_point_radius
-from tribo.corrections import Corrections, moment_of
-from tribo.criterion import Criterion, rises_at
 from tribo.errors import InputError, require_positive
-from tribo.grid import Grid
 from tribo.loading import Ramp
 from tribo.material import Material, contact_modulus
-from tribo.simulation import Ball, Fidelity, Scene, advance, measures, simulate, start
+from tribo.numerics import Grid
+from tribo.simulation import (
+    Ball,
+    Corrections,
+    Fidelity,
+    Scene,
+    advance,
+    measures,
+    moment_of,
+    simulate,
+    start,
+)
+from tribo.thermal import Criterion, rises_at
 from tribo.wear import Wear, WearPattern
 
 _WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15

@@ -28,7 +28,7 @@ from pipeline.cli.output import Result
 from pipeline.cli.scenes import conditions_in, opened
 from pipeline.cli.unknowns import boundary_of_samples
 from tribo import lubrication_regime
-from tribo.lubricant import BOUNDARY, FULL_FILM
+from tribo.material import BOUNDARY, FULL_FILM
 
 SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
 

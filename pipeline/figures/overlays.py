@@ -19,7 +19,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from tribo import lubrication_regime
-from tribo.lubricant import BOUNDARY, FULL_FILM
+from tribo.material import BOUNDARY, FULL_FILM
 
 _NEAR = 0.02  # relative difference of friction that is not worth a mark of its own
 _RESOLUTION = 60

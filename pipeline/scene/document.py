@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted, with_value
 from pipeline.scene.format import FORMAT
 from pipeline.scene.shipped import scene_path, shipped_scenes
-from tribo.files import reason_of
+from tribo.errors import reason_of
 
 _LARGEST_FILE = 10_000_000
 _LEVELS = 10  # of tables in tables, more than the format has

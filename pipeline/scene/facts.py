@@ -17,8 +17,8 @@ import numpy as np
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
 from tribo import Corrections, InputError, Track, analytic, contact_modulus
-from tribo.laws import wear_over
 from tribo.types import Array
+from tribo.wear import wear_over
 
 _FEWEST_WIDTHS = 10.0  # of the contact in a track, so that a pass is short beside a round
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact

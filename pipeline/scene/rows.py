@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tribo import InputError
-from tribo.files import reason_of, require_file
+from tribo.errors import reason_of, require_file
 
 ROW_FILES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx")
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas"}

@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tribo import InputError, read_heights
-from tribo.files import require_file
+from tribo.errors import require_file
 from tribo.types import Array
 
 PLAIN = (".csv", ".npy")

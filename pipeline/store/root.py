@@ -24,7 +24,7 @@ from pipeline.store.place import (
     reaches,
 )
 from pipeline.store.schema import FORMAT
-from tribo.files import near_path
+from tribo.errors import near_path
 
 MOST_POINTS = 10_000_000
 """Points that a store may have."""

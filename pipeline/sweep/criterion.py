@@ -23,7 +23,7 @@ import numpy as np
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.rises import at_bulks
 from tribo import Criterion, Scene, State, failed_share
-from tribo.corrections import moment_of
+from tribo.simulation import moment_of
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from pipeline.sweep.conditions import Conditions, in_celsius
 from tribo import InputError
-from tribo.corrections import NEEDED
-from tribo.criterion import rises_at
+from tribo.simulation.corrections import NEEDED
+from tribo.thermal import rises_at
 
 if TYPE_CHECKING:
     import xarray as xr

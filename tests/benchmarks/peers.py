@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo import ElasticHalfSpace, Grid, self_affine, solve_contact
-from tribo.convolution import padded_shape
+from tribo.numerics import padded_shape
 
 CONTACT_MODULUS = 115.385e9
 HARDNESS = 6.6e9

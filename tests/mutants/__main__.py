@@ -39,14 +39,14 @@ _JUDGED = files_of(
     "warned_points",
 )
 _ANALYSIS = "band interpolation boundary margin dataset warned_points"
-_INVERSE = files_of("tribo/*.py", "criterion inverse lubricant")
-_WEAR = files_of("tribo/*.py", "grid topography wear")
+_INVERSE = files_of("tribo/*.py", "inverse thermal/criterion material/oil")
+_WEAR = files_of("tribo/*.py", "numerics/grid surface/topography wear/archard")
 _SCENE = "consistency correlation document kinds schema unknown"
 _WARNINGS = files_of("tribo/simulation/*.py", "point_warnings present_heat")
 # Modules to change, and what is run then: tests, and modules with examples.
 ROOMS = {
     "solver": (
-        ["tribo/contact", "tribo/stencil.py"],
+        ["tribo/contact", "tribo/numerics/stencil.py"],
         files_of(f"{TRIBO}/*", "contact simulation/test_point.py"),
     ),
     "heat": (
@@ -67,11 +67,14 @@ ROOMS = {
     "uncertain": (["pipeline/uncertain"], ["pipeline/uncertain", f"{PIPELINE}/uncertain"]),
     "inverse": (
         _INVERSE,
-        [*_INVERSE, *files_of(f"{TRIBO}/test_*.py", "criterion inverse lubricant")],
+        [
+            *_INVERSE,
+            *files_of(f"{TRIBO}/*.py", "test_inverse thermal/test_criterion material/test_oil"),
+        ],
     ),
     "wear": (
         _WEAR,
-        [*_WEAR, *files_of(f"{TRIBO}/test_*.py", "grid topography wear wear_schemes")],
+        [*_WEAR, *files_of(f"{TRIBO}/*", "numerics surface wear")],
     ),
     "loading": (["tribo/loading"], ["tribo/loading", f"{TRIBO}/loading"]),
     "scene": (
@@ -92,7 +95,7 @@ ROOMS = {
         [
             *_WARNINGS,
             *files_of(f"{TRIBO}/simulation/test_*.py", "point_warnings present_heat"),
-            f"{TRIBO}/test_wear_schemes.py",
+            f"{TRIBO}/wear/test_wear_schemes.py",
         ],
     ),
     "doubts": (

@@ -23,7 +23,7 @@ from tests.helpers import javascript, synthetic, tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.figures.page import sweeps
 from tribo import CRITERIA, QUANTILES, Corrections
-from tribo.criterion import Rule
+from tribo.thermal import Rule
 
 CONDITIONS = (
     {},

@@ -149,7 +149,7 @@ def test_a_law_given_in_python_is_stored_with_its_hash(folder):
     sweep = tiny.sweep(wear=tribo.RunningIn(**RATES), loads=(250.0,), velocities=(1.0,))
     pipeline.run_sweep(sweep, "python.zarr", workers=1)
     stored = json.loads(pipeline.open_sweep("python.zarr").attrs["scene"])["wear"]
-    assert stored["law"] == "tribo.laws:RunningIn"
+    assert stored["law"] == "tribo.wear.laws:RunningIn"
     assert len(stored["hash"]) == 64
 
 

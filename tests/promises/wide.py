@@ -12,7 +12,6 @@ from pipeline.sweep.rises import at_bulks
 from pipeline.sweep.variants import surfaces
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, in_window, state_at
-from tribo.criterion import columns_of
 
 SHARES = (0.4, 0.7, 1.0)  # of the reference load
 _MIDDLE = 1  # number of the load whose boundary lies in the middle of the velocities
@@ -154,12 +153,12 @@ def _with_boundary(sweep, velocity, bulks):
     state = state_at(warm, sweep.plane.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
     if bulks:
-        rise = float(conditions.decisive.rise(columns_of(state.heat)))
+        rise = float(conditions.decisive.rise(state.heat.columns))
         apart = bulks * conditions.friction * rise
         conditions = replace(conditions, disk_temperature=conditions.bulk_temperature + apart)
         warmest = conditions.bulk_temperature + max(0.0, apart)
         conditions = replace(conditions, critical_temperature=warmest + 1000.0)
-    rise = float(conditions.decisive.rise(at_bulks(columns_of(state.heat), conditions)))
+    rise = float(conditions.decisive.rise(at_bulks(state.heat.columns, conditions)))
     critical = contact_temperature(rise, conditions)
     return sweep.changed(
         unequal_bulks=bulks != 0,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.contact.problem import Iterate, Judgement, Problem
-from tribo.stencil import Preconditioner
+from tribo.numerics import Preconditioner
 from tribo.types import Array, Nodes
 
 Stencil = Callable[[Array, Array], Array]

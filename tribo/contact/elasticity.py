@@ -30,9 +30,8 @@ from typing import Literal, get_args
 import numpy as np
 import scipy
 
-from tribo.convolution import Convolution, padded_shape
 from tribo.errors import InputError, require_positive
-from tribo.grid import Grid
+from tribo.numerics import Convolution, Grid, padded_shape
 from tribo.types import Array
 
 ElasticKernel = Literal["periodic", "nearest-image"]

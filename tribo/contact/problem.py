@@ -15,7 +15,7 @@ import numpy as np
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.rows import RowMetric, SoftRows
 from tribo.contact.simplex import shifted_to_load
-from tribo.stencil import Neighbourhood
+from tribo.numerics import Neighbourhood
 from tribo.types import Array, Mask, Nodes
 
 # Conjugate gradients go by single precision, in two thirds of the time: they only lead the way to a

@@ -135,7 +135,7 @@ def solve_contact(
     --------
     A cylinder of radius 8 mm on a flat, 222.2 N/mm (Hertz: 1.010 GPa):
 
-    >>> from tribo.grid import Grid
+    >>> from tribo.numerics import Grid
     >>> grid = Grid((128, 1), (3e-6, 456e-6), periodic=(False, True))
     >>> z = grid.coordinates(0)[:, None] ** 2 / (2 * 8e-3)
     >>> contact = solve_contact(ElasticHalfSpace(grid, 115.385e9), z, 222.2e3 * 456e-6)

@@ -7,6 +7,9 @@ from tribo.simulation.contact_ramp import inseparable as inseparable
 from tribo.simulation.contact_ramp import leads_to as leads_to
 from tribo.simulation.contact_ramp import mechanics as mechanics
 from tribo.simulation.contact_ramp import wear_number as wear_number
+from tribo.simulation.corrections import Corrections as Corrections
+from tribo.simulation.corrections import Track as Track
+from tribo.simulation.corrections import moment_of as moment_of
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
 from tribo.simulation.loading_step import advance as advance
@@ -23,8 +26,6 @@ from tribo.simulation.point import simulate as simulate
 from tribo.simulation.point_warnings import PointWarning as PointWarning
 from tribo.simulation.point_warnings import WarningKind as WarningKind
 from tribo.simulation.point_warnings import warnings as warnings
-from tribo.simulation.roughness import MeasuredRoughness as MeasuredRoughness
-from tribo.simulation.roughness import SelfAffineRoughness as SelfAffineRoughness
 from tribo.simulation.scene import Scene as Scene
 from tribo.simulation.state import Heat as Heat
 from tribo.simulation.state import State as State

@@ -15,9 +15,8 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 
 from tribo.contact import ElasticHalfSpace
-from tribo.convolution import forget_buffers
-from tribo.grid import Grid
 from tribo.material import contact_modulus
+from tribo.numerics import Grid, forget_buffers
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.thermal import Conductor, conducted_spectrum

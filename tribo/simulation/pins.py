@@ -13,8 +13,8 @@ import numpy as np
 
 from tribo.analytic import HertzContact, hertz_contact
 from tribo.errors import require_positive
-from tribo.grid import Grid
 from tribo.material import Material
+from tribo.numerics import Grid
 from tribo.types import Array
 
 

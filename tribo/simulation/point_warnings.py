@@ -11,10 +11,10 @@ import numpy as np
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import parts
 from tribo.simulation.present_heat import excess_of_present_heat, stations_so_far
-from tribo.simulation.roughness import SelfAffineRoughness
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
+from tribo.surface import SelfAffineRoughness
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 

@@ -8,18 +8,23 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from tribo.errors import InputError
-from tribo.grid import Grid
-from tribo.laws import Surface, WearLaw, heights_of, require_wear, wear_over
 from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
+from tribo.numerics import Grid
 from tribo.simulation.fidelity import Fidelity
 from tribo.simulation.motion import Motion, Velocities
 from tribo.simulation.pins import Pin
-from tribo.simulation.roughness import MeasuredRoughness, SelfAffineRoughness
+from tribo.surface import (
+    MeasuredRoughness,
+    SelfAffineRoughness,
+    Surface,
+    block_average,
+    block_sample,
+    heights_of,
+)
 from tribo.thermal import HeatedLength
-from tribo.topography import block_average, block_sample
 from tribo.types import Array
-from tribo.wear import RollingWear, Wear, WearPattern
+from tribo.wear import RollingWear, Wear, WearLaw, WearPattern, require_wear, wear_over
 
 # Elements along x with which the shape of the wear is still known well.
 _FEWEST_ELEMENTS = 24

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from tribo.thermal import HeatHistory
 from tribo.types import Array
@@ -52,6 +53,18 @@ class Heat:
     bulk_response: Array | None = None
     mean_bulk_response: float = math.nan
     bulk_rise_quantile: Array | None = None
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """The rises by which a criterion judges, by the names of a sweep's variables."""
+        columns: dict[str, Any] = {
+            "rise_quantile": self.rise_quantile,
+            "mean_rise": self.mean_rise,
+        }
+        if self.bulk_rise_quantile is not None:
+            columns["bulk_rise_quantile"] = self.bulk_rise_quantile
+            columns["mean_bulk_response"] = self.mean_bulk_response
+        return columns
 
 
 @dataclass(frozen=True, slots=True, eq=False)

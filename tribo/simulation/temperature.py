@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.convolution import Convolution
-from tribo.grid import Grid
+from tribo.numerics import Convolution, Grid
 from tribo.simulation.cache import heat_spectrum
 from tribo.simulation.invariants import check_heat, within_range
 from tribo.simulation.scene import Scene

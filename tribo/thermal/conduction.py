@@ -32,10 +32,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 import scipy
 
-from tribo.convolution import Convolution, padded_shape
 from tribo.errors import InputError
-from tribo.grid import Grid
 from tribo.material import Material
+from tribo.numerics import Convolution, Grid, padded_shape
 from tribo.thermal.factors import Axis, factor, series_terms, wavenumbers
 from tribo.thermal.quadrature import REACH, diffusion_length, filon_weights, panels
 from tribo.types import Array, Spectrum

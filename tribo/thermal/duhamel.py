@@ -26,9 +26,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.convolution import Convolution, padded_shape
-from tribo.grid import Grid
 from tribo.material import Material
+from tribo.numerics import Convolution, Grid, padded_shape
 from tribo.thermal.conduction import HeatedLength, flux_history_spectrum
 from tribo.thermal.partition import HeatPartition, partition_heat
 from tribo.types import Array, Mask, Spectrum

@@ -21,9 +21,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.convolution import Convolution
 from tribo.errors import ConvergenceError, InputError
-from tribo.stencil import Neighbourhood
+from tribo.numerics import Convolution, Neighbourhood
 from tribo.types import Array, Mask, Nodes
 
 # Directions that the iteration keeps orthogonal. It rarely needs as many.

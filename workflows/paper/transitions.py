@@ -15,8 +15,8 @@ from pipeline.sweep.criterion import boundary_velocity_error, contact_temperatur
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from tribo import InputError, State, failed_share, measures, simulate
-from tribo.corrections import moment_of
-from tribo.criterion import Criterion
+from tribo.simulation import moment_of
+from tribo.thermal import Criterion
 from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6

@@ -18,7 +18,7 @@ from tribo import (
     simulate,
     solve_contact,
 )
-from tribo.grid import Grid
+from tribo.numerics import Grid
 from tribo.simulation import forget_contacts, loading_step
 
 RATE = 1.2e-15

@@ -659,7 +659,7 @@ def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_
     text.write_bytes(b"\xef\xbb\xbf1,2\n3,4\n5,6\n")
     np.save(array, np.ones((3, 2)))
     assert read_heights(text).shape == (3, 2)
-    monkeypatch.setattr("tribo.files._MOST_HEIGHTS", 5)
+    monkeypatch.setattr("tribo.surface.heights._MOST_HEIGHTS", 5)
     with pytest.raises(InputError, match=r"more than 5 heights up to .*line 3"):
         read_heights(text)
     with pytest.raises(InputError, match="at most 5 heights"):

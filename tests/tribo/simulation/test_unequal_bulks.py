@@ -26,8 +26,8 @@ from tribo import (
     partition_with_history,
     simulate,
 )
-from tribo.criterion import columns_of, rises_at
 from tribo.simulation.temperature import _bodies, _conductor
+from tribo.thermal import rises_at
 
 NINE_TENTHS = QUANTILES.index(0.9)
 
@@ -102,7 +102,7 @@ def test_the_rise_is_the_same_with_the_response_and_without_bit_for_bit(preset):
 
 
 def quantiles_at(heat, ratio):
-    return rises_at(columns_of(heat), ratio)["rise_quantile"]
+    return rises_at(heat.columns, ratio)["rise_quantile"]
 
 
 def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tribo import ConductingHalfSpace
-from tribo.convolution import padded_shape
+from tribo.numerics import padded_shape
 
 
 def thermal_influence(grid, material, velocity, time, nodes=10, length=math.inf):

@@ -15,10 +15,9 @@ from tribo.analytic import (
     square_source_rise,
     uniform_flux_rise,
 )
-from tribo.convolution import wrapped_offsets
 from tribo.errors import InputError
-from tribo.grid import Grid
 from tribo.material import Material
+from tribo.numerics import Grid, wrapped_offsets
 from tribo.thermal import ConductingHalfSpace, settling_time
 from tribo.thermal.conduction import flux_history_spectrum
 

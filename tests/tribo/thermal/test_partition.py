@@ -6,10 +6,9 @@ import pickle
 import numpy as np
 import pytest
 
-from tribo.convolution import padded_shape
 from tribo.errors import ConvergenceError, InputError
-from tribo.grid import Grid
 from tribo.material import Material
+from tribo.numerics import Grid, padded_shape
 from tribo.thermal import ConductingHalfSpace, partition_heat
 
 STEEL = Material(210e9, 0.3, 45.0, 7800.0, 470.0)

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from tribo.errors import InputError, InvariantError, of_law
-from tribo.simulation import Heat
-from tribo.thermal import QUANTILES, at_bulk_ratio, require_share, rise_exceeded
+from tribo.thermal.quantiles import QUANTILES, at_bulk_ratio, require_share, rise_exceeded
 from tribo.types import Array
 
 Columns = Mapping[str, Any]
@@ -230,12 +229,3 @@ def rises_at(columns: Columns, bulk_ratio: float) -> Columns:
     if "mean_rise" in columns:
         rises["mean_rise"] = columns["mean_rise"] + bulk_ratio * columns["mean_bulk_response"]
     return {**columns, **rises}
-
-
-def columns_of(heat: Heat) -> Columns:
-    """Rises of the contact at one moment, as columns."""
-    columns: dict[str, Any] = {"rise_quantile": heat.rise_quantile, "mean_rise": heat.mean_rise}
-    if heat.bulk_rise_quantile is not None:
-        columns["bulk_rise_quantile"] = heat.bulk_rise_quantile
-        columns["mean_bulk_response"] = heat.mean_bulk_response
-    return columns

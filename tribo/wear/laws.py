@@ -1,21 +1,16 @@
-"""Laws that a user brings: of the wear of the pin, and of the disk's surface.
+"""Laws of wear whose rate follows the distance slid: what one has to say, and one that ships.
 
-A law is any object with these attributes. A wear that is none, or a height that is not finite,
-is an `InvariantError`. A criterion of severe wear is a `tribo.Rule`.
+A law is any object with these attributes; of a wear that is none it is an `InvariantError`.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
-
-import numpy as np
+from typing import Protocol
 
 from tribo.errors import InputError, InvariantError, of_law, require_positive
-from tribo.grid import Grid
-from tribo.types import Array
-from tribo.wear import Wear, WearPattern
+from tribo.wear.archard import Wear, WearPattern
 
 
 class WearLaw(Protocol):
@@ -34,24 +29,6 @@ class WearLaw(Protocol):
 
     def over(self, begin: float, end: float) -> Wear:
         """Wear between two sliding distances [m], at the mean rate there."""
-
-
-class Surface(Protocol):
-    """A surface of the disk; it has to be hashable, and the same for the same hash.
-
-    Examples
-    --------
-    >>> from tribo.simulation import SelfAffineRoughness
-    >>> ground: Surface = SelfAffineRoughness(0.27e-6, 0.8, correlation_length=(4e-6, 4e-6))
-    >>> ground.heights(Grid((8, 4), (1e-6, 1e-6))).shape
-    (8, 4)
-    """
-
-    def __hash__(self) -> int:
-        """Hash by which its heights are kept."""
-
-    def heights(self, pixels: Grid) -> Array:
-        """Heights, positive towards the pin [m], shape ``pixels.shape``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,21 +104,3 @@ def require_wear(wear: object) -> None:
         return
     if lacks := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
         raise InputError(f"the wear law {wear!r} has no {lacks}; see tribo.WearLaw")
-
-
-def heights_of(surface: Any, pixels: Grid) -> Array:
-    """Heights of a surface [m], shape ``pixels.shape``; `InvariantError` if they are not."""
-    with of_law(f"surface {surface!r}"):
-        heights = np.asarray(surface.heights(pixels), dtype=float)
-    if heights.shape != pixels.shape:
-        raise InvariantError(
-            f"surface: its heights have the shape {heights.shape}, the window's pixels "
-            f"{pixels.shape}; they must be the same"
-        )
-    bad = np.argwhere(~np.isfinite(heights))
-    if bad.size:
-        raise InvariantError(
-            f"surface: its height is {heights[tuple(bad[0])]} at pixel {tuple(bad[0].tolist())}, "
-            "counted from 0; each must be finite"
-        )
-    return heights

@@ -21,11 +21,14 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import scipy  # parts of it are loaded where they are used
 
-from tribo.criterion import columns_of
 from tribo.errors import InputError, require_positive
 from tribo.material import Material
-from tribo.simulation import Motion, Pin, Scene, State, measures
+from tribo.simulation.motion import Motion
+from tribo.simulation.pins import Pin
 from tribo.simulation.present_heat import stations_so_far
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.simulation.step_measures import measures
 from tribo.thermal import Bulk, Stem, bulk_warming, circuit_rise, conductances, track_warming
 from tribo.thermal.circuit import Values
 from tribo.types import Array
@@ -265,7 +268,7 @@ def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Ma
     """
     if state.heat is None:
         raise InputError("a point ended without a temperature")
-    columns = columns_of(state.heat)
+    columns = state.heat.columns
     if corrections is None:
         return columns
     record = {**measures(scene, state), **columns}

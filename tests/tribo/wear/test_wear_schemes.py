@@ -1,4 +1,4 @@
-"""Schemes by which wear advances over a step (tribo/wear.py, tribo/simulation/loading_step.py)."""
+"""Schemes by which wear advances over a step (tribo/wear/archard.py)."""
 
 import functools
 import itertools

@@ -1,11 +1,11 @@
-"""The deciding rise of one moment (tribo/criterion.py)."""
+"""The deciding rise of one moment (tribo/thermal/criterion.py)."""
 
 import numpy as np
 import pytest
 
 from tribo import BULK_RATIOS, QUANTILES, Criterion
-from tribo.criterion import columns_of, rises_at
 from tribo.simulation import Heat
+from tribo.thermal import rises_at
 
 RISE = np.linspace(100.0, 400.0, len(QUANTILES))
 
@@ -22,7 +22,7 @@ def test_a_uniform_response_moves_every_criterion_alike(ratio):
         mean_bulk_response=0.75,
         bulk_rise_quantile=unequal,
     )
-    equal = columns_of(heat)
+    equal = heat.columns
     moved = rises_at(equal | {"max_rise": 400.0}, ratio)
     assert moved["max_rise"] == pytest.approx(400.0 + 0.75 * ratio)
     for criterion in (Criterion(), Criterion("highest"), Criterion("mean")):

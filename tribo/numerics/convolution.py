@@ -17,7 +17,7 @@ import scipy
 from numpy.typing import NDArray
 
 from tribo.errors import InputError
-from tribo.grid import Grid
+from tribo.numerics.grid import Grid
 from tribo.types import Array, Indices, Spectrum
 
 _LARGE = 64**2  # elements from which on single precision takes less time than double

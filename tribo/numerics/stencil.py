@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.convolution import Convolution, padded_shape
+from tribo.numerics.convolution import Convolution, padded_shape
 from tribo.types import Array, Nodes
 
 # Coupling within rows, in units of an element's own influence, beyond which to undo it exactly
@@ -33,7 +33,7 @@ class Neighbourhood:
 
     Examples
     --------
-    >>> from tribo.grid import Grid
+    >>> from tribo.numerics.grid import Grid
     >>> grid = Grid((4, 4), (1.0, 1.0), periodic=(True, True))
     >>> kernel = np.zeros((4, 4))
     >>> kernel[0, 0], kernel[0, 1], kernel[0, 3] = 1.0, 0.2, 0.2

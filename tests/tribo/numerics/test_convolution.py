@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tribo import Convolution, Grid, InputError
-from tribo.convolution import padded_shape, wrapped_offsets
+from tribo.numerics import padded_shape, wrapped_offsets
 
 AXES = [(False, False), (False, True), (True, False), (True, True)]
 

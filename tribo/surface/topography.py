@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.errors import InputError, require_integer, require_positive
-from tribo.grid import Grid
+from tribo.numerics import Grid
 from tribo.types import Array
 
 

@@ -1,16 +1,34 @@
-"""The roughness of the disk: random or measured."""
+"""The surface of the disk: what one has to say, a random one and a measured one."""
 
 from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 import numpy as np
 
-from tribo.errors import InputError, finite_field
-from tribo.grid import Grid
-from tribo.topography import self_affine
+from tribo.errors import InputError, InvariantError, finite_field, of_law
+from tribo.numerics import Grid
+from tribo.surface.topography import self_affine
 from tribo.types import Array
+
+
+class Surface(Protocol):
+    """A surface of the disk; it has to be hashable, and the same for the same hash.
+
+    Examples
+    --------
+    >>> ground: Surface = SelfAffineRoughness(0.27e-6, 0.8, correlation_length=(4e-6, 4e-6))
+    >>> ground.heights(Grid((8, 4), (1e-6, 1e-6))).shape
+    (8, 4)
+    """
+
+    def __hash__(self) -> int:
+        """Hash by which its heights are kept."""
+
+    def heights(self, pixels: Grid) -> Array:
+        """Heights, positive towards the pin [m], shape ``pixels.shape``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,3 +108,21 @@ class MeasuredRoughness:
             )
         level: Array = self.array - self.array.mean()
         return level
+
+
+def heights_of(surface: Any, pixels: Grid) -> Array:
+    """Heights of a surface [m], shape ``pixels.shape``; `InvariantError` if they are not."""
+    with of_law(f"surface {surface!r}"):
+        heights = np.asarray(surface.heights(pixels), dtype=float)
+    if heights.shape != pixels.shape:
+        raise InvariantError(
+            f"surface: its heights have the shape {heights.shape}, the window's pixels "
+            f"{pixels.shape}; they must be the same"
+        )
+    bad = np.argwhere(~np.isfinite(heights))
+    if bad.size:
+        raise InvariantError(
+            f"surface: its height is {heights[tuple(bad[0])]} at pixel {tuple(bad[0].tolist())}, "
+            "counted from 0; each must be finite"
+        )
+    return heights

@@ -1,4 +1,4 @@
-"""Lubricants that cannot be (tribo/lubricant.py)."""
+"""Lubricants that cannot be (tribo/material/oil.py)."""
 
 import math
 

@@ -163,7 +163,7 @@ class Wear:
         --------
         The paper's grid at 1.25 m/s and 0.05 s an increment, far beyond `EXPLICIT_LIMIT`:
 
-        >>> from tribo.grid import Grid
+        >>> from tribo.numerics import Grid
         >>> solid = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), 115.385e9)
         >>> f"{Wear(1.2e-15, 'local').stiffness(solid, 1.25 * 0.05):.2f}"
         '8.52'

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import erf
 
 import tribo
-from tribo.corrections import moment_of
+from tribo.simulation import moment_of
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
 DIFFUSIVITY, CAPACITY = 45.0 / (7800.0 * 470.0), 7800.0 * 470.0

@@ -1,0 +1,15 @@
+"""Rough surfaces: made, measured, read from files, and described."""
+
+from tribo.surface.heights import read_heights as read_heights
+from tribo.surface.roughness import MeasuredRoughness as MeasuredRoughness
+from tribo.surface.roughness import SelfAffineRoughness as SelfAffineRoughness
+from tribo.surface.roughness import Surface as Surface
+from tribo.surface.roughness import heights_of as heights_of
+from tribo.surface.spectrum import SelfAffineFit as SelfAffineFit
+from tribo.surface.spectrum import fit_self_affine as fit_self_affine
+from tribo.surface.topography import average_roughness as average_roughness
+from tribo.surface.topography import block_average as block_average
+from tribo.surface.topography import block_sample as block_sample
+from tribo.surface.topography import rms_height as rms_height
+from tribo.surface.topography import rms_slope as rms_slope
+from tribo.surface.topography import self_affine as self_affine

@@ -1,0 +1,14 @@
+"""Wear of the pin: Archard's law in steps, and laws whose rate changes with the distance slid."""
+
+from tribo.wear.archard import EXPLICIT_LIMIT as EXPLICIT_LIMIT
+from tribo.wear.archard import WEAR_PATTERNS as WEAR_PATTERNS
+from tribo.wear.archard import WEAR_SCHEMES as WEAR_SCHEMES
+from tribo.wear.archard import RollingWear as RollingWear
+from tribo.wear.archard import Stage as Stage
+from tribo.wear.archard import Wear as Wear
+from tribo.wear.archard import WearPattern as WearPattern
+from tribo.wear.archard import WearScheme as WearScheme
+from tribo.wear.laws import RunningIn as RunningIn
+from tribo.wear.laws import WearLaw as WearLaw
+from tribo.wear.laws import require_wear as require_wear
+from tribo.wear.laws import wear_over as wear_over
