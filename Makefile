@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many bench bench-peers clean
+.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -89,5 +89,18 @@ bench-peers: .venv/test    ## measure the contact solver beside others, which it
 	    $(BIN)/python -m pip install --quiet $$peer || echo "not installed: $$peer"; done
 	$(MEASURE) --timeout 3600 tests/benchmarks/test_contact.py
 
+release:              ## sdist and wheel in results/dist, checked, and tried in an empty environment
+	rm -rf results/dist .venv-release
+	$(PYTHON) -m venv .venv-release
+	.venv-release/bin/python -m pip install --quiet 'hatchling>=1.27' 'hatch-fancy-pypi-readme>=24.1' 'twine>=6.1'
+	.venv-release/bin/hatchling build -d results/dist
+	.venv-release/bin/twine check --strict results/dist/*
+	rm -rf .venv-release
+	$(PYTHON) -m venv .venv-release
+	.venv-release/bin/python -m pip install --quiet results/dist/*.whl
+	cd results/dist && ../../.venv-release/bin/irg run first_try -o first_try.zarr
+	cd results/dist && ../../.venv-release/bin/irg boundary first_try.zarr
+	rm -rf .venv-release results/dist/first_try.zarr
+
 clean:                ## remove what was made, results included
-	rm -rf .venv .venv-lowest results
+	rm -rf .venv .venv-lowest .venv-release results
