@@ -1,0 +1,95 @@
+"""A table of variants made by hand, from the run to its answers."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.sweep.plan import run_point
+from pipeline.sweep.variants import rows, surfaces
+from tests.helpers import tiny
+from tribo import InputError, Wear
+
+OILS = {"thin": {}, "thick": {"conditions.critical_temperature": 438.15}}
+CASES = {  # pairs of entries, which are no product
+    "slim": {"pin.radius": 6e-3, "pin.length": 3e-3},
+    "wears": {"wear.specific_wear_rate": 2.4e-15},
+    "as it is": {},
+}
+TABLE = surfaces((1, 2)) * rows("oil", OILS) * rows("case", CASES)
+PLACE = ("--load", "300 N", "--velocity", "1.2 m/s")
+
+
+def sweep(**changes):
+    return tiny.sweep(loads=(250.0, 600.0), **changes)
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    path = tmp_path_factory.mktemp("variants") / "out.zarr"
+    table = surfaces((1,)) * rows("oil", OILS) * rows("case", CASES)
+    first = pipeline.run_sweep(sweep(variants=table), path, workers=1)
+    resumed = pipeline.run_sweep(sweep(variants=TABLE), path, workers=2)
+    assert (first.computed, resumed.computed, resumed.failed) == (36, 36, ())
+    return path
+
+
+def test_a_row_is_the_scene_with_what_it_changes(store):
+    ds = pipeline.open_sweep(store)
+    assert ds["max_rise"].dims[:3] == ("realization", "oil", "case")
+    scene = sweep(wear=Wear(2.4e-15)).on_surface(2)
+    rise = pipeline.end_of_point(ds)["max_rise"].sel(realization=2, case="wears", load=600.0)
+    expected = run_point(scene, 600.0, 1.0).columns["max_rise"][-1]
+    assert rise.sel(velocity=1.0).values == pytest.approx([expected, expected], rel=1e-9)
+
+
+def test_rows_that_differ_in_the_oil_alone_share_contacts_and_heat():
+    asked = sweep(variants=TABLE)
+    leads = {lead.variant for lead in asked.leads.values()}
+    # Twice the wear rate has the contacts of twice the velocity.
+    assert len(leads) == 2 * (len(CASES) - 1)
+    assert all(dict(name)["oil"] == "thin" for name in leads)
+
+
+def test_each_row_has_a_boundary_with_its_own_limit(store):
+    boundary = pipeline.boundary(store)
+    critical = boundary["critical_velocity"].sel(load=600.0, case="as it is")
+    thin, thick = (critical.sel(oil=oil) for oil in OILS)
+    both = np.isfinite(thin) & np.isfinite(thick)
+    assert (thick > thin).where(both, True).all()
+    for oil in OILS:
+        alone = pipeline.boundary(pipeline.at_entries(store, {"oil": oil, "case": "slim"}))
+        there = boundary["critical_velocity"].sel(oil=oil, case="slim")
+        assert np.array_equal(alone["critical_velocity"], there, equal_nan=True)
+
+
+def test_commands_and_figures_answer_for_each_row(store, irg, tmp_path):
+    for command in ("boundary", "margin"):
+        place = PLACE if command == "margin" else ()
+        said = irg(command, store, *place)
+        assert all(case in said for case in CASES)
+    irg("plot", store, "-o", tmp_path / "rows.png")
+    irg("report", store, "-o", tmp_path / "rows.html")
+    assert "slim" in (tmp_path / "rows.html").read_text()
+
+
+def test_rows_have_places_of_their_own(tmp_path):
+    own = rows("test", {0: {}, 1: {"pin.radius": 6e-3}}, velocities=[0.5, 1.5], loads=[250, 600.0])
+    path = tmp_path / "places.zarr"
+    outcome = pipeline.run_sweep(sweep(variants=own), path, workers=1)
+    assert (outcome.total, outcome.done) == (2, 2)
+    ds = pipeline.open_sweep(path)
+    assert ds["velocity"].dims == ("test",)
+    assert (ds["status"].values == [[1, 0], [0, 1]]).all()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: sweep(variants=rows("case", {0: {"pin.colour": 1}})), "without colour"),
+        (lambda: rows("case", CASES) * rows("case", OILS), "give one"),
+        (lambda: sweep(variants=TABLE).variant((("oil", "none"),)), "which the sweep does not"),
+    ],
+)
+def test_what_a_table_cannot_be_is_told(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
