@@ -121,10 +121,7 @@ class Margin:
     @property
     def verdict(self) -> str:
         """``"mild"`` or ``"severe"`` beyond the error of the temperature, else not decided."""
-        error = self.temperature_error
-        if error is None or abs(self.distance) <= error:
-            return NOT_DECIDED
-        return "severe" if self.is_severe else "mild"
+        return verdict_on(self.is_severe, self.distance, self.temperature_error)
 
     @property
     def velocity_factor(self) -> float:
@@ -143,6 +140,19 @@ class Margin:
         del plain["is_severe"]
         names = "verdict", "temperature_error", "distance", "velocity_factor", "load_factor"
         return plain | entries | {name: getattr(self, name) for name in names}
+
+
+def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
+    """Verdict on a place at a distance from severe wear [K], beyond the error of that [K].
+
+    Examples
+    --------
+    >>> verdict_on(True, -3.0, 2.0), verdict_on(True, -3.0, 4.0), verdict_on(False, 3.0, None)
+    ('severe', 'not decided', 'not decided')
+    """
+    if error is None or abs(distance) <= error:
+        return NOT_DECIDED
+    return "severe" if is_severe else "mild"
 
 
 def margins(

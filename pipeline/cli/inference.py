@@ -10,16 +10,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pipeline
+from pipeline.analysis.margin import NOT_DECIDED, verdict_on
+from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.tables import TABLES, Column, Table, writable_path
+from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, tell
 from pipeline.cli.progress import run_line, working
-from pipeline.cli.scenes import PLACE, flags_of, one_scene_of, selected, values_in
+from pipeline.cli.scenes import PLACE, conditions_in, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep import molten
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
+from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.turns import note_on_turns
 from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
@@ -38,6 +42,8 @@ def point(options: argparse.Namespace) -> Result:
     with working("simulating") as progress:
         result = pipeline.run_point(sweep, options.load, options.velocity, progress=progress)
     measured, verdict = measures(sweep.scene, result.state), result.verdict(sweep.conditions)
+    judged, error = _judged(sweep, result, verdict)
+    commands = _next(options, sweep, verdict) if judged == NOT_DECIDED else []
     document = measured | {
         "velocity": options.velocity,
         "friction": sweep.conditions.friction,
@@ -45,23 +51,52 @@ def point(options: argparse.Namespace) -> Result:
         "decisive_temperature": verdict.decisive_temperature,
         "failed_fraction": verdict.failed_fraction,
         "failed_fraction_time": verdict.time,
-        "severe": verdict.is_severe,
+        "verdict": judged,
+        "temperature_error": error.total,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": verdict.decisive_temperature > molten.MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
         "wall_time": result.wall_time,
+        "next": commands,
         **selected(sweep),
     }
-    return Result(document, _on_point(sweep, result, verdict, measured))
+    lines = [*_on_point(sweep, result, verdict, measured, judged, error)]
+    return Result(document, [*lines, *(lines_on(commands) if judged == NOT_DECIDED else ())])
+
+
+def _judged(sweep: Sweep, result: PointResult, verdict: Verdict) -> tuple[str | None, RiseError]:
+    """Verdict on a point beyond its error [K]; None where no critical temperature is known."""
+    flags = sum({int(warning.kind) for warning in result.warnings})
+    rise = verdict.decisive_temperature - sweep.conditions.coldest_bulk_temperature
+    promised = velocity_error(fidelity_of(sweep))
+    error = error_of_point(flags, result.state.time, promised).times(rise)
+    critical = sweep.conditions.critical_temperature
+    if critical is None or verdict.is_severe is None:
+        return None, error
+    distance = critical - verdict.decisive_temperature
+    return verdict_on(verdict.is_severe, distance, error.total), error
+
+
+def _next(options: argparse.Namespace, sweep: Sweep, verdict: Verdict) -> list[str]:
+    """Command that may decide a point that is not decided."""
+    distance = sweep.conditions.known_critical_temperature() - verdict.decisive_temperature
+    rise = verdict.decisive_temperature - sweep.conditions.coldest_bulk_temperature
+    place = options.load, options.velocity, options.realization
+    return point_that_decides(sweep, *place, distance, rise, conditions_in(options))
 
 
 def _on_point(
-    sweep: Sweep, result: PointResult, verdict: Verdict, measured: Mapping[str, float]
+    sweep: Sweep,
+    result: PointResult,
+    verdict: Verdict,
+    measured: Mapping[str, float],
+    judged: str | None,
+    error: RiseError,
 ) -> Iterator[str]:
     """Lines on a point: its verdict, and then a line for each measure."""
     load, velocity = result.point[:2]
-    wear = "severe wear" if verdict.is_severe else "mild wear"
-    if verdict.is_severe is None:
+    wear = judged if judged == NOT_DECIDED else f"{judged} wear"
+    if judged is None:
         wear = "mild or severe is open without temperature.critical"
     yield (
         f"{load:g} N at {velocity:g} m/s after {measured['time']:.3g} s "
@@ -69,6 +104,7 @@ def _on_point(
     )
     for label, text in (
         *_on_heat(sweep, verdict, measured),
+        ("its error", error.worded),
         *_on_contact(sweep, result, measured),
         ("computed in", f"{result.wall_time:.2f} s"),
     ):

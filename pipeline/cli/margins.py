@@ -138,7 +138,7 @@ def _on_one(here: Margin) -> Iterator[str]:
     yield f"{here.load:g} N at {here.velocity:g} m/s: {here.verdict}{wear}"
     deciding = pipeline.display(here.decisive_temperature, "°C", 4)
     yield f"  deciding temperature  {deciding} ({_origin(here)})"
-    yield f"  its error             {_error(here)}"
+    yield f"  its error             {here.error.worded}"
     side = "above" if here.is_severe else "below"
     critical = pipeline.display(here.critical_temperature, "°C", 4)
     yield f"  distance              {abs(here.distance):.1f} K {side} {critical}"
@@ -160,20 +160,6 @@ def _origin(here: Margin) -> str:
     if here.is_continued:
         return "continued as a power of the velocity beyond the computed points"
     return "interpolated between computed points"
-
-
-def _error(here: Margin) -> str:
-    """Error of the deciding temperature and its parts, in words."""
-    parts = {
-        "interpolation": here.error.interpolation,
-        "preset": here.error.preset,
-        "warned points": here.error.warned,
-    }
-    known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
-    unknown = " and ".join(name for name, part in parts.items() if part is None)
-    if unknown:
-        return f"not known, for that of {unknown} is not" + (f" ({known})" if known else "")
-    return f"± {here.temperature_error:.2g} K" + (f": {known}" if known else "")
 
 
 def _document(margins: Sequence[Margin]) -> dict[str, Any]:

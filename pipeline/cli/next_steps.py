@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from pipeline.analysis.attributes import attributes_of
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.analysis.margin import Margin
+    from pipeline.sweep.model import Sweep
 
 _COARSE = 0.05  # error of the boundary velocity from which a table is no more than a first look
 _ACCURACIES = (0.05, 0.02, 0.01)  # that are suggested, of the boundary velocity
@@ -47,15 +50,21 @@ def commands_that_decide(
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
     attributes = attributes_of(ds)
-    commands, sharpest = dict[str, None](), math.inf
+    commands, sharpest, bound = dict[str, None](), math.inf, velocity_error(attributes)
     for margin in undecided:
-        interpolation, accuracy = margin.error.interpolation, _accuracy_for(attributes, margin)
+        interpolation = margin.error.interpolation
+        accuracy = _accuracy_for(bound, margin.distance, margin.error.preset)
         if interpolation is not None and interpolation <= (margin.error.preset or 0.0):
             sharpest = min(sharpest, accuracy or math.inf)
         elif _is_missing(ds, margin):
             commands[_run_again(ds, store)] = None
         else:
-            commands[_point(attributes, margin, accuracy, judged)] = None
+            # A point does not know how its rise grows, and takes the bound for its own error.
+            alone = None if bound is None else bound * _rise_of(margin, judged)
+            accuracy = _accuracy_for(bound, margin.distance, alone)
+            place = margin.load, margin.velocity, accuracy
+            surface, entries = margin.realization, margin.entries
+            commands[_point(attributes, *place, judged, surface, entries)] = None
     if math.isfinite(sharpest):
         commands[_more_accurate(attributes, store, sharpest)] = None
     return list(commands)
@@ -115,15 +124,59 @@ def _settings(stored: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[
     return settings
 
 
-def _accuracy_for(attributes: Mapping[str, Any], margin: Margin) -> float | None:
-    """Accuracy that decides a margin, by how much its preset errs; None if none is better."""
-    bound, preset = velocity_error(attributes), margin.error.preset
-    if bound is None or preset is None:
+def _accuracy_for(bound: float | None, distance: float, error: float | None) -> float | None:
+    """Accuracy that decides at a distance from severe wear [K]; None if none is better.
+
+    By the error that the bound of the boundary velocity makes of the temperature [K].
+    """
+    if bound is None or error is None:
         return _ACCURACIES[1]
-    enough = bound * abs(margin.distance) / preset if preset else bound
+    enough = bound * abs(distance) / error if error else bound
     better = [accuracy for accuracy in _ACCURACIES if accuracy < bound]
     finest = better[-1] if better else None
     return next((accuracy for accuracy in better if accuracy < enough), finest)
+
+
+def _rise_of(margin: Margin, judged: Mapping[str, Any]) -> float:
+    """Rise of the deciding temperature above the colder body [K]."""
+    bulks = (judged.get(name) for name in _BULKS)
+    return margin.decisive_temperature - float(min(bulk for bulk in bulks if bulk is not None))
+
+
+def fidelity_of(sweep: Sweep) -> dict[str, Any]:
+    """What `velocity_error` takes of the attributes of a store, of a sweep that has none yet."""
+    selection = sweep.about.selection
+    return {
+        "preset": sweep.about.preset,
+        "selection": selection.as_dict() if selection else None,
+        "scene": {"fidelity": asdict(sweep.scene.fidelity)},
+    }
+
+
+def point_that_decides(
+    sweep: Sweep,
+    load: float,
+    velocity: float,
+    realization: int | None,
+    distance: float,
+    rise: float,
+    given: Iterable[str],
+) -> list[str]:
+    """Command that computes a point that is not decided more accurately; none if nothing is.
+
+    Its distance from severe wear and its rise are in K; ``given`` are the names of conditions that
+    are not the scene's own.
+    """
+    bound = velocity_error(fidelity_of(sweep))
+    accuracy = _accuracy_for(bound, distance, None if bound is None else bound * rise)
+    if accuracy is None:
+        return []
+    conditions = sweep.conditions.as_dict()
+    others = {*given, *(["disk_temperature"] if "bulk_temperature" in given else [])}
+    names = {"failing_share": "share"}
+    own = {name: value for name, value in conditions.items() if names.get(name, name) not in others}
+    about = {"arguments": list(sweep.about.arguments), "name": sweep.about.name, "conditions": own}
+    return [_point(about, load, velocity, accuracy, conditions, realization)]
 
 
 def _is_missing(ds: xr.Dataset, margin: Margin) -> bool:
@@ -142,12 +195,18 @@ def _run_again(ds: xr.Dataset, store: Path | str) -> str:
 
 
 def _point(
-    attributes: Mapping[str, Any], margin: Margin, accuracy: float | None, judged: Mapping[str, Any]
+    attributes: Mapping[str, Any],
+    load: float,
+    velocity: float,
+    accuracy: float | None,
+    judged: Mapping[str, Any],
+    realization: int | None = None,
+    values: Mapping[str, float | str] = MappingProxyType({}),
 ) -> str:
     """Command that computes an operating point by itself."""
-    entries = [f"--set={path}={value}" for path, value in margin.entries.items()]
-    surface = [] if margin.realization is None else [f"--realization={margin.realization}"]
-    place = [f"--load={margin.load:.6g} N", f"--velocity={margin.velocity:.6g} m/s"]
+    entries = [f"--set={path}={value}" for path, value in values.items()]
+    surface = [] if realization is None else [f"--realization={realization}"]
+    place = [f"--load={load:.6g} N", f"--velocity={velocity:.6g} m/s"]
     settings = _settings(attributes.get("conditions") or {}, judged)
     scene = _scene_of(attributes)
     if accuracy is not None:

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.analysis.attributes import attributes_of
 from pipeline.cli.output import tell
 from pipeline.scene.over import note_of
+from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from tribo import InputError
@@ -85,6 +87,7 @@ def selected(sweep: Sweep) -> dict[str, Any]:
 def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
     """The store, or another one, at the entries and the wear rate that the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
+    tell_of_another_law(options, ds)
     if "sample" not in ds.dims and (weighed := weighing(options)):
         raise InputError(
             f"samples of unknown inputs are needed by {flags_of(weighed)}: give [unknown] and "
@@ -121,6 +124,19 @@ def criterion_in(options: argparse.Namespace) -> dict[str, Any]:
     """The criterion that the user gave, and permission to run it if that is code."""
     given = values_in(options, "criterion")
     return given | ({"own_laws": options.own_laws} if ":" in given.get("criterion", "") else {})
+
+
+def tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
+    """Note that the criterion which the user gave is not the text that the store was judged by."""
+    given, stored = criterion_in(options), attributes_of(ds).get("conditions") or {}
+    if not given.get("own_laws") or given["criterion"] != stored.get("criterion"):
+        return
+    digest, of_store = changes_of(**given)["own_criterion"].digest, stored.get("criterion_hash")
+    if digest != of_store:
+        tell(
+            f"note: {given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the "
+            f"store was judged by ({str(of_store)[:8]})"
+        )
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:

@@ -13,7 +13,6 @@ from pipeline.cli.progress import run_line
 from pipeline.cli.scenes import scene_of, selected
 from pipeline.run.cluster import client_of
 from pipeline.sweep.turns import note_on_turns
-from pipeline.sweep.warned import NO_WARNING
 
 
 def computed(options: argparse.Namespace) -> Result:
@@ -61,5 +60,6 @@ def computed(options: argparse.Namespace) -> Result:
         word = ["--criterion", own.reference, "--own-laws"] if own else []
         commands = (shlex.join(["irg", name, str(out), *word]) for name in names)
         text.append(f"next: {', '.join(commands)}")
-    warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING
-    return Result(document, text, warned, code=SOME_FAILED if outcome.failed else DONE)
+    return Result(
+        document, text, pipeline.warned(out), code=SOME_FAILED if outcome.failed else DONE
+    )

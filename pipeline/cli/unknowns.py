@@ -18,7 +18,14 @@ from pipeline.analysis.tables import Column, Table
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import beside, criterion_in, flags_of, values_in, weighing
+from pipeline.cli.scenes import (
+    beside,
+    criterion_in,
+    flags_of,
+    tell_of_another_law,
+    values_in,
+    weighing,
+)
 from pipeline.uncertain.answers import table_of_lines
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
@@ -43,6 +50,7 @@ def risk(options: argparse.Namespace) -> Result:
     if len(place) == 1:
         raise InputError("only one of --load and --velocity is given; give both or neither")
     ds = pipeline.open_sweep(options.store)
+    tell_of_another_law(options, ds)
     ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     draws = weighed.draws if weighed else None
     document = {"given_measured": weighed is not None, **about(ensemble)}
@@ -78,7 +86,7 @@ def on_risk(here: Risk) -> str:
     """Probability of severe wear at an operating point, in words."""
     return (
         f"{here.load:g} N at {here.velocity:g} m/s: severe wear with a probability of "
-        f"{here.probability:.3g} ± {here.error:.2g}"
+        f"{here.probability:.3g} ± {here.error:.2g}: {here.verdict}"
     )
 
 
@@ -156,6 +164,7 @@ def _within(value: float, ends: Sequence[float]) -> float | str:
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
     ds = pipeline.open_sweep(options.store)
+    tell_of_another_law(options, ds)
     ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
@@ -266,6 +275,8 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
     yield from (f"  {one}" for one in ensemble.fixed)
     if weighed:
         yield draws_in_words(weighed)
+    if ensemble.velocity_error is None:
+        yield "  the error of the samples' fidelity is not known, and not counted"
     if ensemble.missing:
         yield f"  {ensemble.missing} samples are left out: not done at every load"
 

@@ -30,6 +30,7 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.samples import Design
+from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
 from pipeline.uncertain.emulator import Emulator, Groups, features_of, fitted
 from pipeline.uncertain.fixed import (
@@ -112,6 +113,8 @@ class Ensemble:
         Samples left out, since some of their loads are not done.
     same_rig : bool
         True if the friction of tests is that of the scene, False if it is another machine's.
+    velocity_error : float or None
+        Error of boundary velocities by the fidelity of the samples, relative; None if not known.
 
     Examples
     --------
@@ -137,6 +140,7 @@ class Ensemble:
     fixed: tuple[Fixed, ...] = ()
     missing: int = 0
     same_rig: bool = True
+    velocity_error: float | None = None
 
     @classmethod
     def of(
@@ -212,6 +216,7 @@ class Ensemble:
             fixed=(*map(Fixed.from_dict, about.get("fixed", ())), *fixed),
             missing=int(np.count_nonzero(~done)),
             same_rig=bool(about.get("same_rig", True)),
+            velocity_error=velocity_error(about),
         )
 
     @property

@@ -12,14 +12,17 @@ import numpy as np
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_table import table_of_points
 from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.slow_rise import SLOWEST
 from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
-from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
 from pipeline.uncertain.inputs import QUANTILES, Draws
 from tribo.types import Array
+
+_APART = 1.1  # ratio of velocities over which a slope is taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +38,16 @@ class Risk:
     probability : float
         Probability of severe wear.
     error : float
-        Standard error of the probability, from the numbers of samples and of draws.
+        Error of the probability: the standard error from the numbers of samples and of draws, and
+        what the error of their fidelity moves it by.
     rise_error : float
         Standard error of the emulated rise against a simulation, relative; the root mean square
         over the draws.
     samples : int
         Samples that were simulated.
+    lowest, highest : float
+        The probability if all rises are too high or too low by the error of the samples' fidelity;
+        0 and 1 where that error is not known.
 
     Examples
     --------
@@ -57,10 +64,18 @@ class Risk:
     error: float
     rise_error: float
     samples: int
+    lowest: float
+    highest: float
+
+    @property
+    def verdict(self) -> str:
+        """``"mild"`` or ``"severe"`` where 95 % of the probability says so, else not decided."""
+        least, _, most = QUANTILES
+        return "mild" if self.highest <= least else "severe" if self.lowest >= most else NOT_DECIDED
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all fields by name."""
-        return asdict(self)
+        """Return all fields by name, and the verdict."""
+        return asdict(self) | {"verdict": self.verdict}
 
 
 def risk(
@@ -156,7 +171,7 @@ class MarginIntervals:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
-        return asdict(self)
+        return asdict(self) | {"risk": self.risk.as_dict()}
 
 
 def margin_intervals(
@@ -186,12 +201,13 @@ def margin_intervals(
     draws = draws_of(ensemble, draws)
     here, temperature, distance = _judged(ensemble, load, velocity, draws)
 
+    _, off = _with_error(ensemble, draws, here.load, here.velocity)
+
     def crossed(axis: Array, load: Array | float, velocity: Array | float) -> Interval:
         excess = ensemble.excess(draws.inputs, load, velocity).with_chance(ensemble.design.seed)
-        places = np.exp(log_crossings(axis, excess)[0])
-        places[places > axis[-1]] = math.inf
-        places[excess[:, 0] >= 0] = 0.0
-        return Interval(*draws.interval(places))
+        return _interval(
+            draws, [_places(axis, excess + sign * off[:, None]) for sign in (1.0, 0.0, -1.0)]
+        )
 
     velocities = np.geomspace(*ensemble.velocities, STEPS)
     loads = np.geomspace(ensemble.loads[0], ensemble.loads[-1], STEPS)
@@ -205,6 +221,20 @@ def margin_intervals(
         velocity_range=ensemble.velocities,
         load_range=(float(ensemble.loads[0]), float(ensemble.loads[-1])),
     )
+
+
+def _places(axis: Array, excess: Array) -> Array:
+    """Place along an axis at which each draw crosses; 0 or infinite beyond its ends."""
+    places = np.exp(log_crossings(axis, excess)[0])
+    places[places > axis[-1]] = math.inf
+    places[excess[:, 0] >= 0] = 0.0
+    return places
+
+
+def _interval(draws: Draws, values: Sequence[Array]) -> Interval:
+    """Interval of probability whose ends are those of values with the error at its worst."""
+    low, middle, high = map(draws.interval, values)
+    return Interval(low[0], middle[1], high[2])
 
 
 def risk_table(
@@ -248,10 +278,8 @@ def risk_table(
 
     def answer(load: float, velocity: float) -> tuple[Any, ...]:
         here, _, distance = _judged(ensemble, load, velocity, draws)
-        (least, _, most), chance = QUANTILES, here.probability
-        verdict = "mild" if chance <= least else "severe" if chance >= most else NOT_DECIDED
         ends = distance.middle, distance.low, distance.high
-        return verdict, chance, here.error, *ends, None
+        return here.verdict, here.probability, here.error, *ends, None
 
     return table_of_points(read, _COLUMNS, answer)
 
@@ -261,8 +289,12 @@ def _judged(
 ) -> tuple[Risk, Interval, Interval]:
     """Risk at an operating point, its deciding temperature, and the distance to the critical."""
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
-    excess = ensemble.excess(draws.inputs, load, velocity)
-    probability = float(np.clip(draws.mean(excess.probability), 0.0, 1.0))
+    excess, off = _with_error(ensemble, draws, load, velocity)
+
+    lowest, probability, highest = (
+        float(np.clip(draws.mean(excess._replace(values=values).probability), 0.0, 1.0))
+        for values in (excess.values - off, excess.values, excess.values + off)
+    )
     by_draws = math.sqrt(float(np.sum((draws.weights * (excess.probability - probability)) ** 2)))
     # What neighbours share is taken as shared by all draws, which errs to the safe side.
     density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
@@ -271,23 +303,45 @@ def _judged(
         load=load,
         velocity=velocity,
         probability=probability,
-        error=math.hypot(by_draws, by_samples),
+        error=math.hypot(by_draws, by_samples) + (highest - lowest) / 2,
         rise_error=math.sqrt(float(draws.mean(excess.error**2))),
         samples=len(ensemble.inputs),
+        lowest=lowest if ensemble.velocity_error is not None else 0.0,
+        highest=highest if ensemble.velocity_error is not None else 1.0,
     )
     friction, bulk, critical = (
         ensemble.values(path, draws.inputs) for path in (FRICTION, BULK, CRITICAL)
     )
     log_rise = excess.with_chance(ensemble.design.seed) + ensemble.log_limit(draws.inputs)
-    temperature = bulk + friction * np.exp(log_rise)
-    distance = draws.interval(critical - temperature)
-    return risk, Interval(*draws.interval(temperature)), Interval(*distance)
+    rise = friction * np.exp(log_rise)
+    temperatures = [bulk + rise * np.exp(sign * off) for sign in (-1.0, 0.0, 1.0)]
+    distances = [critical - temperature for temperature in reversed(temperatures)]
+    return risk, _interval(draws, temperatures), _interval(draws, distances)
+
+
+def _with_error(
+    ensemble: Ensemble, draws: Draws, load: float, velocity: float
+) -> tuple[Excess, Array]:
+    """Excess by draw, and how much the fidelity of the samples may move its values.
+
+    The boundary velocity that it errs by becomes a rise by the slope of the excess over the
+    logarithm of the velocity, within the exponents of `pipeline.analysis.margin_error`.
+    """
+    lowest, highest = ensemble.velocities
+    beside = velocity * _APART if velocity * _APART <= highest else velocity / _APART
+    both = ensemble.excess(draws.inputs, load, np.array([velocity, max(beside, lowest)]))
+    excess = Excess(*(part[:, 0] for part in both))
+    if beside < lowest:
+        slope = np.ones(len(excess.values))
+    else:
+        slope = (both.values[:, 1] - excess.values) / math.log(beside / velocity)
+    return excess, np.clip(slope, SLOWEST, 1.0) * math.log1p(ensemble.velocity_error or 0.0)
 
 
 _COLUMNS = (
     Column("verdict", "verdict"),
     Column("probability", "probability of severe wear", write="{:.3f}".format),
-    Column("error", "standard error", write="{:.3f}".format),
+    Column("error", "its error", write="{:.3f}".format),
     Column("distance", "below the critical", "K", 3),
     Column("distance_low", f"below it, {100 * QUANTILES[0]:g} %", "K", 3),
     Column("distance_high", f"below it, {100 * QUANTILES[-1]:g} %", "K", 3),

@@ -101,7 +101,7 @@ def _faults_of(path, whole):
     for name, (code, _, err) in answers.items():
         if code is None:
             yield f"{name}: {err}"
-        elif code == 2 and not any(word in err for word in ("irg verify", "backup", "delete it")):
+        elif code == 2 and not any(word in err for word in ("irg verify", "backup")):
             yield f"{name} does not say what to do: {err}"
     code, out, _ = answers["boundary"]
     pending = answers["status"][0] == 0 and json.loads(answers["status"][1])["pending"]

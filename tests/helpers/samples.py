@@ -61,6 +61,7 @@ def ensemble(unknown=ALL, count=64, tests=(), noise=0.0):
         rises=rises,
         widths=np.full(rises.shape, 2e-4) * velocities[:, None] ** 0.1,
         tests=tuple(tests),
+        velocity_error=0.0,
     )
 
 
@@ -95,6 +96,7 @@ def dataset(samples, growth=((0.0, 1.0),)):
     loads = np.broadcast_to(samples.loads[:, None], rise.shape[:3])
     about = {
         "title": samples.title,
+        "preset": "draft",
         "scene": {"samples": samples.design.as_dict(), "loading": {"hold": samples.hold}},
         "conditions": samples.conditions.as_dict(),
         "unknown": [entry.as_dict() for entry in samples.unknown],

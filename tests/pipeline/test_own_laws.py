@@ -166,6 +166,17 @@ def test_the_scene_of_the_page_runs(folder, irg):
     assert any("criterion laws:hottest" in line for line in said)
 
 
+def test_another_text_of_the_criterion_than_the_store_s_is_named(folder, irg):
+    word = ["--criterion", "laws:median", "--own-laws"]
+    few = ["--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s", "3 m/s"]']
+    own = ["--set", "temperature.criterion=laws:median", "--own-laws"]
+    irg("run", "small.toml", *few, *own, "-q", "-o", "own.zarr")
+    assert "is not the text" not in irg("boundary", "own.zarr", *word)
+    with folder.joinpath("laws.py").open("a") as file:
+        file.write("# edited\n")
+    assert "is not the text that the store was judged by" in irg("boundary", "own.zarr", *word)
+
+
 @pytest.mark.parametrize(
     ("setting", "words"),
     [

@@ -57,7 +57,7 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
     scene.write_text(f'extends = "{paper}"\nwithout = ["temperature.critical"]\n', encoding="utf-8")
     assert pipeline.load_scene(scene).conditions == UNKNOWN
     place = ["--load", "200 N", "--velocity", "1 m/s"]
-    assert irg("point", scene, *place, "--json")["severe"] is None
+    assert irg("point", scene, *place, "--json")["verdict"] is None
     assert "open without temperature.critical" in irg("point", scene, *place)
     assert "mild wear" in irg("point", scene, *place, "--critical-temperature", "145 degC")
     out = str(tmp_path / "out.zarr")

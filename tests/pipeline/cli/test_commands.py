@@ -95,11 +95,29 @@ def test_point_alone_equals_the_point_of_the_sweep(scene, store, irg):
 
 
 def test_point_in_words(scene, irg):
-    said = irg("point", scene, "--load", "600 N", "--velocity", "4 m/s")
-    assert all(word in said for word in ("600 N at 4 m/s", "severe wear", "°C"))
+    said = irg("point", scene, "--load", "600 N", "--velocity", "4 m/s", "--preset", "draft")
+    assert all(word in said for word in ("600 N at 4 m/s", "not decided", "°C", "its error"))
     small = ("--set", "increments=1", "--set", "window.pixels=[64, 16]")
     said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", *small)
     assert "the velocity is negative, so the disk slides towards −x" in said
+
+
+def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(scene, irg):
+    place = ["point", scene, "--load", "600 N", "--velocity", "2 m/s", "--preset", "draft"]
+    temperature = irg(*place, "--json")["decisive_temperature"]
+    critical = f"{temperature + 1:.6g} K"
+    near = irg(*place, "--critical-temperature", critical, "--json")
+    assert near["verdict"] == "not decided"
+    assert [warning["kind"] for warning in near["warnings"]] == ["few nodes"]
+    expected = (0.08 + 0.80) * (temperature - 298.15)
+    assert near["temperature_error"] == pytest.approx(expected, rel=1e-6)
+    (command,) = near["next"]
+    assert command.startswith("irg point ")
+    assert "--accuracy=1%" in command
+    assert "--set=temperature.critical=" in command
+    assert f"not decided; next: {command}" in irg(*place, "--critical-temperature", critical)
+    unknown = irg(*place, "--set", "increments=7", "--json")
+    assert (unknown["verdict"], unknown["temperature_error"]) == ("not decided", None)
 
 
 def test_point_names_the_load_that_the_window_does_not_carry(scene, irg):
@@ -185,14 +203,15 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
     by_option, by_setting = (
         irg(*point, *words) for words in (options, [f"--set={entry}" for entry in same])
     )
-    del by_option["wall_time"], by_setting["wall_time"]
+    for document in (by_option, by_setting):
+        del document["wall_time"], document["next"]
     assert by_option == by_setting
-    assert by_option["severe"]
+    assert by_option["failed_fraction"] > 0.05
     for way in (("--friction", 0), ("--set", "friction.coefficient=0")):
         document = irg(*point, *way)
         assert document["max_temperature"] == document["decisive_temperature"] == 298.15
         assert document["failed_fraction"] == 0
-        assert not document["severe"]
+        assert document["verdict"] == "mild"
     warm = irg(*point, "--set", "friction.coefficient=0", "--friction", 0.1)
     assert warm["max_temperature"] == irg(*point)["max_temperature"]
 

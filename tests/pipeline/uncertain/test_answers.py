@@ -1,5 +1,6 @@
 """Risk, sensitivity and inference, on a rise that is known in closed form."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -12,6 +13,7 @@ from pipeline.uncertain.sensitivity import _first_of, indices
 from tests.helpers.samples import (
     ALL,
     CRITICAL,
+    EXPONENT,
     FRICTION,
     JOINT,
     LENGTH,
@@ -42,6 +44,28 @@ def test_the_probability_is_that_of_2000_direct_samples_within_its_error(load, v
     error = math.hypot(risk.error, math.sqrt(severe.mean() * (1 - severe.mean()) / 2000))
     assert abs(risk.probability - severe.mean()) < 2.5 * error
     assert risk.error < 0.02
+
+
+def test_the_error_of_the_preset_widens_every_answer(samples):
+    coarse = dataclasses.replace(samples, velocity_error=0.08)
+    exact, rough = (pipeline.margin_intervals(one, 400.0, 2.0) for one in (samples, coarse))
+    rise = 1.08**EXPONENT
+    assert rough.decisive_temperature.middle == exact.decisive_temperature.middle
+    widest = rough.decisive_temperature.high - 298.15
+    assert widest == pytest.approx(rise * (exact.decisive_temperature.high - 298.15), rel=0.02)
+    assert rough.critical_velocity.low == pytest.approx(
+        exact.critical_velocity.low / 1.08, rel=0.02
+    )
+    assert rough.distance.low < exact.distance.low < exact.distance.high < rough.distance.high
+    low, high = (pipeline.risk(samples, 400.0, 2.0 * by).probability for by in (1 / 1.08, 1.08))
+    assert (rough.risk.lowest, rough.risk.highest) == pytest.approx((low, high), abs=0.01)
+    assert rough.risk.error > (high - low) / 2.1
+
+
+def test_samples_whose_error_is_not_known_decide_nothing(samples):
+    unknown = dataclasses.replace(samples, velocity_error=None)
+    assert pipeline.risk(samples, 400.0, 0.8).verdict == "mild"
+    assert pipeline.risk(unknown, 400.0, 0.8).verdict == "not decided"
 
 
 def test_the_probability_counts_with_what_is_correlated(samples):
