@@ -15,7 +15,14 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import with_band
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
-from pipeline.analysis.dataset import asked, dataset_of, entry_dims, plane_of, variant_of
+from pipeline.analysis.dataset import (
+    asked,
+    dataset_of,
+    entry_dims,
+    plane_of,
+    require_plane,
+    variant_of,
+)
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import exponent
 from pipeline.analysis.scenes import differing, scenes, stacked
@@ -114,6 +121,7 @@ def boundary(
     if isinstance(friction, str):
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
     ds = dataset_of(ds)
+    require_plane(ds)
     others = (bulk_temperature, critical_temperature, share, criterion, own_laws)
     if hasattr(friction, "ndim"):  # an array, which may be of no dimension
         friction = np.asarray(friction).tolist()

@@ -96,16 +96,26 @@ def _of_one_scene(ds: xr.Dataset) -> xr.Dataset:
 
 
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """Dataset of a sweep with loads and velocities; one of samples is refused."""
+    """Dataset of a sweep with loads and velocities; one of rows with own places is refused."""
     ds = dataset_of(source)
+    require_plane(ds)
     require_one_scene(ds)
-    if "sample" in ds.dims:
+    return ds
+
+
+def require_plane(ds: xr.Dataset) -> None:
+    """Raise an `InputError` at a sweep whose rows have places of their own."""
+    if not has_plane(ds):
         raise InputError(
-            "the sweep has samples of unknown inputs, each at one velocity, and no plane of "
-            "velocities and loads; irg risk, boundary, margin and plot show what follows from "
+            "the sweep has rows with one velocity each, and no plane of velocities and loads; of "
+            "samples of unknown inputs, irg risk, boundary, margin and plot show what follows from "
             "them, in Python pipeline.Ensemble.of(ds)"
         )
-    return ds
+
+
+def has_plane(ds: xr.Dataset) -> bool:
+    """True if all rows share the velocities, and none has one of its own."""
+    return set(ds["velocity"].dims) <= {"velocity"}
 
 
 def require_one_scene(ds: xr.Dataset) -> None:

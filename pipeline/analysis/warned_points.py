@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import dataset_of, entry_dims
+from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.scenes import scenes, stacked, value_text
 from pipeline.analysis.slow_rise import WORDS, slow_rise
@@ -85,6 +85,8 @@ def _molten(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
 
 def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
     """Points beside the boundary of their scene; None where that is not known of all."""
+    if not has_plane(ds):
+        return None
     near = [_beside_boundary(scene, conditions) for scene in scenes(ds)]
     if any(marked is None for marked in near):
         return None
@@ -95,11 +97,8 @@ def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArr
 def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
     """Points with a neighbour with the other kind of wear, at any of the frictions.
 
-    None where no critical temperature tells the kind of wear, or a criterion that is not run, and
-    for samples, each of which has its own inputs and velocity.
+    None where no critical temperature tells the kind of wear, or a criterion that is not run.
     """
-    if "sample" in ds.dims:
-        return None
     frictions = conditions.get("friction")
     several = frictions if isinstance(frictions, Iterable) else [frictions]
     near = None

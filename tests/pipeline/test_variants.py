@@ -93,3 +93,12 @@ def test_rows_have_places_of_their_own(tmp_path):
 def test_what_a_table_cannot_be_is_told(make, words):
     with pytest.raises(InputError, match=words):
         make()
+
+
+def test_the_boundary_of_rows_with_places_of_their_own_is_refused_in_a_line(tmp_path):
+    own = rows("test", {0: {}, 1: {"pin.radius": 6e-3}}, velocities=[0.5, 1.5])
+    path = tmp_path / "places.zarr"
+    pipeline.run_sweep(sweep(variants=own), path, workers=1)
+    with pytest.raises(InputError, match="no plane of velocities and loads"):
+        pipeline.boundary(path)
+    assert pipeline.warned(path).at_boundary in (None, 0)
