@@ -20,6 +20,7 @@ from pipeline.analysis.boundary_tables import (
     readable,
     tables_of,
 )
+from pipeline.analysis.compared import compared, lines_of
 from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes
 from pipeline.analysis.turns import turns_left_out
@@ -42,13 +43,17 @@ def boundary(options: argparse.Namespace) -> Result:
     command = _command(crossings, options.store, ds)
     cold = turns_left_out(ds, crossings, **conditions)
     not_counted = ["", f"warning: {cold}"] if cold else []
+    tests = compared(ds, **conditions)
     text = [
         *text_of(crossings, command),
         *not_counted,
+        *(["", *lines_of(tests)] if tests else []),
         *after_boundary(attributes_of(ds), options.store),
     ]
     warned = pipeline.warned(ds, **conditions)
     document = document_of(crossings) | {"command": command, "not_counted": cold}
+    if tests:
+        document["tests"] = tests.as_dict()
     return Result(document, text, warned, tables_of(crossings))
 
 

@@ -190,12 +190,54 @@ def infer(options: argparse.Namespace) -> Result:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
         raise InputError(f"{flags_of([*ignored])} belongs to --contact-width, which is not given")
+    tested = () if sweep.about.measured else sweep.about.tested
+    if tested:
+        sweep = sweep.changed(measured=tested)
     with run_line() as progress:
         inferred = pipeline.critical_temperatures(
             sweep, tell=tell, out=options.kept, workers=options.workers, progress=progress
         )
     tables = [_transitions(inferred)]
+    if tested:
+        outcomes = [str(test.outcome) for test in tested]
+        return _of_tests(inferred, outcomes, sweep.about.name, tables)
     return Result(inferred.as_dict(), _on_temperatures(inferred), tables=tables)
+
+
+def _of_tests(
+    at_tests: CriticalTemperatures, outcomes: list[str], name: str, tables: list[Table]
+) -> Result:
+    """Bounds of the critical temperature from tests, and the lines that would say more.
+
+    A test that stayed mild was colder than the critical temperature, one that turned severe hotter.
+    """
+    judged = list(zip(at_tests.transitions, outcomes, at_tests.means, strict=True))
+    low = max((mean for _, outcome, mean in judged if outcome == "mild"), default=None)
+    high = min((mean for _, outcome, mean in judged if outcome == "severe"), default=None)
+    text = [f"critical temperature from {counted(len(outcomes), 'test', 'tests')}:"]
+    for test, outcome, mean in judged:
+        side = "above" if outcome == "mild" else "below"
+        place = f"{test.normal_load:g} N, {test.velocity:g} m/s, friction {test.friction:g}"
+        text.append(f"  {place}: {outcome}, so {side} {pipeline.display(mean, '°C', 4)}")
+    above, below = (None if end is None else pipeline.display(end, "°C", 4) for end in (low, high))
+    if low is None or high is None:
+        text.append(f"it lies {f'below {below}' if low is None else f'above {above}'}")
+    elif low < high:
+        text.append(f"it lies between {above} and {below}")
+    else:
+        text.append(f"the tests contradict each other: mild up to {above}, severe from {below} on")
+    known = [end - 273.15 for end in (low, high) if end is not None]
+    first, last = round(min(known) / 10 - 4) * 10, round(max(known) / 10 + 4) * 10
+    toml = [
+        "[unknown]",
+        f'"temperature.critical" = {{ from = "{first} degC", to = "{last} degC" }}',
+    ]
+    text += [
+        "", "how likely each value is, with the scatter of tests: give the scene the lines", "",
+        *toml, "", f"and samples = 64 in [sweep]; then irg run {name}.toml, irg infer {name}.toml",
+    ]  # fmt: skip
+    document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
+    return Result(document | {"toml": "\n".join(toml)}, text, tables=tables)
 
 
 def _of_stores(options: argparse.Namespace) -> Result:

@@ -19,6 +19,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
 from pipeline.analysis.boundary import boundary_under
+from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, entry_dims, on_surface, variant_of
 from pipeline.analysis.decisive import decisive_rise, refined
@@ -26,10 +27,12 @@ from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, CROSSES, Transition, range_of
 from pipeline.analysis.warned_points import has_warning
 from pipeline.figures.overlays import (
-    at_own_friction,
+    at_own_conditions,
     film_lines,
+    in_reach,
     isoline,
     measured_transitions,
+    tested_points,
 )
 from pipeline.figures.regions import name_regions
 from pipeline.figures.style import (
@@ -82,8 +85,8 @@ def diagram(
     between the tenth and the ninetieth of a hundred. The boundary is drawn on the plane
     interpolated between the computed points, on which `pipeline.boundary` lies for each load and
     each velocity. Where the sweep has a band of friction coefficients, the boundaries at its ends
-    enclose a shaded area; where it has measured transitions, they are marked; where its scene gives
-    an oil, lines show where mixed lubrication and the full film begin.
+    enclose a shaded area; where it has measured transitions or tests, they are marked; where its
+    scene gives an oil, lines show where mixed lubrication and the full film begin.
     """
     if variant_of(ds) == "sample" or given_measured or scatter is not None:
         judged = {k: changed.pop(k) for k in ("criterion", "own_laws") if k in changed}
@@ -122,16 +125,24 @@ def diagram(
     elif max(sizes) > 1:
         legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
-    measured = attributes_of(ds).get("measured") or []
-    legend += measured_transitions(axes, measured)
+    tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
+    legend += _tests(axes, tests)
     if is_plane:
-        legend += at_own_friction(axes, plane, measured, conditions)
+        legend += at_own_conditions(axes, plane, tests, conditions)
+    legend += beyond_figure
     _frame(axes, ds, realization, log)
     if is_plane:
-        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
+        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
     severe = f"severe wear: {criterion(conditions)}; {heating(conditions)}"
     legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
     return figure
+
+
+def _tests(axes: Axes, tests: Sequence[Mapping[str, Any]]) -> list[Artist]:
+    """Mark measured transitions and tests."""
+    measured = [test for test in tests if "outcome" not in test]
+    tested = [test for test in tests if "outcome" in test]
+    return [*measured_transitions(axes, measured), *tested_points(axes, tested)]
 
 
 def _frame(axes: Axes, ds: xr.Dataset, realization: int | None, log: bool) -> None:
@@ -173,8 +184,8 @@ def _of_scenes(
         outside = "" if is_drawn else ": no transition computed"
         width = 2.0 if is_drawn else 0.0
         legend.append(Line2D([], [], lw=width, color=colour, label=name + outside))
-    measured = attributes_of(ds).get("measured") or []
-    legend += measured_transitions(axes, measured)
+    tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
+    legend += [*_tests(axes, tests), *beyond_figure]
     _frame(axes, ds, realization, log)
     title = f"transition to severe wear, by {' and '.join(entry_dims(ds))}"
     if len({judged for _, judged in several}) == 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,11 @@ _LEAST_ROOM = 0.4  # of a label's size, around its middle
 
 
 def name_regions(
-    axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[dict[str, Any]]
+    axes: Axes,
+    plane: xr.DataArray,
+    limit: float,
+    loads: Array,
+    measured: Sequence[Mapping[str, Any]],
 ) -> None:
     """Name mild and severe wear where each has most room, between two rows of points."""
     scale = np.log if axes.get_xscale() == "log" else np.asarray

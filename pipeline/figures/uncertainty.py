@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.figures.overlays import measured_transitions
+from pipeline.figures.overlays import measured_transitions, tested_points
 from pipeline.figures.style import (
     BLACK,
     BLUE,
@@ -82,7 +82,8 @@ def draw_risk(
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
     bar.set_label("probability of severe wear")
     transitions = [test for test in ensemble.tests if "outcome" not in test]
-    for marks in measured_transitions(axes, transitions):
+    tests = [test for test in ensemble.tests if "outcome" in test]
+    for marks in (*measured_transitions(axes, transitions), *tested_points(axes, tests)):
         marks.set_clip_on(False)
     if place:
         axes.plot(

@@ -16,6 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     asked,
@@ -30,6 +31,7 @@ from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import outcomes, range_of
 from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
+from pipeline.figures.overlays import in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
 from pipeline.figures.page.fine import along, between, bridged, error_of_lines, parts_of
@@ -105,7 +107,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
             asdict(control)
             for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1, rates)
         ],
-        "measured": attributes.get("measured") or [],
+        "measured": in_reach(ds, laboratory_tests(ds))[0],
         "friction_band": attributes.get("friction_band"),
         "film": _film(attributes, ds),
         "chosen": bool(attributes.get("boundary_only")),

@@ -168,12 +168,16 @@ function drawnMarks(frame) {
   });
 }
 
-/** Measured transitions, each beside the one computed at its own friction. @param {Frame} frame */
+/**
+ * Measured transitions and tests, each beside the transition computed at its own conditions.
+ * @param {Frame} frame
+ */
 function drawnMeasured(frame) {
   return content.measured.flatMap((measurement) => {
     const [x, y] = [frame.x(measurement.velocity), frame.y(measurement.normal_load)];
     const expected = frame.x(expectedVelocity(measurement));
-    const mark = diamond(x, y, 6.5, "measured");
+    const mark = testMark(x, y, measurement.outcome);
+    if (!hasOwnConditions(measurement)) return [mark];
     if (!Number.isFinite(expected)) return [mark];
     const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
     return [line, diamond(expected, y, 4.5, "expected"), mark];
@@ -184,6 +188,20 @@ function drawnMeasured(frame) {
 function drawnPlace(frame) {
   if (!isInside()) return [];
   return [cross(frame.x(chosen.velocity), frame.y(chosen.load))];
+}
+
+/**
+ * Signs of measured transitions and of tests, in words.
+ * @param {Measurement[]} tests @returns {[boolean, string, SVGElement][]}
+ */
+function testSigns(tests) {
+  const kinds = /** @type {["mild" | "severe" | undefined, string][]} */ ([
+    [undefined, "measured transition"], ["mild", "test: mild wear"], ["severe", "test: severe wear"],
+  ]);
+  return kinds.map(([kind, words]) => {
+    const isThere = tests.some(({ outcome }) => outcome === kind);
+    return [isThere, words, testMark(13, 7, kind)];
+  });
 }
 
 /** Signs of the diagram, in words. */
@@ -208,8 +226,12 @@ function showLegend() {
   for (const [kind, words] of KINDS) signs.push([kinds.has(kind), words, mark(kind, 13, 7, 4)]);
   signs.push(
     [isWarned, "carries a warning", svg("circle", { class: "ring", cx: 13, cy: 7, r: 6 })],
-    [measured.length, "measured transition", diamond(13, 7, 6, "measured")],
-    [measured.length && isJudged(), "computed at its own friction", diamond(13, 7, 5, "expected")],
+    ...testSigns(measured),
+    [
+      isJudged() && measured.some(hasOwnConditions),
+      "computed at the test’s own conditions",
+      diamond(13, 7, 5, "expected"),
+    ],
     [isInside(), "operating point", line("operating", "M5,7h16M13,-1v16")],
   );
   showSigns(signs);

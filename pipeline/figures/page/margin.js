@@ -1,32 +1,69 @@
 // @ts-check
 "use strict";
-/* Measured transitions, and the margin of an operating point. */
+/* Measured transitions and tests, and the margin of an operating point. */
 
-/** Velocity computed at the load and the friction of a measurement. @param {Measurement} measurement */
-function expectedVelocity({ normal_load, friction }) {
-  const conditions = { ...chosen.conditions, friction: friction ?? chosen.conditions.friction };
-  const ends = surfaces().map(
-    (surface) => sweep.margin(surface, normal_load, NaN, conditions).velocity.ends,
-  );
-  return quantileOfEnds(ends, 0.5);
+/** Conditions of a test: its own friction and bulk temperature, if it has any. @param {Measurement} test */
+function conditionsOf({ friction, bulk_temperature }) {
+  const own = { ...chosen.conditions, friction: friction ?? chosen.conditions.friction };
+  if (bulk_temperature === undefined) return own;
+  const disk = own.disk_temperature === undefined ? {} : { disk_temperature: bulk_temperature };
+  return { ...own, ...disk, bulk_temperature };
+}
+
+/** A test has another transition than the boundary that is drawn. @param {Measurement} test */
+function hasOwnConditions(test) {
+  const [own, drawn] = [conditionsOf(test), chosen.conditions].map((conditions) => riseLimit(conditions));
+  return Math.abs(own / drawn - 1) > 0.02;
+}
+
+/** Margin on each surface at the place and the conditions of a test. @param {Measurement} test */
+function marginsOf(test) {
+  const { normal_load, velocity } = test;
+  return surfaces().map((surface) => sweep.margin(surface, normal_load, velocity, conditionsOf(test)));
+}
+
+/** Velocity of the transition computed at the load and the conditions of a test. @param {Measurement} test */
+function expectedVelocity(test) {
+  return quantileOfEnds(marginsOf(test).map((margin) => margin.velocity.ends), 0.5);
+}
+
+/** What is computed at a test, and whether it agrees. @param {Measurement} test */
+function comparison(test) {
+  const { normal_load: load, velocity, outcome } = test;
+  if (!isJudged() || !isOn(load, sweep.loads)) return ["not known", "not known"];
+  if (!outcome) {
+    const expected = expectedVelocity(test);
+    const difference = 100 * (expected / velocity - 1);
+    if (!Number.isFinite(difference)) return ["beyond the sweep", "not known"];
+    return [`at ${shown(expected)} m/s`, `${difference > 0 ? "+" : ""}${difference.toFixed(1)} %`];
+  }
+  if (!isOn(velocity, sweep.velocities)) return ["not known", "not known"];
+  const own = conditionsOf(test);
+  const kinds = marginsOf(test).map(({ rise }, k) => {
+    const error = errorAt(surfaces()[k], load, velocity) * rise;
+    return verdictOf(riseLimit(own) - rise, error);
+  });
+  const kind = verdictsText(kinds);
+  return [kind, kind === outcome ? "yes" : ["mild", "severe"].includes(kind) ? "no" : "not decided"];
 }
 
 function showMeasured() {
   element("measured-section").hidden = !content.measured.length;
-  const rows = content.measured.map((measurement) => {
-    const { normal_load, friction, velocity } = measurement;
-    const expected = expectedVelocity(measurement);
-    const difference = 100 * (expected / velocity - 1);
+  const rows = content.measured.map((test) => {
+    const { normal_load, friction, velocity, outcome, bulk_temperature } = test;
+    const { bulk_temperature: bulk } = conditionsOf(test);
     return [
+      outcome ?? "transition",
       shown(normal_load, 6),
-      friction === null ? `${shown(chosen.conditions.friction)} (set above)` : shown(friction),
       shown(velocity),
-      shown(expected),
-      Number.isFinite(difference) ? `${difference > 0 ? "+" : ""}${difference.toFixed(1)} %` : "–",
+      friction === null ? `${shown(chosen.conditions.friction)} (set above)` : shown(friction),
+      `${shown(bulk - ZERO_CELSIUS)}${bulk_temperature === undefined ? " (set above)" : ""}`,
+      ...comparison(test),
     ];
   });
-  const heads = ["load [N]", "friction", "measured [m/s]", "computed [m/s]", "difference"];
-  const caption = "computed at the friction that was measured, and the temperatures and share set above";
+  const heads = ["test", "load [N]", "velocity [m/s]", "friction", "bulk [°C]", "computed", "agrees"];
+  const own = "each computed at its own friction and bulk temperature";
+  const caption = `${own}; of transitions the difference in velocity`;
   element("measured").replaceChildren(table(caption, heads, rows));
 }
 

@@ -162,6 +162,16 @@ function diamond(x, y, r, look) {
   return svg("path", { class: look, d: `M${x - r},${y}L${x},${y - r}L${x + r},${y}L${x},${y + r}Z` });
 }
 
+/**
+ * Mark of a measured transition, or of a test: open where wear stayed mild.
+ * @param {number} x @param {number} y @param {"mild" | "severe" | undefined} outcome
+ */
+function testMark(x, y, outcome) {
+  if (!outcome) return diamond(x, y, 6.5, "measured");
+  const d = `M${x - 7},${y + 5}L${x},${y - 7}L${x + 7},${y + 5}Z`;
+  return svg("path", { class: `tested tested-${outcome}`, d });
+}
+
 /** The mark of an operating point. @param {number} x @param {number} y */
 function cross(x, y) {
   return svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` });

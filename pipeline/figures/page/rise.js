@@ -3,7 +3,8 @@
 /* The deciding rise of a sweep, which Python has tabulated on a fine plane. Nothing here knows the page. */
 
 /**
- * @typedef {{normal_load: number, velocity: number, friction: number | null}} Measurement
+ * @typedef {{normal_load: number, velocity: number, friction: number | null,
+ *   bulk_temperature?: number, outcome?: "mild" | "severe"}} Measurement
  * @typedef {[number, number, number, number, string, string, string]} Packed
  * @typedef {{points: Object<string, Packed>, stored: number, scales?: string[],
  *   block?: [number, number], extent?: [number, (number | null)]}} Fields

@@ -74,8 +74,8 @@ function drawSamples() {
     { ...y, label: "normal load [N]" },
   );
   inside.append(...drawnBand(frame));
-  for (const { velocity, normal_load } of measured) {
-    inside.append(diamond(frame.x(velocity), frame.y(normal_load), 6.5, "measured"));
+  for (const { velocity, normal_load, outcome } of measured) {
+    inside.append(testMark(frame.x(velocity), frame.y(normal_load), outcome));
   }
   if (isJudgedPlace()) inside.append(cross(frame.x(operating.velocity), frame.y(operating.load)));
   root.addEventListener("pointerleave", () => {
@@ -134,7 +134,7 @@ function beginSamples() {
   showSigns([
     [true, "as likely severe as mild", svg("path", { class: "boundary", d: "M0,7H26" })],
     [true, `severe with a probability of ${100 * low} to ${100 * high} %`, box("band")],
-    [samples.measured.length, "measured transition", diamond(13, 7, 6, "measured")],
+    ...testSigns(samples.measured),
   ]);
   const lines = [...element("velocities").querySelectorAll("tr")].map((row) =>
     [...row.cells].map((cell) => cell.textContent).join(","),

@@ -32,7 +32,7 @@ def content_of_samples(
         "name": attributes.get("name"),
         "basis": f"Not known exactly{evidence}: "
         f"{'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}.",
-        "measured": attributes.get("measured") or [],
+        "measured": [*ensemble.tests],
         "loads": plane["load"].values.tolist(),
         "velocities": plane["velocity"].values.tolist(),
         "probability": packed([plane.values], "<f4"),

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import readable
+from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, entry_dims, variant_of
 from pipeline.analysis.entries import entries_of
@@ -57,11 +58,10 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
         "Question and answer": lambda: _question(ds, conditions),
         "Transition diagram": lambda: [fitted(diagram(ds, **conditions), 0.17, with_title=False)],
         "Boundary in numbers": lambda: _numbers(ds, conditions),
+        "Tests": lambda: _tests(ds, conditions),
         "Operating points": lambda: _operating_points(ds, points, conditions),
         "Warnings": lambda: _warnings(ds, conditions),
         "Inputs": lambda: _inputs(attributes),
-        "Measured transitions": lambda: _measured(attributes, "measured"),
-        "Tests": lambda: _measured(attributes, "tested"),
         "Numerical choices and their error": lambda: _fidelity(attributes),
         "Model": lambda: [_MODEL],
         "Versions": lambda: _versions(attributes),
@@ -205,23 +205,25 @@ def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
     yield f"Source: {origin} from the scene {attributes.get('name')}.toml."
 
 
-def _measured(attributes: Mapping[str, Any], name: str) -> Iterator[Part]:
-    """Measured transitions, or tests, of the scene."""
-    if entries := attributes.get(name):
-        rows = tuple(tuple(test.get(column.name) for column in _TESTS) for test in entries)
-        yield Table(_TESTS, rows).without_empty()
+def _tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
+    """Tests of the laboratory beside what is computed at their own conditions."""
+    table = compared(ds, **conditions)
+    if table is None:
+        return
+    yield agreement(table)
+    yield table.without({"note"}).without_empty()
+    yield (
+        "Each is computed at its own friction and bulk temperature. A transition agrees within two "
+        "standard deviations of its velocity (5 % each if it gives none); a test agrees if its "
+        "outcome is the computed one beyond the error of the temperature."
+    )
+    yield from (f"{note}." for note in notes_of(table))
 
 
 _ENTRY = Column("entry", "entry"), Column("value", "value"), Column("meaning", "meaning")
 _LIBRARY = (
     Column("key", "from the library"), Column("value", "value"), Column("source", "source"),
 )  # fmt: skip
-_TESTS = (
-    Column("normal_load", "load", "N"),
-    Column("velocity", "velocity", "m/s"),
-    Column("friction", "friction"),
-    Column("outcome", "wear"),
-)
 
 
 def _meaning(path: str) -> str:

@@ -80,7 +80,7 @@ def test_diagram_says_its_conditions(sweep, drawn):
         "failed",
         "pending",
         "measured transition",
-        "computed at the friction measured",
+        "computed at the test's own conditions",
     ]
     (legend,) = diagram(sweep, friction=0.2, bulk_temperature=373.15, share=0).legends
     assert legend.get_title().get_text() == (
@@ -117,7 +117,7 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
         velocity, load = marks[name].T
         rise = synthetic.rise(load, velocity, 0.9)
         assert (sign * (rise - synthetic.limit()) > 0).all()
-    marked = (name for name in marks if "own friction" not in name)
+    marked = (name for name in marks if "own conditions" not in name)
     assert sum(len(marks[name]) for name in marked) == sweep["status"].size + len(MEASURED)
 
 

@@ -13,8 +13,8 @@ from tribo import InputError
 
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (
-    "Question and answer", "Transition diagram", "Boundary in numbers", "Operating points",
-    "Warnings", "Inputs", "Measured transitions", "Numerical choices and their error", "Model",
+    "Question and answer", "Transition diagram", "Boundary in numbers", "Tests",
+    "Operating points", "Warnings", "Inputs", "Numerical choices and their error", "Model",
     "Versions", "Citation",
 )  # fmt: skip
 

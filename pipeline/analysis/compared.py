@@ -1,0 +1,132 @@
+"""Tests of a laboratory beside what the sweep says of each: test, computed, agrees."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.dataset import entry_dims, plane_of
+from pipeline.analysis.margin import NOT_DECIDED, Margin, judge_of
+from pipeline.analysis.margin_table import notes_of
+from pipeline.analysis.scenes import columns_of, joined, scenes
+from pipeline.analysis.tables import Column, Table
+from pipeline.sweep.conditions import Conditions
+from tribo import InputError
+
+NOT_KNOWN = "not known"
+USUAL_SCATTER = 0.05
+"""Relative standard deviation of the velocity of a transition that gives none."""
+_DEVIATIONS = 2.0  # of a measured velocity, within which a transition agrees
+_COLUMNS = (
+    Column("test", "test"),
+    Column("load", "load", "N", 6),
+    Column("velocity", "velocity", "m/s"),
+    Column("friction", "friction"),
+    Column("bulk_temperature", "bulk", "°C"),
+    Column("hold", "hold", "s"),
+    Column("computed", "computed"),
+    Column("decisive_temperature", "deciding temperature", "°C"),
+    Column("agrees", "agrees"),
+    Column("note", "note"),
+)
+
+
+def laboratory_tests(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """Measured transitions of a sweep, and then its tests."""
+    attributes = attributes_of(ds)
+    return [*(attributes.get("measured") or []), *(attributes.get("tested") or [])]
+
+
+def own_conditions(conditions: Conditions, test: Mapping[str, Any]) -> Conditions:
+    """Conditions with the friction and the bulk temperature of a test, where it has its own."""
+    own = conditions.at_friction(test.get("friction"))
+    bulk = test.get("bulk_temperature")
+    return own if bulk is None else own.changed(bulk_temperature=bulk)
+
+
+def compared(ds: xr.Dataset, **conditions: Any) -> Table | None:
+    """Table of tests beside what is computed at their own friction and bulk temperature.
+
+    A test agrees if its outcome is the computed one beyond the error of the temperature. A
+    transition agrees if the computed one lies within two standard deviations of its velocity, 5 %
+    each if it gives none, or if the place is not decided. None if the scene has no tests.
+    """
+    tests = laboratory_tests(ds)
+    if not tests or "sample" in ds.dims:
+        return None
+    names = entry_dims(ds)
+    parts = (
+        ([scene[name].item() for name in names], Table(_COLUMNS, tuple(_rows(scene, conditions))))
+        for scene in scenes(ds)
+    )
+    return joined(columns_of(ds["status"]), parts)
+
+
+def agreement(table: Table) -> str:
+    """Count of tests that agree, in a sentence."""
+    counts = Counter(table.as_dict()["agrees"])
+    words = {
+        "yes": ("agrees", "agree"),
+        "no": ("does not", "do not"),
+        NOT_DECIDED: ("is not decided", "are not decided"),
+        NOT_KNOWN: ("is not known", "are not known"),
+    }
+    said = (f"{counts[key]} {pair[counts[key] > 1]}" for key, pair in words.items() if counts[key])
+    return f"Of {len(table.rows)} tests {', '.join(said)}."
+
+
+def lines_of(table: Table) -> Iterator[str]:
+    """Lines on tests: the count of those that agree, the table, and why others are not known."""
+    yield agreement(table)
+    yield from table.without({"note"}).without_empty().lines()
+    yield from notes_of(table)
+
+
+def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+    """Rows of one scene."""
+    plane, conditions = plane_of(ds), conditions_of(ds, **changed)
+    judges: dict[Conditions, Callable[[float, float], tuple[Margin, ...]]] = {}
+    held = (attributes_of(ds).get("scene") or {}).get("loading", {}).get("hold") or 0.0
+    for test in laboratory_tests(ds):
+        own = own_conditions(conditions, test)
+        place = test["normal_load"], test["velocity"]
+        given = (test.get("outcome") or "transition", *place, own.friction, own.bulk_temperature)
+        hold = test.get("hold")
+        note = "" if hold in (None, held) else f"computed with the hold of the scene, {held:g} s"
+        try:
+            if own not in judges:
+                overrides = {
+                    name: test[of]
+                    for name, of in (("friction", "friction"), ("bulk_temperature",) * 2)
+                    if test.get(of) is not None
+                }
+                judges[own] = judge_of(plane, **{**changed, **overrides})
+            computed, temperature, agrees = _answer(test, judges[own](*place))
+        except InputError as error:
+            computed, temperature, agrees, note = NOT_KNOWN, None, NOT_KNOWN, str(error)
+        yield (*given, hold, computed, temperature, agrees, note)
+
+
+def _answer(test: Mapping[str, Any], margins: Sequence[Margin]) -> tuple[str, float, str]:
+    """What is computed at a test, the deciding temperature [K], and whether it agrees."""
+    temperature = float(np.median([margin.decisive_temperature for margin in margins]))
+    verdicts = Counter(margin.verdict for margin in margins)
+    verdict = next(iter(verdicts)) if len(verdicts) == 1 else NOT_DECIDED
+    if outcome := test.get("outcome"):
+        said = verdict
+        if len(verdicts) > 1:
+            said = f"severe on {verdicts['severe']} of {len(margins)} surfaces"
+        agrees = NOT_DECIDED if verdict == NOT_DECIDED else "yes" if verdict == outcome else "no"
+        return said, temperature, agrees
+    critical = float(np.median([margin.critical_velocity for margin in margins]))
+    if not np.isfinite(critical):
+        return verdict, temperature, "yes" if verdict == NOT_DECIDED else "no"
+    scatter = test.get("velocity_scatter") or USUAL_SCATTER * test["velocity"]
+    near = abs(critical - test["velocity"]) <= _DEVIATIONS * scatter
+    return f"at {critical:.3g} m/s", temperature, "yes" if near or verdict == NOT_DECIDED else "no"

@@ -1,0 +1,59 @@
+"""Tests of a laboratory stand beside what is computed at their own conditions."""
+
+import pytest
+
+import pipeline
+from pipeline.analysis.compared import agreement, compared
+from pipeline.figures.diagram import diagram
+from tests.helpers import synthetic
+
+
+def sweep(*tests):
+    transition = [test for test in tests if "outcome" not in test]
+    tested = [test for test in tests if "outcome" in test]
+    return synthetic.sweep().assign_attrs(measured=transition, tested=tested)
+
+
+def rig(outcome, velocity, load=600.0, **own):
+    place = {"normal_load": load, "velocity": velocity, "friction": None}
+    return place | ({"outcome": outcome} if outcome else {}) | own
+
+
+CRITICAL = pipeline.boundary(synthetic.sweep())["critical_velocity"].sel(load=600).item()
+
+
+@pytest.mark.parametrize(
+    ("case", "computed", "agrees"),
+    [
+        (rig("mild", 0.7 * CRITICAL), "mild", "yes"),
+        (rig("severe", 0.7 * CRITICAL), "mild", "no"),
+        (rig("severe", 1.3 * CRITICAL), "severe", "yes"),
+        (rig("severe", 1.001 * CRITICAL), "not decided", "not decided"),
+        (rig("mild", 0.7 * CRITICAL, bulk_temperature=400.0), "severe", "no"),
+        (rig(None, 1.03 * CRITICAL), f"at {CRITICAL:.3g} m/s", "yes"),
+        (rig(None, 1.5 * CRITICAL), f"at {CRITICAL:.3g} m/s", "no"),
+        (rig("mild", 1.0, load=9e3), "not known", "not known"),
+    ],
+)
+def test_a_test_agrees_beyond_the_error_at_its_own_conditions(case, computed, agrees):
+    columns = compared(sweep(case)).as_dict()
+    assert (columns["computed"], columns["agrees"]) == ([computed], [agrees])
+
+
+def test_the_tests_that_agree_are_counted():
+    table = compared(sweep(rig("mild", 0.7 * CRITICAL), rig("mild", 1.3 * CRITICAL)))
+    assert agreement(table) == "Of 2 tests 1 agrees, 1 does not."
+    assert compared(sweep()) is None
+
+
+def test_tests_are_drawn_open_and_filled_and_those_far_outside_are_said():
+    figure = diagram(
+        sweep(rig("mild", 1.0), rig("severe", 2.0), rig("mild", 1.0, load=9e3, friction=0.1))
+    )
+    drawn = {line.get_gid(): line for line in figure.axes[0].lines}
+    assert drawn["tested-mild"].get_markerfacecolor() == "white"
+    assert drawn["tested-severe"].get_markerfacecolor() != "white"
+    assert len(drawn["tested-mild"].get_xdata()) == 1
+    (legend,) = figure.legends or [figure.axes[0].get_legend()]
+    said = [text.get_text() for text in legend.get_texts()]
+    assert "beyond the figure: test of 9000 N at 1 m/s" in said
