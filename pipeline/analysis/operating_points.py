@@ -27,7 +27,14 @@ _MOST_FAULTS = 20  # that are written out
 
 
 class Place(NamedTuple):
-    """Operating point: load [N] and velocity [m/s]."""
+    """Operating point: load [N] and velocity [m/s].
+
+    Examples
+    --------
+    >>> place = Place(load=400.0, velocity=2.2)
+    >>> f"friction heat at friction 0.1: {0.1 * place.load * place.velocity:.0f} W"
+    'friction heat at friction 0.1: 88 W'
+    """
 
     load: float
     velocity: float

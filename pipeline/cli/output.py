@@ -13,7 +13,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pipeline
 from pipeline.analysis.tables import Table, is_table, write_tables
 
 if TYPE_CHECKING:
@@ -57,7 +56,9 @@ def show(options: argparse.Namespace, result: Result) -> None:
         document["table"] = str(write_tables(result.tables, out))
         lines.append(f"table: {out}")
     elif out is not None and result.draw is not None:
-        document["figure"] = str(pipeline.save_figure(result.draw(), out))
+        from pipeline.figures.style import save_figure  # Matplotlib takes its time
+
+        document["figure"] = str(save_figure(result.draw(), out))
         lines.append(str(out))
     if options.json:
         written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)

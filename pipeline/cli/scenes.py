@@ -14,6 +14,7 @@ from pipeline.scene.over import note_of
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.tradeoff.choose import at_accuracy
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def scene_of(
         raise InputError(
             f"--accuracy picks the numerical choices itself; leave out {', '.join(chosen)}"
         )
-    sweep = pipeline.at_accuracy(
+    sweep = at_accuracy(
         sweep, options.accuracy, points, store, lambda line: tell(f"probing: {line}")
     )
     tell(str(sweep.about.selection))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import pipeline
 from pipeline.analysis.listing import listing
+from pipeline.analysis.tables import Table
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import criterion_in, opened
@@ -18,6 +19,7 @@ from pipeline.store.root import read_attributes
 from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
+from pipeline.tradeoff.choose import stored_selection
 
 if TYPE_CHECKING:
     from pipeline.store.progress import Summary
@@ -32,7 +34,7 @@ def status(options: argparse.Namespace) -> Result:
         text = list(table.lines()) if table.rows else [f"{options.store} holds none"]
         return Result(table.as_dict(), text)
     state = pipeline.summary(options.store)
-    selection = pipeline.stored_selection(options.store)
+    selection = stored_selection(options.store)
     attributes = read_attributes(options.store) or {}
     document = {
         "title": state.title,
@@ -136,7 +138,7 @@ def diff(options: argparse.Namespace) -> Result:
         f"{differing - len(changes)} done in one alone",
     ]
     if differing:
-        first = pipeline.Table(between.points.columns, between.points.rows[:_MOST_POINTS])
+        first = Table(between.points.columns, between.points.rows[:_MOST_POINTS])
         text += first.without_empty().lines()
     if differing > _MOST_POINTS:
         text.append(f"and {differing - _MOST_POINTS} more, which -o TABLE.csv writes")

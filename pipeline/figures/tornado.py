@@ -46,9 +46,9 @@ def draw_variations(varied: Variations) -> Figure:
     Examples
     --------
     >>> import pipeline
-    >>> base = pipeline.Variation("", "", (2.17,), ("crosses",))
-    >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> variations = pipeline.Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
+    >>> base = Variation("", "", (2.17,), ("crosses",))
+    >>> other = Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
+    >>> variations = Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
     >>> figure = pipeline.draw_variations(variations)
     """
     keys = varied.by_key()

@@ -38,10 +38,9 @@ class Progress:
 
     Examples
     --------
-    >>> import pipeline
-    >>> def show(progress: pipeline.Progress) -> None:  # as run_sweep(..., progress=show)
+    >>> def show(progress: Progress) -> None:  # as run_sweep(..., progress=show)
     ...     print(progress)
-    >>> show(pipeline.Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
+    >>> show(Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
     6 of 24 points done, 0 failed, 2 s so far, 6 s to go
     """
 

@@ -85,7 +85,7 @@ class UnitError(TriboError, ValueError):
     >>> import pipeline
     >>> try:
     ...     pipeline.to_si("7 kg", like="750 N")
-    ... except pipeline.UnitError as error:
+    ... except UnitError as error:
     ...     print(error)
     "7 kg" cannot be converted to N
     """

@@ -27,8 +27,7 @@ class FailedPoint:
 
     Examples
     --------
-    >>> import pipeline
-    >>> print(pipeline.FailedPoint(400.0, 2.2, "the contact leaves the window"))
+    >>> print(FailedPoint(400.0, 2.2, "the contact leaves the window"))
     400 N, 2.2 m/s: the contact leaves the window
     """
 
@@ -65,8 +64,7 @@ class Summary:
 
     Examples
     --------
-    >>> import pipeline
-    >>> half_done = pipeline.Summary("a_scene", "A scene", 24, 12, 12, failed=(), rate=4.0)
+    >>> half_done = Summary("a_scene", "A scene", 24, 12, 12, failed=(), rate=4.0)
     >>> half_done.time_to_go
     3.0
     """

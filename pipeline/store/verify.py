@@ -43,8 +43,7 @@ class Damage:
 
     Examples
     --------
-    >>> import pipeline
-    >>> print(pipeline.Damage(400.0, 2.2, "its rise is not readable"))
+    >>> print(Damage(400.0, 2.2, "its rise is not readable"))
     400 N, 2.2 m/s: its rise is not readable
     """
 

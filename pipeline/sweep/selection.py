@@ -84,11 +84,10 @@ class Selection:
 
     Examples
     --------
-    >>> import pipeline
     >>> from pipeline.sweep.selection import Trial
     >>> from tribo import Fidelity
     >>> draft = Fidelity()
-    >>> selection = pipeline.Selection(
+    >>> selection = Selection(
     ...     accuracy=0.05,
     ...     name="draft",
     ...     fidelity=draft,
@@ -100,7 +99,7 @@ class Selection:
     ...     work=5e8,
     ...     seconds=2.5,
     ... )
-    >>> pipeline.Selection.from_dict(selection.as_dict()) == selection
+    >>> Selection.from_dict(selection.as_dict()) == selection
     True
     """
 

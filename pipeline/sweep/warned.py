@@ -27,8 +27,7 @@ class Warned:
 
     Examples
     --------
-    >>> import pipeline
-    >>> warned = pipeline.Warned(2, {"contact at edge": 2}, 1, "400 N, 2.2 m/s: contact at edge")
+    >>> warned = Warned(2, {"contact at edge": 2}, 1, "400 N, 2.2 m/s: contact at edge")
     >>> first, second = warned.lines()
     >>> print(second)
     warning: at 400 N, 2.2 m/s: contact at edge

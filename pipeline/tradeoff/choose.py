@@ -89,8 +89,7 @@ def at_accuracy(
 
     Examples
     --------
-    >>> import pipeline
-    >>> scene = pipeline.at_accuracy("first_try", "5%")  # doctest: +SKIP
+    >>> scene = at_accuracy("first_try", "5%")  # doctest: +SKIP
     >>> print(scene.selection)  # doctest: +SKIP
     """
     sweep, accuracy = sweep_of(sweep, own_laws), share_of(accuracy)
@@ -129,8 +128,7 @@ def stored_selection(path: PathLike) -> Selection | None:
 
     Examples
     --------
-    >>> import pipeline
-    >>> print(pipeline.stored_selection("results/first_try.zarr"))
+    >>> print(stored_selection("results/first_try.zarr"))
     None
     """
     selection = (read_attributes(path) or {}).get("selection")

@@ -47,9 +47,8 @@ class Choice:
 
     Examples
     --------
-    >>> import pipeline
     >>> from tribo import Fidelity
-    >>> choice = pipeline.Choice(
+    >>> choice = Choice(
     ...     name="draft",
     ...     varied=None,
     ...     fidelity=Fidelity(),
@@ -108,8 +107,7 @@ class Finding:
 
     Examples
     --------
-    >>> import pipeline
-    >>> cheaper = pipeline.Finding("fine", "contact_tolerance", 1e-6, 1e-4, saving=2.0, moves=0.0)
+    >>> cheaper = Finding("fine", "contact_tolerance", 1e-6, 1e-4, saving=2.0, moves=0.0)
     >>> str(cheaper).split(": ")[1]
     'with 0.0001 the work is 2 times less, and the boundary moves by 0.00 %'
     """
@@ -151,12 +149,11 @@ class Trade:
     Examples
     --------
     >>> from types import SimpleNamespace
-    >>> import pipeline
     >>> draft = SimpleNamespace(name="draft", work=1.0, velocity_error=0.05)
     >>> slow = SimpleNamespace(name="slow", work=3.0, velocity_error=0.06)
     >>> exact = SimpleNamespace(name="exact", work=9.0, velocity_error=0.0)
-    >>> points = (pipeline.Point(200.0, 3.5),)
-    >>> trade = pipeline.Trade("A scene", points, "draft", (draft, slow, exact), ())
+    >>> points = (Point(200.0, 3.5),)
+    >>> trade = Trade("A scene", points, "draft", (draft, slow, exact), ())
     >>> [choice.name for choice in trade.front], trade.cheapest(0.02).name
     (['draft', 'exact'], 'exact')
     """

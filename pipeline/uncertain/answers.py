@@ -93,7 +93,7 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> shares, lines = pipeline.risk_lines(pipeline.probabilities(ensemble))
+    >>> shares, lines = risk_lines(pipeline.probabilities(ensemble))
     >>> shares, lines.shape
     ((0.05, 0.5, 0.95), (45, 3))
     """

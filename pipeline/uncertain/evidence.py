@@ -23,7 +23,7 @@ from tribo import InputError
 from tribo.types import Array
 
 Test = Mapping[str, Any]
-"""Entries of a test, as `pipeline.Measurement.as_dict` gives them."""
+"""Entries of a test, as `Measurement.as_dict` gives them."""
 
 SIGNS = {"severe": 1.0, "mild": -1.0}
 """Sign of the distances that agree with an outcome."""

@@ -63,9 +63,8 @@ class Judged(NamedTuple):
 
     Examples
     --------
-    >>> import pipeline
     >>> test = {"normal_load": 750.0, "velocity": 2.5}
-    >>> pipeline.Judged(test, 0, (1.06, 1.14, 1.22), probability=0.003).contradicts
+    >>> Judged(test, 0, (1.06, 1.14, 1.22), probability=0.003).contradicts
     True
     """
 

@@ -12,6 +12,7 @@ from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
+from pipeline.uncertain.answers import risk_lines
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.helpers.stores import stored_values
 from tests.helpers.sweeps import inputs_of
@@ -188,7 +189,7 @@ def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
 def test_the_risk_is_that_of_direct_simulations(sampled):
     folder, _, _ = sampled
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(folder / "out.zarr"))
-    _, lines = pipeline.risk_lines(pipeline.probabilities(ensemble, loads=[200.0]))
+    _, lines = risk_lines(pipeline.probabilities(ensemble, loads=[200.0]))
     verdict = risk.judged(ensemble, folder / "scene.toml", 32, {}, (200.0, float(lines[0, 1])))
     assert 0.2 < verdict["direct"] < 0.8  # where chance tells most
     assert abs(verdict["standard_errors_apart"]) < risk.LIMIT

@@ -8,6 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.uncertain.answers import risk_lines
 from pipeline.uncertain.inputs import Draws
 from pipeline.uncertain.sensitivity import _first_of, indices
 from tests.helpers.samples import (
@@ -114,7 +115,7 @@ def test_a_value_that_samples_do_not_reach_is_refused(at, fault):
 
 def test_the_lines_of_the_plane_are_quantiles_of_the_boundary(samples):
     plane = pipeline.probabilities(samples, loads=LOADS)
-    shares, lines = pipeline.risk_lines(plane)
+    shares, lines = risk_lines(plane)
     direct = drawn(ALL, 99, 8192)
     for load, row in zip(LOADS[1:], lines[1:], strict=True):
         assert row == pytest.approx(np.quantile(critical_velocity(direct, load), shares), rel=0.02)

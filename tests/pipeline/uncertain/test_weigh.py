@@ -9,6 +9,7 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
+from pipeline.uncertain.answers import risk_lines
 from pipeline.uncertain.inputs import prior
 from tests.helpers.samples import (
     ALL,
@@ -171,7 +172,7 @@ def test_given_the_measurements_the_risk_is_sharper():
         ensemble(tests=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6]), friction=None))
     )
     before, after = (
-        pipeline.risk_lines(pipeline.probabilities(posterior.ensemble, draws, loads=LOADS))[1]
+        risk_lines(pipeline.probabilities(posterior.ensemble, draws, loads=LOADS))[1]
         for draws in (prior(posterior.ensemble.unknown, 1), posterior.draws)
     )
     assert float(

@@ -14,6 +14,7 @@ from selenium.webdriver.support.select import Select
 
 import pipeline
 from pipeline.analysis.transition import ABOVE, MILD
+from pipeline.uncertain.answers import risk_lines
 from tests.helpers import samples, synthetic
 from tests.helpers.browser import chromium
 from tests.pipeline.figures.page import sweeps
@@ -179,7 +180,7 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page):
     ds = ds.assign(status=(("sample", "load"), np.ones((ds.sizes["sample"], ds.sizes["load"]))))
     ensemble = pipeline.Ensemble.of(ds)
     load = float(ensemble.loads.mean())
-    _, lines = pipeline.risk_lines(pipeline.probabilities(ensemble, loads=[load]))
+    _, lines = risk_lines(pipeline.probabilities(ensemble, loads=[load]))
     driver = page(ds)
     assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram .band, #diagram .boundary")) == 2
     for velocity in (*lines[0], float(np.mean(ensemble.velocities))):
