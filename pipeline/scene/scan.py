@@ -11,7 +11,8 @@ import numpy as np
 
 from pipeline.scene.quantities import in_si
 from pipeline.scene.surfaces import Flip, Surface, filled, levelled, oriented, read_surface
-from tribo import InputError, SelfAffineFit, average_roughness, fit_self_affine, rms_height
+from tribo import InputError, average_roughness, fit_self_affine, rms_height
+from tribo.surface import SelfAffineFit
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness
@@ -40,7 +41,7 @@ class SurfaceStatistics:
         Of the heights; 0 and 3 on a random surface.
     tilt : tuple of float
         Slopes of the plane along x and y that were taken off.
-    fit : tribo.SelfAffineFit
+    fit : tribo.surface.SelfAffineFit
         Correlation lengths, Hurst exponent and lay, with their standard errors.
 
     Examples

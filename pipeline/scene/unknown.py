@@ -33,7 +33,8 @@ from pipeline.sweep.samples import (
 )
 from pipeline.sweep.unknown import MOST, Fixed, Kind, Unit, Unknown, without
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
-from tribo import InputError, Material, Scene, Wear, inseparable
+from tribo import InputError, Material, Scene, Wear
+from tribo.simulation import inseparable
 
 Make = Callable[[Mapping[str, Any], Faults], Sweep | None]
 """Makes the sweep with other values of some entries, by their paths; notes faults."""

@@ -1,6 +1,6 @@
 """Contacts that several variants share: the key of a contact, and which variant leads it.
 
-A contact depends on what `tribo.mechanics` keeps of a scene and on the product of wear rate and
+A contact depends on what `mechanics` keeps of a scene and on the product of wear rate and
 velocity. Variants that agree in both have the same contacts, whoever made them; one ramp leads them
 all, and heat is computed for each.
 """
@@ -11,7 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from pipeline.sweep.variants import Variant
-from tribo import Scene, inseparable, mechanics, wear_number
+from tribo import Scene
+from tribo.simulation import inseparable, mechanics, wear_number
 
 _DIGITS = 12  # of a wear number: two that ought to be the same differ by rounding
 

@@ -6,14 +6,8 @@ import html
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from pipeline.sweep.conditions import Conditions
-from tribo import (
-    MeasuredRoughness,
-    PointWarning,
-    Ramp,
-    Scene,
-    SelfAffineRoughness,
-    Wear,
-)
+from tribo import MeasuredRoughness, Ramp, Scene, SelfAffineRoughness, Wear
+from tribo.simulation import PointWarning
 from tribo.types import Array
 
 Row = tuple[str, str]

@@ -14,7 +14,8 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.contacts import Lead, leads_of
 from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.variants import Part, Variant, Variants
-from tribo import InputError, Ramp, Scene, SelfAffineRoughness, Wear, inseparable
+from tribo import InputError, Ramp, Scene, SelfAffineRoughness, Wear
+from tribo.simulation import inseparable
 
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
 # them were off by up to 0.1 to 0.3 %, as with more of them: by the elements on which a quantile is.

@@ -3,7 +3,7 @@
 At one velocity every load passes through the same trunk of the ramp, so the points of a velocity
 form a chain: each continues the trunk where the next lower load left it. A point computed from
 the start, or from any trunk, has the same numbers, bit for bit. Each random surface has chains of
-its own. So have samples of unknown inputs, of which some share each contact (`tribo.contacts`): a
+its own. So have samples of unknown inputs, of which some share each contact (`contacts`): a
 chain has the points of all of them, load by load.
 """
 
@@ -23,21 +23,8 @@ from pipeline.sweep.criterion import Verdict, verdict
 from pipeline.sweep.description import as_html, as_lines, on_point
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.variants import Variant
-from tribo import (
-    BULK_RATIOS,
-    QUANTILES,
-    PointWarning,
-    Scene,
-    State,
-    Wear,
-    contacts,
-    heat,
-    heated,
-    measures,
-    start,
-    warnings,
-)
-from tribo.simulation import leads_to
+from tribo import BULK_RATIOS, QUANTILES, Scene, State, Wear, measures, warnings
+from tribo.simulation import PointWarning, contacts, heat, heated, leads_to, start
 from tribo.types import Array
 
 Record = Mapping[str, float | Array]

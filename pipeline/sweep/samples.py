@@ -2,7 +2,7 @@
 
 A sample is a value of each input that a rise depends on, *and one velocity*; one ramp leads it
 through all loads. Contacts depend on the wear rate k and the velocity V through w = kV alone
-(`tribo.contacts`), and heat is cheap beside them. So samples that follow each other share a
+(`contacts`), and heat is cheap beside them. So samples that follow each other share a
 contact: they have the same inputs of it and the same w, and differ in V, with k = w/V, and in the
 thermal constants. Samples fill the range of the inputs evenly, somewhat beyond what is likely; they
 are not draws of it, which `pipeline.uncertain` makes by the thousand.

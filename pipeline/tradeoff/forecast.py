@@ -17,8 +17,8 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import columns_of, step_count
 from pipeline.sweep.stages import duration
-from tribo import QUANTILES, State, contacts, heat
-from tribo.simulation import forget_contacts, leads_to
+from tribo import QUANTILES, State
+from tribo.simulation import contacts, forget_contacts, heat, leads_to
 
 _HERE = 4  # workers a core; more of them are taken to be on other machines
 _SECONDS_TO_START = 1.0  # of a cluster and its workers

@@ -15,8 +15,8 @@ from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit,
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
 from pipeline.sweep.variants import Variant
-from tribo import PRESETS, Fidelity, InputError, Scene, State, forget_kernels, measures, simulate
-from tribo.simulation import forget_contacts, leads_to
+from tribo import PRESETS, Fidelity, InputError, Scene, State, measures, simulate
+from tribo.simulation import forget_contacts, forget_kernels, leads_to
 
 
 class Place(NamedTuple):

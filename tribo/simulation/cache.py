@@ -110,8 +110,7 @@ def forget_kernels() -> None:
 
     Examples
     --------
-    >>> import tribo
-    >>> tribo.forget_kernels()
+    >>> forget_kernels()
     """
     _bodies.clear()
     _heights.clear()

@@ -7,7 +7,7 @@ velocity V only how fast it wears the pin. A step of the duration t wears by
 
 k the specific wear rate, p the pressure. So two systems of one wear number w have the same contacts
 at every load, whatever their velocities and thermal constants, and these need to be solved only
-once for all of them. `tribo.heat` acts on contacts, and the conditions of wear on heat.
+once for all of them. `heat` acts on contacts, and the conditions of wear on heat.
 `inseparable` says where that does not hold.
 
 Where nothing wears, w is 0 at every velocity, and the contact at a load is kept for the next ones.
@@ -44,7 +44,7 @@ def wear_number(scene: Scene, velocity: float) -> float:
     >>> from dataclasses import replace
     >>> mild = tribo.critical_temperature_rig()
     >>> worn = replace(mild, wear=tribo.Wear(2e-15))
-    >>> tribo.wear_number(mild, 0.5), tribo.wear_number(worn, 0.5)
+    >>> wear_number(mild, 0.5), wear_number(worn, 0.5)
     (0.0, 1e-15)
     """
     if scene.wear is None:
@@ -64,7 +64,7 @@ def mechanics(scene: Scene) -> Scene:
     >>> from dataclasses import replace
     >>> scene = tribo.critical_temperature_rig()
     >>> insulating = replace(scene, disk=replace(scene.disk, thermal_conductivity=5.0))
-    >>> tribo.mechanics(insulating) == tribo.mechanics(scene)
+    >>> mechanics(insulating) == mechanics(scene)
     True
     """
     athermal = {"thermal_conductivity": 1.0, "density": 1.0, "specific_heat": 1.0}
@@ -84,10 +84,10 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     >>> import tribo
     >>> from dataclasses import replace
     >>> scene = tribo.critical_temperature_rig()
-    >>> print(tribo.inseparable(scene, (0.1, 0.2)))
+    >>> print(inseparable(scene, (0.1, 0.2)))
     None
     >>> history = replace(scene.fidelity, heat_model="history", history_coarsening=1)
-    >>> tribo.inseparable(replace(scene, fidelity=history), (0.1, 0.2))
+    >>> inseparable(replace(scene, fidelity=history), (0.1, 0.2))
     "heat_model is 'history': temperatures depend on the heat of all the steps before"
     """
     if scene.remembers_heat:
@@ -111,7 +111,7 @@ def contacts(
     ------
     State
         State after every step; `State.is_asked` where a temperature is asked for, which
-        `tribo.heat` gives. Where it depends on the heat of the steps before, they have it.
+        `heat` gives. Where it depends on the heat of the steps before, they have it.
 
     Examples
     --------
@@ -121,8 +121,8 @@ def contacts(
     >>> from dataclasses import replace
     >>> scene = tribo.critical_temperature_rig()
     >>> one, other = (replace(scene, wear=tribo.Wear(k, "local")) for k in (1e-15, 2e-15))
-    >>> *_, slow = tribo.contacts(other, normal_load=10.0, velocity=0.1)
-    >>> *_, fast = tribo.contacts(one, normal_load=10.0, velocity=0.2)
+    >>> *_, slow = contacts(other, normal_load=10.0, velocity=0.1)
+    >>> *_, fast = contacts(one, normal_load=10.0, velocity=0.2)
     >>> bool((slow.pressure == fast.pressure).all())
     True
     """

@@ -40,7 +40,7 @@ class Fidelity:
     increments : int
         Steps of the ramp up to its reference load.
     kernel : {"periodic", "nearest-image"}
-        Influence of the images of a periodic patch; see `tribo.elastic_influence`.
+        Influence of the images of a periodic patch; see `tribo.contact.elastic_influence`.
     contact_tolerance : float
         Residual of the contact at which its solver stops; see `tribo.solve_contact`. At most 0.03
         is taken where the wear is local, which keeps what each contact has wrong.
@@ -51,7 +51,7 @@ class Fidelity:
         error where it does not reach the tolerance, mostly below 1e-3. From a tolerance of 1e-2 on
         contacts are solved in it anyway, where it holds them.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
-        Scheme by which wear advances over a step; see `tribo.WEAR_SCHEMES`.
+        Scheme by which wear advances over a step; see `tribo.wear.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij). ``"history"``: all heat since then acts at its own time, linear between the steps;

@@ -26,7 +26,7 @@ def start(scene: Scene) -> State:
     --------
     >>> import tribo
     >>> scene = tribo.critical_temperature_rig()
-    >>> tribo.start(scene).normal_load
+    >>> start(scene).normal_load
     0.0
     """
     zero = np.zeros(next(scene.levels()).grid.shape)
@@ -87,7 +87,7 @@ def advance(
     >>> import tribo
     >>> scene = tribo.critical_temperature_rig()
     >>> first = next(iter(scene.stations(10.0)))
-    >>> tribo.advance(scene, tribo.start(scene), first, velocity=0.065).normal_load
+    >>> advance(scene, start(scene), first, velocity=0.065).normal_load
     10.0
     """
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0

@@ -64,7 +64,7 @@ def simulate(
 
 
 def heated(scene: Scene, contact: State, velocity: float) -> State:
-    """A state of `tribo.contacts` at a velocity [m/s], with its temperature if that is asked for.
+    """A state of `contacts` at a velocity [m/s], with its temperature if that is asked for.
 
     The scene may have any thermal constants, and the wear rate with which the contact's wear
     number is that of the velocity.
@@ -75,9 +75,9 @@ def heated(scene: Scene, contact: State, velocity: float) -> State:
 
     >>> import tribo
     >>> scene = tribo.critical_temperature_rig()
-    >>> *_, contact = tribo.contacts(scene, normal_load=10.0, velocity=0.065)
+    >>> *_, contact = contacts(scene, normal_load=10.0, velocity=0.065)
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.13)
-    >>> tribo.heated(scene, contact, 0.13).heat.max_rise == state.heat.max_rise
+    >>> heated(scene, contact, 0.13).heat.max_rise == state.heat.max_rise
     True
     """
     temperature = heat(scene, contact, velocity) if contact.is_asked else None

@@ -34,14 +34,14 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 
     The temperature knows of the contact its pressure and time, and not how it has worn; so the
     thermal constants, the velocity [m/s] and the size of the elements may be others than those of
-    the contact. See `tribo.contacts`.
+    the contact. See `contacts`.
 
     Examples
     --------
     >>> import tribo
     >>> scene = tribo.critical_temperature_rig()
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
-    >>> f"{0.1 * tribo.heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
+    >>> f"{0.1 * heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
     '13.8 K at friction 0.1'
     """
     scene, contact = _on_elements_of(scene, state), state.pressure > 0

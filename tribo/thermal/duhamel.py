@@ -50,7 +50,7 @@ class Conductor(NamedTuple):
     Examples
     --------
     >>> import tribo
-    >>> disk = tribo.Conductor(tribo.AISI_316, velocity=1.5)
+    >>> disk = Conductor(tribo.AISI_316, velocity=1.5)
     >>> disk.length
     inf
     """

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.run.vary import vary
 from pipeline.sweep.model import Sweep
-from tribo import contacts, heated
+from tribo.simulation import contacts, heated
 from tribo.types import Array
 from workflows.paper.report import Report, Table, agree, line
 from workflows.paper.study import Study

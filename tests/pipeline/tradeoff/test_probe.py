@@ -18,7 +18,8 @@ from pipeline.tradeoff.probe import (
     some_places,
 )
 from tests.helpers import tiny
-from tribo import PRESETS, QUANTILES, Fidelity, Heat, InputError, start
+from tribo import PRESETS, QUANTILES, Fidelity, InputError
+from tribo.simulation import Heat, start
 
 SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
 START = start(SWEEP.scene)

@@ -3,8 +3,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from tribo import Convolution, Grid, InputError
-from tribo.numerics import padded_shape, wrapped_offsets
+from tribo import Grid, InputError
+from tribo.numerics import Convolution, padded_shape, wrapped_offsets
 
 AXES = [(False, False), (False, True), (True, False), (True, True)]
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.scenes import small_scene
-from tribo import SelfAffineRoughness, forget_kernels, simulate
+from tribo import SelfAffineRoughness, simulate
+from tribo.simulation import forget_kernels
 
 
 def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():

@@ -6,20 +6,16 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import small_scene
-from tribo import (
-    Ball,
-    Motion,
-    Ramp,
-    Wear,
+from tribo import Ball, Motion, Ramp, Wear, simulate, solve_contact
+from tribo.numerics import Grid
+from tribo.simulation import (
     contacts,
+    forget_contacts,
     forget_kernels,
     heated,
     inseparable,
-    simulate,
-    solve_contact,
+    loading_step,
 )
-from tribo.numerics import Grid
-from tribo.simulation import forget_contacts, loading_step
 
 RATE = 1.2e-15
 

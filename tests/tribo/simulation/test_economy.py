@@ -14,11 +14,11 @@ from tribo import (
     MeasuredRoughness,
     Ramp,
     Wear,
-    forget_kernels,
     measures,
     simulate,
     warnings,
 )
+from tribo.simulation import forget_kernels
 from tribo.thermal import duhamel
 
 DECISIVE = QUANTILES.index(0.9)

@@ -29,8 +29,6 @@ from tribo import (
     RangeError,
     WarningKind,
     Wear,
-    elastic_influence,
-    heat,
     measures,
     read_heights,
     self_affine,
@@ -39,7 +37,9 @@ from tribo import (
     warnings,
 )
 from tribo.analytic import uniform_flux_rise
+from tribo.contact import elastic_influence
 from tribo.loading import MeasuredLoad
+from tribo.simulation import heat
 from tribo.thermal import conduction
 from tribo.thermal.quadrature import panels
 

@@ -6,17 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import small_scene
-from tribo import (
-    PRESETS,
-    Grid,
-    MeasuredLoad,
-    Motion,
-    SelfAffineRoughness,
-    Wear,
-    simulate,
-    start,
-)
-from tribo.simulation import implicit_end
+from tribo import PRESETS, Grid, MeasuredLoad, Motion, SelfAffineRoughness, Wear, simulate
+from tribo.simulation import implicit_end, start
 
 VELOCITY, LOADS = 2.0, (300.0, 500.0, 600.0)
 # The shipped scene on fewer pixels, whose contact grows at a rim of single summits.

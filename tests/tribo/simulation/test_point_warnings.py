@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, start, warnings
+from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, warnings
+from tribo.simulation import start
 from tribo.simulation.step_measures import touching_elements
 
 BALL = Ball(8e-3, STEEL)

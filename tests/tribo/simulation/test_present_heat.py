@@ -7,7 +7,8 @@ import pytest
 
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear, heat, start
+from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear
+from tribo.simulation import heat, start
 from tribo.simulation.present_heat import _late_warming, excess_of_present_heat
 from tribo.thermal import rise_exceeded
 

@@ -11,11 +11,9 @@ from tribo import (
     BULK_RATIOS,
     PRESETS,
     QUANTILES,
-    Conductor,
     Cylinder,
     Fidelity,
     Grid,
-    HeatHistory,
     InputError,
     Motion,
     Ramp,
@@ -23,11 +21,10 @@ from tribo import (
     contact_quantiles,
     critical_temperature,
     partition_heat,
-    partition_with_history,
     simulate,
 )
 from tribo.simulation.temperature import _bodies, _conductor
-from tribo.thermal import rises_at
+from tribo.thermal import Conductor, HeatHistory, partition_with_history, rises_at
 
 NINE_TENTHS = QUANTILES.index(0.9)
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import Convolution, partition_heat
+from tribo import partition_heat
+from tribo.numerics import Convolution
 from tribo.thermal import circuit_rise
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)

@@ -7,22 +7,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import (
-    Conductor,
-    Convolution,
-    Fidelity,
-    Grid,
-    HeatHistory,
-    InputError,
-    MeasuredLoad,
-    Ramp,
-    partition_heat,
-    partition_with_history,
-    simulate,
-    start,
-)
+from tribo import Fidelity, Grid, InputError, MeasuredLoad, Ramp, partition_heat, simulate
 from tribo.analytic import ramped_flux_rise, uniform_flux_rise
-from tribo.thermal import ConductingHalfSpace
+from tribo.numerics import Convolution
+from tribo.simulation import start
+from tribo.thermal import ConductingHalfSpace, Conductor, HeatHistory, partition_with_history
 from tribo.thermal.conduction import flux_history_spectrum
 
 EFFUSIVITY = STEEL.thermal_effusivity

@@ -44,7 +44,7 @@ def test_a_law_of_a_constant_rate_is_archard_s():
 
 
 def test_contacts_of_a_law_by_distance_are_not_shared():
-    assert tribo.inseparable(replace(small_scene(), wear=LAW), (1.0, 2.0))
+    assert tribo.simulation.inseparable(replace(small_scene(), wear=LAW), (1.0, 2.0))
     assert worn_volume(replace(small_scene(), wear=LAW), 0.5) != pytest.approx(
         worn_volume(replace(small_scene(), wear=LAW), 2.0), rel=0.3
     )

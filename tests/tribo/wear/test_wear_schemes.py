@@ -10,7 +10,6 @@ import pytest
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     PRESETS,
-    WEAR_SCHEMES,
     Cylinder,
     ElasticHalfSpace,
     Fidelity,
@@ -19,14 +18,13 @@ from tribo import (
     Ramp,
     Scene,
     Wear,
-    advance,
     measures,
     simulate,
-    start,
     warnings,
 )
 from tribo.loading import Station
-from tribo.wear import RollingWear
+from tribo.simulation import advance, start
+from tribo.wear import WEAR_SCHEMES, RollingWear
 
 LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
 
