@@ -86,7 +86,8 @@ def on_risk(here: Risk) -> str:
     """Probability of severe wear at an operating point, in words."""
     return (
         f"{here.load:g} N at {here.velocity:g} m/s: severe wear with a probability of "
-        f"{here.probability:.3g} ± {here.error:.2g}: {here.verdict}"
+        f"{here.probability:.3g} ± {here.error:.2g}, {here.lowest:.2g} to {here.highest:.2g} with "
+        f"the error of the preset: {here.verdict}"
     )
 
 

@@ -224,7 +224,10 @@ def vary(
         store, ds = opened(path), open_sweep(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}
-        found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
+        own = varied.conditions.own_criterion
+        # Allowed with the scene; a store itself never runs its criterion.
+        judge: dict[str, Any] = {"criterion": own.reference, "own_laws": True} if own else {}
+        found, carried = boundary(ds, **judge).transpose(_ROW, ...), warned(ds, **judge)
         words = outcomes(varied.conditions.decisive)
         unvaried, *rest = (
             Variation(key, value, *_crossings(found.isel({_ROW: row}), words))

@@ -38,8 +38,7 @@ class Risk:
     probability : float
         Probability of severe wear.
     error : float
-        Error of the probability: the standard error from the numbers of samples and of draws, and
-        what the error of their fidelity moves it by.
+        Standard error of the probability, from the numbers of samples and of draws.
     rise_error : float
         Standard error of the emulated rise against a simulation, relative; the root mean square
         over the draws.
@@ -303,7 +302,7 @@ def _judged(
         load=load,
         velocity=velocity,
         probability=probability,
-        error=math.hypot(by_draws, by_samples) + (highest - lowest) / 2,
+        error=math.hypot(by_draws, by_samples),
         rise_error=math.sqrt(float(draws.mean(excess.error**2))),
         samples=len(ensemble.inputs),
         lowest=lowest if ensemble.velocity_error is not None else 0.0,
@@ -341,7 +340,7 @@ def _with_error(
 _COLUMNS = (
     Column("verdict", "verdict"),
     Column("probability", "probability of severe wear", write="{:.3f}".format),
-    Column("error", "its error", write="{:.3f}".format),
+    Column("error", "standard error", write="{:.3f}".format),
     Column("distance", "below the critical", "K", 3),
     Column("distance_low", f"below it, {100 * QUANTILES[0]:g} %", "K", 3),
     Column("distance_high", f"below it, {100 * QUANTILES[-1]:g} %", "K", 3),
