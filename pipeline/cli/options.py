@@ -91,7 +91,7 @@ REPAIR = _flag("--repair", "set damaged points to be computed again")
 
 OF_SCAN = (
     Option(
-        "scan", metavar="SCAN", type=Path, help="heights: .npy, .csv, or the file of an instrument"
+        "scan", metavar="SCAN", type=Path, help="heights: .npy, text, or the file of an instrument"
     ),
     Option(
         "--height-unit", metavar="UNIT",

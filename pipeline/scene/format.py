@@ -140,7 +140,7 @@ RANDOM_SURFACE = Table({
 }, form="random surface")
 MEASURED_SURFACE = Table({
     "file": Entry(Text(),
-        "Heights of a measured surface, a row for each x: .npy, .csv, or the file of an instrument "
+        "Heights of a measured surface, a row for each x: .npy, text, or the file of an instrument "
         "(with the extra `surfaces`); relative to the folder of the scene.",
         example="surface.npy"),
     "height_unit": Optional(Unit("a unit of length", "um"),

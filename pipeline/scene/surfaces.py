@@ -1,26 +1,28 @@
 """Measured surfaces: read as instruments write them, cropped, levelled and filled for a scene.
 
-Arrays in ``.npy`` and ``.csv`` are read by `tribo.read_heights`, all other files by
+Arrays in ``.npy`` are read by `tribo.read_heights`, text by `read_text`, all other files by
 SurfaceTopography, which knows some forty formats of profilers and microscopes. It is an extra,
 ``pip install irg-transition[surfaces]``, loaded when a file needs it.
 """
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import warnings
 import zipfile
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from pipeline.scene.text_scan import TEXT, TextScan, read_text
 from tribo import InputError, read_heights
-from tribo.errors import require_file
+from tribo.errors import reason_of, require_file
 from tribo.types import Array
 
-PLAIN = (".csv", ".npy")
+PLAIN = (".npy",)
 """Endings of plain arrays, which give neither a unit nor the size of a pixel."""
 _MOST_BYTES = 2**30  # that an archive may unpack to
 
@@ -45,6 +47,18 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     or if the extra that its format needs is not installed.
     """
     path = Path(path)
+    if path.suffix.lower() in TEXT:
+        require_file(path)
+        try:
+            read = read_text(path)
+        except InputError:
+            if path.suffix.lower() not in (".csv", ".xyz") and _knows_more():
+                with suppress(InputError):  # an instrument's own text
+                    return _of_instrument(path, height_unit)
+            raise
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
+        return _of_text(path, read, height_unit)
     if path.suffix.lower() in PLAIN:
         if height_unit is None:
             raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
@@ -54,6 +68,31 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
             raise
         except Exception as error:  # a damaged file makes NumPy raise errors of any kind
             raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
+    return _of_instrument(path, height_unit)
+
+
+def _of_text(path: Path, read: TextScan, height_unit: float | None) -> Surface:
+    """A surface of text, whose comments may say the unit and the size of its pixels."""
+    unit = height_unit or read.unit
+    if unit is None:
+        raise InputError(f"{path}: the text says no unit of its heights; give height_unit")
+    heights = read.heights * unit
+    if (infinite := np.argwhere(np.isinf(heights))).size:
+        row, column = infinite[0].tolist()
+        raise InputError(
+            f"{path}: the height at row {row}, column {column} (counted from 0) is infinite; write "
+            "holes as NaN"
+        )
+    return Surface(heights, read.pixel_size)
+
+
+def _knows_more() -> bool:
+    """True where the library that reads formats of instruments is there."""
+    return importlib.util.find_spec("SurfaceTopography") is not None
+
+
+def _of_instrument(path: Path, height_unit: float | None) -> Surface:
+    """A surface of one of SurfaceTopography's formats."""
     _require_small_file(path)
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")

@@ -1,0 +1,219 @@
+"""Heights in text, as Gwyddion, MountainsMap, numpy.savetxt and spreadsheets write them.
+
+A matrix, or rows of x, y and z; behind comments or words; between tabs, semicolons, commas or
+blanks; with points or decimal commas; with holes as NaN, as nothing, or as a word.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.scene.units import UnitError, to_si
+from tribo import InputError
+from tribo.types import Array
+
+TEXT = (".csv", ".txt", ".xyz", ".asc", ".dat", ".tsv")
+_HOLES = [
+    "",
+    "nan",
+    "NaN",
+    "NAN",
+    "bad",
+    "BAD",
+    "Bad",
+    "***",
+    "---",
+    "-",
+    "null",
+    "None",
+    "missing",
+]
+_COMMENT = ("#", "%", "//", ";#", "*")
+_NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*([eE][+-]?\d+)?|[.,]\d+([eE][+-]?\d+)?|inf)")
+_SIZE = re.compile(r"^\W*(width|height|value units?|z[ -]unit)\s*[:=]\s*(.*)$", re.IGNORECASE)
+_HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
+_LEAST_PLACES = 9  # rows of three numbers from which on they are x, y and z
+_BLANKS = r"\s+"
+_MOST_BYTES = 2**30
+_TOLERANCE = 1e-3  # of a step, within which places are on a grid
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TextScan:
+    """Heights of a text in its own unit, along x and then y, and what it says of sizes [m].
+
+    Attributes
+    ----------
+    heights : array, shape (nx, ny)
+        Heights in the unit of the file; NaN in holes.
+    pixel_size : tuple of float or None
+        Sides of a pixel along x and y [m], if the text says them.
+    unit : float or None
+        Length of one unit of the heights [m], if the text says it.
+    """
+
+    heights: Array
+    pixel_size: tuple[float, float] | None
+    unit: float | None
+
+
+def read_text(path: Path) -> TextScan:
+    """Read heights from text.
+
+    Raises
+    ------
+    InputError
+        If there is no matrix of numbers, nor rows of x, y and z on a grid.
+    """
+    if path.stat().st_size > _MOST_BYTES:
+        raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
+    text = path.read_bytes().decode("utf-8-sig", errors="replace")
+    head, body = _split(text.splitlines())
+    if not body:
+        raise InputError(f"{path}: no line of numbers; give heights as text, a row in a line")
+    separator, decimal = _form(body)
+    _require_equal_rows(path, head, body, separator)
+    table = _table(path, body, separator, decimal)
+    sizes, units = _said(head)
+    if table.shape[1] == 3 and (table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"):
+        return _of_places(path, table, units)
+    unit = sizes.get("value")
+    if {"width", "height"} <= sizes.keys():  # as Gwyddion writes it: a line for each y
+        table = np.ascontiguousarray(table.T)
+        x, y = sizes["width"] / table.shape[0], sizes["height"] / table.shape[1]
+        return TextScan(table, (x, y), unit)
+    return TextScan(table, None, unit)
+
+
+def _require_equal_rows(path: Path, head: list[str], body: list[str], separator: str) -> None:
+    """Raise unless all rows have as many cells, and no row of numbers counts as a heading."""
+
+    def count(line: str) -> int:
+        line = line.strip() if separator == _BLANKS else line.rstrip(f"{separator} \t")
+        return len(line.split()) if separator == _BLANKS else line.count(separator) + 1
+
+    counts = [count(line) for line in body]
+    # Holes may stand at the end of a row, behind which there is a separator each.
+    usual = max(counts)
+    if separator == _BLANKS or min(counts) == 1 < usual:
+        for line, cells in zip(body, counts, strict=True):
+            if cells != usual:
+                raise InputError(
+                    f'{path}: {cells} numbers in the row "{line.strip()[:40]}", but {usual} in '
+                    "others; all rows must be of equal length"
+                )
+    for line in head:
+        if line.lstrip().startswith(_COMMENT):
+            continue
+        words = re.split(r"[;,\t ]+", line.strip())
+        wrong = [word for word in words if not _NUMBER.fullmatch(word)]
+        if len(words) == usual and len(wrong) < usual:
+            raise InputError(f'{path}: "{wrong[0]}" is not a number; write holes as NaN')
+
+
+def _table(path: Path, body: list[str], separator: str, decimal: str) -> Array:
+    """Numbers of all rows; NaN in holes."""
+    try:
+        frame = pd.read_csv(
+            io.StringIO("\n".join(body)), sep=separator, header=None, decimal=decimal,
+            na_values=_HOLES, skipinitialspace=True, engine="c",
+        )  # fmt: skip
+    except pd.errors.ParserError as error:
+        raise InputError(f"{path}: rows of unequal length: {error}") from error
+    if frame.shape[1] > 1 and frame.iloc[:, -1].isna().all():
+        frame = frame.iloc[:, :-1]  # behind a separator at the end of each row
+    for column in frame:
+        if frame[column].dtype.kind not in "fiu":
+            values = frame[column]
+            is_wrong = pd.to_numeric(values, errors="coerce").isna() & values.notna()
+            problem = f'"{values[is_wrong].iloc[0]}" is not a number; write holes as NaN'
+            raise InputError(f"{path}: {problem}, and decimals all with the same mark")
+    table: Array = frame.to_numpy(dtype=np.float64)
+    return table
+
+
+def _split(lines: list[str]) -> tuple[list[str], list[str]]:
+    """Comments and words above, and the lines of numbers."""
+    filled = [line for line in lines if line.strip()]
+    body = [line for line in filled if not line.lstrip().startswith(_COMMENT)]
+    first = next((k for k, line in enumerate(body) if _is_numeric(line)), len(body))
+    head = [line for line in filled if line.lstrip().startswith(_COMMENT)]
+    return head + body[:first], body[first:]
+
+
+def _is_numeric(line: str) -> bool:
+    """True if each cell is a number or a hole, and any is a number."""
+    cells = [cell for cell in re.split(r"[;\t ]+|,(?=\s|[+-]?\d*\.)", line.strip()) if cell]
+    plain = [_NUMBER.fullmatch(cell.strip(",")) is not None for cell in cells]
+    if all(n or c.strip(",") in _HOLES for n, c in zip(plain, cells, strict=True)) and any(plain):
+        return True
+    cells = [cell.strip() for cell in line.split(",")]
+    plain = [_NUMBER.fullmatch(cell) is not None for cell in cells]
+    return any(plain) and all(n or c in _HOLES for n, c in zip(plain, cells, strict=True))
+
+
+def _form(body: list[str]) -> tuple[str, str]:
+    """Separator of the cells and mark of decimals."""
+    sample = body[:50]
+    for mark in (";", "\t"):
+        if all(mark in line for line in sample):
+            return mark, "," if any("," in line for line in sample) else "."
+    if all("," in line for line in sample):
+        blanks = all(re.search(r"\d\s+[+-]?\d", line) for line in sample)
+        return (_BLANKS, ",") if blanks else (",", ".")
+    return _BLANKS, "."
+
+
+def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
+    """Sizes and the unit of the heights, and units of columns x, y and z, of comments [m]."""
+    sizes: dict[str, float] = {}
+    units: dict[str, float] = {}
+    for line in head:
+        if match := _SIZE.match(line):
+            name = match[1].lower()
+            text = match[2].strip()
+            name, text = (name, text) if name in ("width", "height") else ("value", f"1 {text}")
+            if (length := _length(text)) is not None:
+                sizes[name] = length
+        for axis, unit in _HEAD.findall(line):
+            if (length := _length(f"1 {unit}")) is not None:
+                units[axis.lower()] = length
+    return sizes, units
+
+
+def _length(text: str) -> float | None:
+    try:
+        return to_si(text, "1 um")
+    except UnitError:
+        return None
+
+
+def _of_places(path: Path, table: Array, units: dict[str, float]) -> TextScan:
+    """Heights of rows of x, y and z on a regular grid; places without a row are holes."""
+    axes, places = [], []
+    for column in table.T[:2]:
+        values = np.unique(column[np.isfinite(column)])
+        steps = np.diff(values)
+        if not steps.size:
+            raise InputError(f"{path}: rows of x, y, z at one x or y alone; give a map of heights")
+        step = float(np.median(steps[steps > _TOLERANCE * steps.max()]))
+        place = (column - values[0]) / step
+        if np.nanmax(np.abs(place - np.round(place))) > 100 * _TOLERANCE:
+            raise InputError(f"{path}: x and y are not on a regular grid; give one, or a matrix")
+        axes.append(step)
+        places.append(np.round(place).astype(int))
+    shape = tuple(int(place.max()) + 1 for place in places)
+    if np.prod(shape) > 16 * len(table):
+        raise InputError(f"{path}: x and y are not on a regular grid; give one, or a matrix")
+    heights = np.full(shape, np.nan)
+    heights[places[0], places[1]] = table[:, 2]
+    pixel = None
+    if {"x", "y"} <= units.keys():
+        pixel = axes[0] * units["x"], axes[1] * units["y"]
+    return TextScan(heights, pixel, units.get("z"))

@@ -1,0 +1,88 @@
+"""Heights in text come out the same, however a program writes them."""
+
+import io
+
+import numpy as np
+import pytest
+
+from pipeline.scene.surfaces import read_surface
+from tribo import InputError
+
+HEIGHTS = np.arange(20.0).reshape(4, 5) + 0.25  # [µm], along x and then y
+
+
+def saved(heights, **form):
+    text = io.StringIO()
+    np.savetxt(text, heights, **form)
+    return text.getvalue()
+
+
+def places(unit=1.0, separator="\t"):
+    x, y = np.indices(HEIGHTS.shape)
+    rows = zip(x.T.ravel() * unit, y.T.ravel() * unit, HEIGHTS.T.ravel(), strict=True)
+    return "".join(separator.join(f"{value:.6g}" for value in row) + "\n" for row in rows)
+
+
+GWYDDION = "# Channel: Height\n# Width: 4.00 µm\n# Height: 5.00 µm\n# Value units: µm\n"
+TEXTS = {
+    "savetxt.txt": saved(HEIGHTS, header="heights"),
+    "tabs.asc": "Messung 3\n" + saved(HEIGHTS, delimiter="\t").replace("\n", "\t\n"),
+    "semicolons.csv": saved(HEIGHTS, delimiter=";"),
+    "german.csv": saved(HEIGHTS, delimiter=";").replace(".", ","),
+    "comments.csv": "# a scan\n" + saved(HEIGHTS, delimiter=","),
+    "blanks.txt": saved(HEIGHTS, fmt="%.3f").replace(".", ","),
+    "gwyddion.txt": GWYDDION + saved(HEIGHTS.T, delimiter="\t"),
+    "gwyddion.xyz": places(),
+    "mountains.txt": "X [mm];Y [mm];Z [µm]\n" + places(1e-3, ";").replace(".", ","),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_matrix_or_rows_of_places_give_the_same_heights(name, tmp_path):
+    (tmp_path / name).write_text(TEXTS[name], encoding="utf-8")
+    surface = read_surface(tmp_path / name, 1e-6)
+    np.testing.assert_allclose(surface.heights, 1e-6 * HEIGHTS, rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["gwyddion.txt", "mountains.txt"])
+def test_sizes_and_units_are_taken_from_the_text(name, tmp_path):
+    (tmp_path / name).write_text(TEXTS[name], encoding="utf-8")
+    surface = read_surface(tmp_path / name)
+    assert surface.pixel_size == pytest.approx((1e-6, 1e-6))
+    assert surface.heights[0, 0] == pytest.approx(0.25e-6)
+
+
+@pytest.mark.parametrize(
+    "text", ["1;2;3\n4;;6\n7;8;\n", "1,2,3\n4,NaN,6\n7,8,nan\n", "1 2 3\n4 *** 6\n7 8 BAD\n"]
+)
+def test_holes_stay_holes(text, tmp_path):
+    (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
+    heights = read_surface(tmp_path / "scan.txt", 1.0).heights
+    np.testing.assert_array_equal(np.isnan(heights), [[0, 0, 0], [0, 1, 0], [0, 0, 1]])
+
+
+def test_a_column_of_holes_is_kept(tmp_path):
+    (tmp_path / "scan.csv").write_text("1,,3\n4,,6\n", encoding="utf-8")
+    assert read_surface(tmp_path / "scan.csv", 1.0).heights.shape == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("1 2 3\n4 5\n", "equal length"),
+        ("1;2;x\n4;5;6\n", '"x" is not a number'),
+        ("no numbers\n", "no line of numbers"),
+        ("".join(f"0 {k} 1\n" for k in range(9)), "one x or y alone"),
+        ("".join(f"{k**1.5} {k} 1\n" for k in range(9)), "not on a regular grid"),
+    ],
+)
+def test_what_is_no_map_of_heights_is_said(text, words, tmp_path):
+    (tmp_path / "scan.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_surface(tmp_path / "scan.csv", 1.0)
+
+
+def test_a_text_without_a_unit_asks_for_one(tmp_path):
+    (tmp_path / "scan.txt").write_text("1 2\n3 4\n", encoding="utf-8")
+    with pytest.raises(InputError, match="give height_unit"):
+        read_surface(tmp_path / "scan.txt")
