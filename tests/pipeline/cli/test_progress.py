@@ -1,5 +1,6 @@
 """Progress on stderr, and what cannot succeed: told before the work."""
 
+import re
 import sys
 import threading
 import time
@@ -101,16 +102,12 @@ def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
 
 
 @pytest.mark.parametrize(
-    ("command", "words"),
-    [
-        (["vary", "--over", "friction.coefficient=0.12,0.13"], ["3: the scene as it is", "= 0.13"]),
-        (["infer"], ["1 of 2: two, 400 N at 2 m/s", "2 of 2: two, 200 N at 2 m/s"]),
-    ],
+    "command", [["vary", "--over", "friction.coefficient=0.12,0.13"], ["infer"]]
 )
-def test_a_study_says_which_scene_begins_of_how_many(small, irg, command, words):
+def test_a_study_says_how_many_points_are_done(small, irg, command):
     (small / "two.toml").write_text(SCENE + MEASURED + MEASURED.replace("400 N", "200 N"))
     said = irg(*command, small / "two.toml", "--set", "increments=2")
-    assert all(word in said for word in words)
+    assert re.search(r"(\d+) of \1 points done", said)
 
 
 def fail(*_, **__):
@@ -137,6 +134,6 @@ def test_a_store_that_does_not_keep_an_accuracy_is_refused_before_the_probe(
         *arguments, "--accuracy", "5%", "-o", small / "a.zarr", code=3
     )
     (small / "file").touch()
-    assert "cannot be written" in irg(
+    assert "Not a directory" in irg(
         *arguments, "--accuracy", "5%", "-o", small / "file" / "a.zarr", code=2
     )
