@@ -26,7 +26,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import exponent
 from pipeline.analysis.scenes import differing, scenes, stacked
-from pipeline.analysis.transition import UNITS, Transition, outcomes, range_of
+from pipeline.analysis.transition import UNITS, Crossing, outcomes, range_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
@@ -229,7 +229,7 @@ def _transitions(
     x, ends = rise[axis].values, range_of(ds, axis)
 
     def along(row: Array, missing: Mask, limit: float) -> tuple[float, ...]:
-        transition = Transition.along(x, row, limit, ends, missing)
+        transition = Crossing.along(x, row, limit, ends, missing)
         slope = exponent(x, row, transition.place)
         return transition.place, transition.outcome, *transition.computed, transition.bridged, slope
 

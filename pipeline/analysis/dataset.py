@@ -167,7 +167,7 @@ def asked(ds: xr.Dataset) -> xr.DataArray:
     return ds["asked"] != 0 if "asked" in ds else xr.ones_like(ds["status"], bool)
 
 
-def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take the rises of a sweep at the bulk temperatures of some conditions.
 
     They count from the colder body, for each unit of `Conditions.rise_factor`; fields stay as they
@@ -178,7 +178,7 @@ def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     return _with_rises(ds, conditions, rises.at_bulks)
 
 
-def corrected(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+def corrected_sweep(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take the rises of a sweep with the corrections of some conditions, at all bulk ratios."""
     return _with_rises(ds, conditions, rises.corrected) if conditions.corrections else ds
 

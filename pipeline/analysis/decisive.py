@@ -10,7 +10,7 @@ from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.soundness import deciding, require_sound
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import decisive_rises, rise_limit
+from pipeline.sweep.criterion import rise_limit, worst_rises
 from pipeline.sweep.rises import columns_needed
 from tribo import InputError
 from tribo.types import Array
@@ -33,7 +33,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     names = ["normal_load", conditions.decisive.column, *columns_needed(conditions)]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     columns["quantile"] = ds["quantile"].values
-    rises = decisive_rises(columns, ds["load"].values[:, None, None], conditions)
+    rises = worst_rises(columns, ds["load"].values[:, None, None], conditions)
     axes = ("realization", "load", "velocity")
     dims = [name for name in axes if name in ds.dims]
     is_done = values_of(ds, "status") == DONE

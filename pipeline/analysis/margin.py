@@ -24,9 +24,9 @@ from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import asked, plane_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import certain, interpolated
-from pipeline.analysis.margin_error import Grid, RiseError, grids_of, rise_error
+from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import UNITS, Transition, outcomes, range_of
+from pipeline.analysis.transition import UNITS, Crossing, outcomes, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
@@ -254,7 +254,7 @@ def judge_of(
 class _Plane:
     """Decisive rises by load and velocity on one surface, and the limit of mild wear [K]."""
 
-    grid: Grid
+    grid: RisePlane
     is_missing: Mask
     limit: float
     ends: Mapping[str, tuple[float, float]]
@@ -264,7 +264,7 @@ class _Plane:
         x, rows = self.grid.velocities, self.grid.rises
         return np.array([_at(x, row, velocity, continued) for row in rows])
 
-    def along(self, axis: str, load: float, velocity: float, rise: float) -> Transition:
+    def along(self, axis: str, load: float, velocity: float, rise: float) -> Crossing:
         """Transition along an axis through a place, and through the rise there if that is finite.
 
         At a load or velocity of the sweep it is that of `boundary`. Between them rises go on
@@ -278,7 +278,7 @@ class _Plane:
             rises, is_missing = rises.T, is_missing.T
         missing = np.logical_or.reduce(is_missing[_beside(other, place)])
         if place in other:
-            return Transition.along(x, rises[other == place][0], limit, ends, missing)
+            return Crossing.along(x, rises[other == place][0], limit, ends, missing)
         if axis == "load":
             computed, here = self.at_velocity(velocity), np.array([velocity])
             going_on = np.array([certain(other, row, here, limit)[0] for row in self.grid.rises])
@@ -296,7 +296,7 @@ class _Plane:
                 x, going_on = np.insert(x, number, along), np.insert(going_on, number, rise)
                 is_done, missing = (np.insert(mask, number, False) for mask in (is_done, missing))
             going_on[number] = rise
-        return Transition.along(x, going_on, limit, ends, missing, is_done)
+        return Crossing.along(x, going_on, limit, ends, missing, is_done)
 
 
 def _margin(

@@ -92,7 +92,7 @@ class RiseError:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Grid:
+class RisePlane:
     """Deciding rises by load and velocity [K], NaN where not done; flags of warnings; times [s]."""
 
     loads: Array
@@ -117,13 +117,13 @@ class Grid:
         return [(row, places) for row, places in points if places.size]
 
 
-def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[Grid]:
+def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
     """Grid of each surface of a sweep, by its deciding rises."""
     shape = -1, *rise.shape[-2:]
     flags, durations = warnings_of(ds), ds["time"].max("step")
     parts = (part.transpose(*rise.dims).values.reshape(shape) for part in (rise, flags, durations))
     axes = rise["load"].values, rise["velocity"].values
-    return [Grid(*axes, *values) for values in zip(*parts, strict=True)]
+    return [RisePlane(*axes, *values) for values in zip(*parts, strict=True)]
 
 
 def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
@@ -134,7 +134,7 @@ def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
     promised = velocity_error(attributes_of(ds))
     loads, velocities = (_with_middles(rise[name].values) for name in ("load", "velocity"))
 
-    def at(grid: Grid, load: float, velocity: float) -> float:
+    def at(grid: RisePlane, load: float, velocity: float) -> float:
         total = rise_error(grid, load, velocity, promised).total
         return math.nan if total is None else total
 
@@ -155,7 +155,9 @@ def _with_middles(x: Array) -> list[float]:
     return middles
 
 
-def rise_error(grid: Grid, load: float, velocity: float, velocity_error: float | None) -> RiseError:
+def rise_error(
+    grid: RisePlane, load: float, velocity: float, velocity_error: float | None
+) -> RiseError:
     """Relative error of the rise at a place, whose preset errs so much in velocity."""
     rows = grid.rests_on(load, velocity)
     return RiseError(
@@ -203,7 +205,7 @@ def _beside(x: Array, is_done: Array, place: float) -> Indices:
 
 
 def _interpolation(
-    grid: Grid, rows: list[tuple[int, Indices]], load: float, velocity: float
+    grid: RisePlane, rows: list[tuple[int, Indices]], load: float, velocity: float
 ) -> float | None:
     """Error of interpolating, or of continuing beyond the points; None if that is unknown."""
     if not rows:
@@ -221,7 +223,7 @@ def _interpolation(
     return None if None in parts else sum(filter(None, parts))
 
 
-def _left_out(grid: Grid, axis: str, place: float, gap: float) -> float | None:
+def _left_out(grid: RisePlane, axis: str, place: float, gap: float) -> float | None:
     """Error of interpolation along an axis, by that at done points when they are left out.
 
     It grows as the square of the distance of the points: where they leave a wider gap about the
@@ -234,7 +236,7 @@ def _left_out(grid: Grid, axis: str, place: float, gap: float) -> float | None:
 
 
 @functools.lru_cache(maxsize=1024)  # of many places between the same points
-def _misses(grid: Grid, axis: str, above: int, is_on: bool) -> tuple[Array, Array]:
+def _misses(grid: RisePlane, axis: str, above: int, is_on: bool) -> tuple[Array, Array]:
     """Relative misses at the points next to a place, on all lines, and the gaps without them."""
     x, rows = grid.velocities, grid.rises
     if axis == "load":
@@ -258,7 +260,7 @@ def _misses(grid: Grid, axis: str, above: int, is_on: bool) -> tuple[Array, Arra
     return np.concatenate(missed), np.concatenate(widths)
 
 
-def _beyond(grid: Grid, velocity: float) -> float | None:
+def _beyond(grid: RisePlane, velocity: float) -> float | None:
     """Error of continuing to a velocity; None if that is unknown.
 
     The exponent of the power law beyond the points is taken to differ from that of the last two by
@@ -277,7 +279,7 @@ def _beyond(grid: Grid, velocity: float) -> float | None:
 
 
 def _preset(
-    grid: Grid, rows: list[tuple[int, Indices]], velocity: float, velocity_error: float | None
+    grid: RisePlane, rows: list[tuple[int, Indices]], velocity: float, velocity_error: float | None
 ) -> float | None:
     """Error of the rise that an error of the boundary velocity is; None if that is unknown.
 

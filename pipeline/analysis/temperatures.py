@@ -5,7 +5,7 @@ from __future__ import annotations
 import xarray as xr
 
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
-from pipeline.analysis.dataset import at_bulks, plane_of
+from pipeline.analysis.dataset import plane_of, sweep_at_bulks
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.scenes import by_scene
 from pipeline.sweep.criterion import contact_temperature, failed_fraction
@@ -100,7 +100,7 @@ def temperatures(
     conditions = conditions_of(
         ds, friction, bulk_temperature, critical_temperature, criterion="share"
     )
-    rises = at_bulks(ds, conditions)
+    rises = sweep_at_bulks(ds, conditions)
     attributes = attributes_by(conditions)
     del attributes["criterion"]
     result = xr.Dataset(attrs=attributes)

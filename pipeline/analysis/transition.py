@@ -51,7 +51,7 @@ UNITS = {"velocity": "m/s", "load": "N"}
 
 
 @dataclass(frozen=True, slots=True)
-class Transition:
+class Crossing:
     """The first crossing from mild to severe wear along a line of points.
 
     Attributes
@@ -68,11 +68,11 @@ class Transition:
     Examples
     --------
     >>> velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
-    >>> Transition.along(velocity, rise, 1200.0, (1.0, 4.0)).worded("velocity")
+    >>> Crossing.along(velocity, rise, 1200.0, (1.0, 4.0)).worded("velocity")
     'mild at every velocity computed (to 2.2 m/s)'
-    >>> Transition.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
+    >>> Crossing.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
     'mild throughout'
-    >>> Transition.along(velocity, rise, 600.0, (1.0, 4.0)).worded("velocity")
+    >>> Crossing.along(velocity, rise, 600.0, (1.0, 4.0)).worded("velocity")
     'severe at every velocity computed (from 1.2 m/s)'
     """
 
@@ -90,7 +90,7 @@ class Transition:
         ends: tuple[float, float],
         is_missing: Mask | None = None,
         is_done: Mask | None = None,
-    ) -> Transition:
+    ) -> Crossing:
         """Find the transition along velocities [m/s] or loads [N], which ascend.
 
         Rises [K] are NaN where they are not known; they are done there, or go on where that leaves

@@ -11,7 +11,7 @@ from typing import Any
 
 from pipeline.cli.output import WRONG_USE, Result, counted
 from pipeline.scene.format import TEST, TRANSITION
-from pipeline.scene.logs import Log, entries_of, read_log
+from pipeline.scene.logs import Log, entries_of_log, read_log
 from pipeline.scene.trace import Trace, read_trace
 from tribo import InputError
 
@@ -35,7 +35,7 @@ def tests(options: argparse.Namespace) -> Result:
     if not {"outcome"} & log.places.keys() and {"load", "velocity"} <= log.places.keys():
         row_of = TRANSITION
         log = read_log(path, entries, row_of)
-    found, faults = entries_of(log, row_of)
+    found, faults = entries_of_log(log, row_of)
     toml = list(_toml(log, options.decimal, row_of is TEST)) if found else []
     document = {
         "file": str(path), "form": log.form, "columns": _columns(log), "unused": log.unused,

@@ -24,7 +24,7 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, entry_dims, on_surface, variant_of
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.scenes import scenes, value_text
-from pipeline.analysis.transition import BEYOND, CROSSES, Transition, range_of
+from pipeline.analysis.transition import BEYOND, CROSSES, Crossing, range_of
 from pipeline.analysis.warned_points import has_warning
 from pipeline.figures.overlays import (
     at_own_conditions,
@@ -352,7 +352,7 @@ def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     axis, other = ("velocity", "load") if ds.sizes["velocity"] > 1 else ("load", "velocity")
     rises = decisive_rise(ds, conditions).values.reshape(-1, ds.sizes[axis])
     limit, ends = rise_limit(conditions), range_of(ds, axis)
-    lines = [Transition.along(axes_of[axis], rise, limit, ends) for rise in rises]
+    lines = [Crossing.along(axes_of[axis], rise, limit, ends) for rise in rises]
     crossings = [line.place for line in lines if line.outcome == CROSSES]
     if not crossings:
         reasons = dict.fromkeys(line.worded(axis) for line in lines)

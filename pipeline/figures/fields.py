@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import corrected_field, on_surface
-from pipeline.figures.points import chosen_points, name_of
+from pipeline.figures.points import chosen_points, point_name
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature
@@ -108,7 +108,7 @@ def _contact(
         row[0].set_yticks([])
     if outlined:
         row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
-    figure.suptitle(f"{title_of(ds)}\n{name_of(ds, point)}, {heating(conditions)}")
+    figure.suptitle(f"{title_of(ds)}\n{point_name(ds, point)}, {heating(conditions)}")
     return figure
 
 

@@ -53,7 +53,7 @@ def chosen_points(
         if not is_finite[point]:
             reason = str(ds["message"].transpose("load", "velocity").values[point])
             raise PendingError(
-                f"the point {name_of(ds, point)} is not done{reason and ': '}{reason}; "
+                f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or run the scene on"
             )
     return points
@@ -87,7 +87,7 @@ def _index(ds: xr.Dataset, axis: str, unit: str, value: float) -> int:
     return nearest
 
 
-def name_of(ds: xr.Dataset, point: tuple[int, int]) -> str:
+def point_name(ds: xr.Dataset, point: tuple[int, int]) -> str:
     """Name a point by its load, its velocity and its surface, from its indices."""
     surface = (("realization", int(ds["realization"])),) if "realization" in ds.coords else ()
     return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], surface))

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import at_bulks, on_surface
-from pipeline.figures.points import chosen_points, name_of
+from pipeline.analysis.dataset import on_surface, sweep_at_bulks
+from pipeline.figures.points import chosen_points, point_name
 from pipeline.figures.style import (
     BLACK,
     GREY,
@@ -49,7 +49,7 @@ def ramp(
     conditions = conditions_of(ds, **changed)
     ds = on_surface(ds, realization)
     points = chosen_points(ds, load, velocity, conditions)
-    ds = at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
+    ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
     depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
     is_worn = any(np.nanmax(volume[point]) > 0 for point in points)
@@ -71,7 +71,7 @@ def ramp(
     _load_axis(temperature, ds, points)
     figure.suptitle(title_of(ds))
     lines = [
-        Line2D([], [], color=f"C{k}", lw=3, label=name_of(ds, point))
+        Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point))
         for k, point in enumerate(points)
     ]
     legend_below(figure, handles=lines, ncols=3, title=heating(conditions), title_fontsize=9.5)

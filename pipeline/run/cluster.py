@@ -131,7 +131,7 @@ def client_of(
     raise ExecutionError(reason)
 
 
-def share(connection: Connection, content: bytes) -> bytes | Future:
+def sent_once(connection: Connection, content: bytes) -> bytes | Future:
     """Content for many tasks: itself if it is light, else a result that every worker holds.
 
     Light content goes along with each task. Heavy content is the result of a task, which Dask

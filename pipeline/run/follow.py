@@ -18,7 +18,7 @@ from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import find_root
 from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.variants import Variant
 from tribo import InputError, Scene
@@ -122,8 +122,7 @@ def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Poin
     loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
     variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
     rises = {
-        conditions: decisive_rises(columns, loads, conditions)
-        for conditions in set(variants.values())
+        conditions: worst_rises(columns, loads, conditions) for conditions in set(variants.values())
     }
 
     def of_sweep(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:

@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import LOST, Connection, require_same_code, share, threads_of
+from pipeline.run.cluster import LOST, Connection, require_same_code, sent_once, threads_of
 from pipeline.run.reports import Reports
 from pipeline.run.source import SAFE, ExecutionError
 from pipeline.run.suspects import STARTS, Suspects
@@ -130,7 +130,7 @@ class _Run:
         self._connection, self._writer, self._reports = connection, writer, reports
         with_fields = "pressure" in writer.store.arrays
         self._pickled = pickle.dumps((sweep.changed(chosen=None), with_fields))
-        self._parcel = share(connection, self._pickled)
+        self._parcel = sent_once(connection, self._pickled)
         self._numbers = itertools.count()
         self._label = uuid.uuid4().hex[:8]  # a scheduler may know tasks of other runs
         self._ramps = deque(ramps)
@@ -167,7 +167,7 @@ class _Run:
     def _start(self, ramp: _Ramp, points: tuple[Point, ...], alone_on: str | None = None) -> None:
         parcel = self._parcel
         if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
-            parcel = self._parcel = share(self._connection, self._pickled)
+            parcel = self._parcel = sent_once(self._connection, self._pickled)
         name = f"point-{_in_short(points)}-{self._label}-{next(self._numbers)}"
         arguments = (compute_points, name, parcel, points, ramp.below)
         future = self._connection.client.submit(*arguments, key=name, workers=alone_on)

@@ -19,7 +19,7 @@ from pipeline.run.physics import Effect, physics_of
 from pipeline.run.tally import Progress
 from pipeline.scene.over import note_of
 from pipeline.scene.scenefile import load_scene
-from pipeline.scene.unknown import differing
+from pipeline.scene.unknown import differing_inputs
 from pipeline.scene.variants import absolute
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -252,7 +252,7 @@ def _varied(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterabl
     changes: dict[Label, dict[str, Any]] = {
         label: {
             name: value
-            for name, value in differing(sweep, scene)
+            for name, value in differing_inputs(sweep, scene)
             if PART_OF[name] not in ("plane", "record")
         }
         for label, scene in zip(words, scenes, strict=True)

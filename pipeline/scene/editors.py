@@ -12,7 +12,7 @@ from typing import Any
 
 from pipeline.scene.faults import write_new
 from pipeline.scene.format import SCENE
-from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Scalar, Unit, Whole
+from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, Scalar, UnitText, Whole
 from pipeline.scene.schema import ByPath, Distribution, Either, Entry, List, Range, Table, Tables
 from tribo import InputError
 
@@ -104,13 +104,13 @@ def _allowed(kind: Kind) -> dict[str, Any]:
             return {"type": "object", "additionalProperties": {"type": ["number", "object"]}}
         case Scalar():
             return {"type": ["number", "string"]}
-        case Choice():
+        case OneOf():
             return {"enum": list(kind.options)}
         case Flag():
             return {"type": "boolean"}
         case Quantity():
             return {"type": "string", "pattern": _QUANTITY, "examples": [kind.example]}
-        case Unit():
+        case UnitText():
             return {"type": "string", "examples": [kind.example]}
         case Number():
             bounds = {_BOUNDS[name]: bound for name, bound in kind.bounds.items()}

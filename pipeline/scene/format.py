@@ -10,7 +10,17 @@ import math
 from typing import get_type_hints
 
 import tribo
-from pipeline.scene.kinds import Choice, Flag, Number, Quantity, Scalar, Text, Unit, Whole, kind_of
+from pipeline.scene.kinds import (
+    Flag,
+    Number,
+    OneOf,
+    Quantity,
+    Scalar,
+    Text,
+    UnitText,
+    Whole,
+    kind_of,
+)
 from pipeline.scene.schema import (
     ByPath,
     Distribution,
@@ -101,7 +111,7 @@ def _ends_along_y(shape: object) -> bool:
 
 
 _ROUND = {
-    "shape": Entry(Choice(tuple(tribo.PINS)), "Shape of the pin."),
+    "shape": Entry(OneOf(tuple(tribo.PINS)), "Shape of the pin."),
     "radius": Entry(_length("2 mm"),
         "Radius in the plane of sliding; of two curved bodies the reduced one."),
 }
@@ -143,12 +153,12 @@ MEASURED_SURFACE = Table({
         "Heights of a measured surface, a row for each x: .npy, text, or the file of an instrument "
         "(with the extra `surfaces`); relative to the folder of the scene.",
         example="surface.npy"),
-    "height_unit": Optional(Unit("a unit of length", "um"),
+    "height_unit": Optional(UnitText("a unit of length", "um"),
         "Unit of the heights; needed where the file has none, as in .npy and .csv, and used in "
         "place of a wrong one."),
     "transpose": Optional(Flag(),
         "Exchange of x and y of the file, with the sides of its pixels.", default=False),
-    "flip": Optional(Choice(("no", "x", "y", "heights")),
+    "flip": Optional(OneOf(("no", "x", "y", "heights")),
         "Axis to reverse; or the heights, as of a replica, whose summits were valleys.",
         default="no"),
     "crop": Optional(List(Whole(at_least=0), length=2),
@@ -156,10 +166,10 @@ MEASURED_SURFACE = Table({
         "to have the window's size."),
     "level": Optional(Flag(),
         "Least-squares plane (tilt) taken off the heights, or not.", default=False),
-    "missing": Optional(Choice(("refuse", "fill")),
+    "missing": Optional(OneOf(("refuse", "fill")),
         "Places without a height: the file is refused, or the hole filled smoothly from around it.",
         default="refuse"),
-    "repeat": Optional(Choice(("no", "mirror", "tile")),
+    "repeat": Optional(OneOf(("no", "mirror", "tile")),
         "Filling of a window that is larger than the surface: none, mirrored at each end, or "
         "tiles.", default="no"),
 }, form="measured surface")
@@ -287,14 +297,14 @@ TEMPERATURES = Table({
         "Share of the contact area above the critical temperature beyond which wear is severe; 0 "
         "for the highest temperature alone.", default=0.1),
     "criterion": Optional(
-        Either(Choice(tuple(tribo.CRITERIA)), Text(), lambda word: ":" in str(word)),
+        Either(OneOf(tuple(tribo.CRITERIA)), Text(), lambda word: ":" in str(word)),
         "Temperature that decides: the one that the failing share of the contact area exceeds, the "
         "highest, or the mean of the contact; or a [criterion of one's own](OWN_LAWS.md), such as "
         '"laws:hottest_tenth", which runs only with `--own-laws`.', default="share"),
 })
 
 FIDELITY = Table({
-    "preset": Optional(Choice(tuple(tribo.PRESETS)),
+    "preset": Optional(OneOf(tuple(tribo.PRESETS)),
         'Preset to begin with: "draft" is the fastest, "reference" the best.',
         default=USUAL_PRESET),
     **fields_of(tribo.Fidelity),
@@ -364,7 +374,7 @@ _TEST = {
 TRANSITION = Table(_TEST, form="entries")
 TEST = Table({
     **_TEST,
-    "outcome": Entry(Choice(OUTCOMES), "Outcome of the test, at the end of its hold."),
+    "outcome": Entry(OneOf(OUTCOMES), "Outcome of the test, at the end of its hold."),
 }, form="entries")
 LOG = Table({
     "file": Entry(Text(),
@@ -373,9 +383,9 @@ LOG = Table({
     "columns": Optional(ByPath(Text(), "entries of a test"),
         "Heading of the column for an entry, where it is not found by its own words.",
         example={"load": "Kraft / N"}),
-    "words": Optional(ByPath(Choice(OUTCOMES), "words of the log"),
+    "words": Optional(ByPath(OneOf(OUTCOMES), "words of the log"),
         "What a word of the log means as an outcome.", example={"Fresser": "severe"}),
-    "decimal": Optional(Choice((".", ",")),
+    "decimal": Optional(OneOf((".", ",")),
         "Mark of decimals; by default a comma in a file with semicolons or tabs that has any."),
 }, form="log")
 

@@ -68,7 +68,7 @@ class Flag(Kind):
 
 
 @dataclass(frozen=True)
-class Choice(Kind):
+class OneOf(Kind):
     """One of a few words."""
 
     options: tuple[str, ...]
@@ -187,7 +187,7 @@ class Quantity(Kind):
 
 
 @dataclass(frozen=True)
-class Unit(Kind):
+class UnitText(Kind):
     """A unit alone, read as its value in SI."""
 
     name: str
@@ -206,5 +206,5 @@ class Unit(Kind):
 def kind_of(hint: Any) -> Kind:
     """Kind of a value whose range its class checks itself, from its type."""
     if get_origin(hint) is Literal:
-        return Choice(get_args(hint))
+        return OneOf(get_args(hint))
     return {int: Whole(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]

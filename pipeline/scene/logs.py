@@ -24,7 +24,7 @@ from pipeline.scene.headings import (
     missing_columns,
     with_units_below,
 )
-from pipeline.scene.kinds import Choice, Kind, Number
+from pipeline.scene.kinds import Kind, Number, OneOf
 from pipeline.scene.rows import Row, may_be_thousands, read_rows
 from pipeline.scene.schema import Table
 from tribo import InputError
@@ -163,7 +163,7 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     return log
 
 
-def entries_of(log: Log, row_of: Table = TEST) -> tuple[list[dict[str, Any]], list[str]]:
+def entries_of_log(log: Log, row_of: Table = TEST) -> tuple[list[dict[str, Any]], list[str]]:
     """Tests of a log as tables of a scene; and faults, those of one kind in one line."""
     tests, faults = [], dict[tuple[str, str], tuple[str, list[int]]]()
     for row in log.rows:
@@ -201,7 +201,7 @@ def entries_of(log: Log, row_of: Table = TEST) -> tuple[list[dict[str, Any]], li
 
 def _value(cell: str, unit: str, kind: Kind) -> Any:
     """A cell as a scene file has it: a number, or text with a unit."""
-    if isinstance(kind, Choice):
+    if isinstance(kind, OneOf):
         return cell
     if not unit and isinstance(kind, Number):
         try:
@@ -273,7 +273,7 @@ def _of_file(
     except InputError as error:
         faults.note(place, str(error))
         return []
-    tests, problems = entries_of(log, row_of)
+    tests, problems = entries_of_log(log, row_of)
     for problem in problems:
         faults.note(place, f"{path.name}, {problem}")
     if log.faults:

@@ -13,7 +13,7 @@ from pipeline.scene.document import Document, Layer
 from pipeline.scene.faults import Faults, quoted, with_value
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
-from pipeline.scene.unknown import Make, differing
+from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, Variants, combinations
 from tribo import InputError
@@ -42,7 +42,7 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
     scenes = [
         _scene({path: texts[path][value] for path, value in name}, sweep, make) for name in names
     ]
-    parts = tuple(tuple(differing(sweep, scene)) for scene in scenes)
+    parts = tuple(tuple(differing_inputs(sweep, scene)) for scene in scenes)
     if len(parts) > 1 and all(part == parts[0] for part in parts):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"

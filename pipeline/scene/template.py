@@ -14,7 +14,7 @@ import tribo
 from pipeline.scene.document import as_toml, read_document
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, unwritable
 from pipeline.scene.format import UNKNOWN, USUAL_PRESET
-from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
+from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.reference import Section, sections, written
 from pipeline.scene.schema import Either, Entry, List
 from pipeline.scene.shipped import shipped_scenes
@@ -164,7 +164,7 @@ def example(entry: Entry, default: Any = None) -> Any:
 
 def _allowed(kind: Kind, default: Any) -> Any:
     match kind:
-        case Quantity() | Unit():
+        case Quantity() | UnitText():
             return kind.example
         case List():
             return [_allowed(kind.of, None)] * (kind.length or 1)
@@ -172,7 +172,7 @@ def _allowed(kind: Kind, default: Any) -> Any:
             return _allowed(kind.usual, default)
         case _ if default is not None:
             return default
-        case Choice():
+        case OneOf():
             return kind.options[0]
         case Flag():
             return False

@@ -209,7 +209,7 @@ def _drawn(
         pairs = zip(drawn, row, strict=True)
         entries = {**written, **{one.unknown.path: one.entry(value) for one, value in pairs}}
         other = None if wrong else make(entries, wrong)
-        return () if other is None else tuple(differing(sweep, other))
+        return () if other is None else tuple(differing_inputs(sweep, other))
 
     parts = tuple(
         part(written_of(over, name), row) for name in over.names for row in values.tolist()
@@ -221,7 +221,7 @@ def _drawn(
     return replace(over * drawn_rows(draw, count), parts=parts)
 
 
-def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
+def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
     """Fields, and their values, in which another sweep differs from one."""
     for name in PART_OF:
         old, new = sweep.get(name), other.get(name)
@@ -285,8 +285,8 @@ def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
             faults.note(one.key, f"{where}{why}{instead}")
             return "conditions"
-        changed |= {name for name, _ in differing(sweep, other)} - {"sources"}
-        alike = {name for name, _ in differing(sweep, _with_heat_of(other, sweep))}
+        changed |= {name for name, _ in differing_inputs(sweep, other)} - {"sources"}
+        alike = {name for name, _ in differing_inputs(sweep, _with_heat_of(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other.scene, highest) != step_count(sweep.scene, highest):
             faults.note(one.key, "it changes the number of steps, which must stay; give it")

@@ -21,7 +21,7 @@ _OPTIONAL = ("coordinates", "fixed", "lubrication", "samples", "sample_seed", "u
 """Attributes of a scene that a store has only where there are samples, or an oil."""
 
 
-def attributes_of(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str, Any]:
+def root_attributes(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str, Any]:
     """Attributes of the store of a sweep, which had others before if it is not new.
 
     The scene and what computed it stay as they were at its creation, with versions that came later

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from pipeline.store.attributes import attributes_of, grown_axes
+from pipeline.store.attributes import grown_axes, root_attributes
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.identity import describe, differences
 from pipeline.store.layout import (
@@ -83,7 +83,7 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
             f"{place} would have {points:.4g} points; a store has at most {MOST_POINTS:.0e}: give "
             "fewer loads or velocities"
         )
-    attributes = attributes_of(sweep, before.attributes if before else None) | {"axes": axes}
+    attributes = root_attributes(sweep, before.attributes if before else None) | {"axes": axes}
     if not before:
         sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
         attributes["points_per_chunk"] = block_of(sizes, bytes_of_a_point(wanted, axes))

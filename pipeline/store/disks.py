@@ -27,17 +27,18 @@ def is_local(folder: Path) -> bool:
         )
     except OSError:
         return True
-    return kind_of(folder, mounts.decode(errors="surrogateescape")) in _LOCAL | _of_blocks(kinds)
+    kind = filesystem_of(folder, mounts.decode(errors="surrogateescape"))
+    return kind in _LOCAL | _of_blocks(kinds)
 
 
-def kind_of(folder: Path, mounts: str) -> str:
+def filesystem_of(folder: Path, mounts: str) -> str:
     r"""Name of the file system of an absolute path, by the kernel's table of mounts.
 
     Examples
     --------
     >>> mounts = "/dev/sda / ext4 rw 0 0\nhost:/home /home/my\\040group nfs4 rw 0 0\n"
-    >>> kind_of(Path("/home/my group/sweep.zarr"), mounts), kind_of(Path("/home/mine"), mounts)
-    ('nfs4', 'ext4')
+    >>> [filesystem_of(Path(name), mounts) for name in ("/home/my group/sweep.zarr", "/home/mine")]
+    ['nfs4', 'ext4']
     """
     found, length = "", -1
     for line in mounts.splitlines():

@@ -95,15 +95,15 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
-def rises_of(scene: Scene, state: State, conditions: Conditions) -> Mapping[str, Any]:
+def momentary_rises(scene: Scene, state: State, conditions: Conditions) -> Mapping[str, Any]:
     """Rises at one moment of a simulation with temperature, as `at_bulks` gives them."""
     plain = replace(conditions, corrections=None)
     return at_bulks(moment_of(scene, state, conditions.corrections), plain)
 
 
-def decisive_rise(scene: Scene, state: State, conditions: Conditions) -> float:
+def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
     """Rise that decides at one moment of a simulation [K]."""
-    return float(conditions.decisive.rise(rises_of(scene, state, conditions)))
+    return float(conditions.decisive.rise(momentary_rises(scene, state, conditions)))
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
@@ -123,9 +123,7 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
     return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
 
 
-def decisive_rises(
-    columns: Mapping[str, Any], load: Array | float, conditions: Conditions
-) -> Array:
+def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
     """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
 
     Columns are those of `at_bulks` and ``normal_load``, shape (..., n_step) [N], with ``quantile``

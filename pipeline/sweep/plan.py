@@ -300,7 +300,7 @@ def _at_wear_rates(
     return {f"{name}_at_wear_rate": values for name, values in columns.items()}
 
 
-def columns_of(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
+def stacked_columns(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
     """Columns of a point at some of its states, as in `PointResult.columns`."""
     return _stacked([_record(sweep, state) for state in states])
 

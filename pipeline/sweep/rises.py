@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pipeline.sweep.conditions import Conditions, in_celsius
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
-from tribo.thermal import rises_at
+from tribo.thermal import with_bulk_ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +37,7 @@ def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str,
 
 def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
     """Columns with rises at friction 1 above the colder body, at a bulk ratio [K]."""
-    above_pin = rises_at(columns, bulk_ratio)
+    above_pin = with_bulk_ratio(columns, bulk_ratio)
     pin = max(0.0, -bulk_ratio)
     return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
 

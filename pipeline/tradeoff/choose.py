@@ -19,7 +19,7 @@ from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial
-from pipeline.tradeoff.probe import Place, fitted, near_the_boundary, probe, some_places
+from pipeline.tradeoff.probe import Target, fitted, near_the_boundary, probe, some_places
 from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, Yardstick, measured, own_error
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 from tribo.simulation.point_warnings import FEW_NODES
@@ -187,12 +187,12 @@ def choose_fidelity(
     places = some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
     thorough = not points and _steps_to_probe(sweep, places) <= _WORTH * _steps_of_sweep(sweep)
     if points:
-        places = tuple(dict.fromkeys(Place(place.load, place.variant) for place in points))
+        places = tuple(dict.fromkeys(Target(place.load, place.variant) for place in points))
     tell("the boundary by the preset standard")
     near, exponents = near_the_boundary(sweep, places)
     if points:
         by_place = dict(zip(places, exponents, strict=True))
-        exponents = tuple(by_place[Place(place.load, place.variant)] for place in points)
+        exponents = tuple(by_place[Target(place.load, place.variant)] for place in points)
     elif thorough:
         near, exponents = _on_both_sides(near), tuple(np.repeat(exponents, 2).tolist())
     exact = measured(sweep, points or near, exponents, tell)
@@ -267,7 +267,7 @@ def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
     )
 
 
-def _steps_to_probe(sweep: Sweep, places: Sequence[Place]) -> float:
+def _steps_to_probe(sweep: Sweep, places: Sequence[Target]) -> float:
     """Approximate number of steps that a probe takes on the scene's finest grid."""
     scene = sweep.changed(fidelity=fitted(sweep, YARDSTICK)).scene
     return _PASSES * sum(step_count(scene, place.load) for place in places)

@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import columns_of, step_count
+from pipeline.sweep.plan import stacked_columns, step_count
 from pipeline.sweep.stages import duration
 from tribo import QUANTILES, State
 from tribo.simulation import contacts, forget_contacts, heat, leads_to
@@ -251,7 +251,7 @@ def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
-    numbers: int = sum(column[0].size for column in columns_of(sweep, [state]).values())
+    numbers: int = sum(column[0].size for column in stacked_columns(sweep, [state]).values())
     numbers += len(sweep.rates) * (len(QUANTILES) + 2)
     fields = (
         (3 + sweep.scene.unequal_bulks) * math.prod(sweep.scene.grid.shape) * sweep.record.fields

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit, rises_of
+from pipeline.sweep.criterion import failed_fraction, momentary_rise, momentary_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
 from pipeline.sweep.variants import Variant
@@ -19,7 +19,7 @@ from tribo import PRESETS, Fidelity, InputError, Scene, State, measures, simulat
 from tribo.simulation import forget_contacts, forget_kernels, leads_to
 
 
-class Place(NamedTuple):
+class Target(NamedTuple):
     """Load at which to look for the boundary [N], and in which variant of the scene."""
 
     load: float
@@ -139,7 +139,7 @@ def _run(sweep: Sweep, load: float, velocity: float, trunk: State | None = None)
         if state.on_trunk:
             trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
-            hot.append((decisive_rise(sweep.scene, state, sweep.conditions), state))
+            hot.append((momentary_rise(sweep.scene, state, sweep.conditions), state))
     hottest = max(hot, key=lambda reading: reading[0])[1] if hot else state
     return _Run(hottest, trunk, convolutions, work)
 
@@ -147,7 +147,7 @@ def _run(sweep: Sweep, load: float, velocity: float, trunk: State | None = None)
 def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
-    columns = rises_of(scene, state, sweep.conditions)
+    columns = momentary_rises(scene, state, sweep.conditions)
     values = measures(scene, state)
     return Reading(
         rise=float(sweep.conditions.decisive.rise(columns)),
@@ -171,20 +171,20 @@ def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
     return replace(fidelity, pixels_per_element=next(fits), heat_kernel=kernel)
 
 
-def some_places(sweep: Sweep, number: int) -> tuple[Place, ...]:
+def some_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
     """Some of a sweep's loads, both ends among them, and its variants in turn."""
     last, variants = len(sweep.plane.loads) - 1, sweep.variants.names
     chosen = sorted({round(last * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
     places = (
-        Place(sweep.plane.loads[chosen[k]], variants[(k + turn) % len(variants)])
+        Target(sweep.plane.loads[chosen[k]], variants[(k + turn) % len(variants)])
         for turn, k in turns
     )
     return tuple(dict.fromkeys(places))
 
 
 def near_the_boundary(
-    sweep: Sweep, places: Sequence[Place]
+    sweep: Sweep, places: Sequence[Target]
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
     """Points near which wear turns severe at ``standard``, and d ln(rise)/d ln(velocity) there.
 
@@ -204,7 +204,7 @@ def near_the_boundary(
 
     for place in places:
 
-        def rise(velocity: float, place: Place = place) -> float:
+        def rise(velocity: float, place: Target = place) -> float:
             variant = scene.variant(place.variant)
             return _reading(sweep, scene.scene, _run(variant, place.load, velocity).state).rise
 

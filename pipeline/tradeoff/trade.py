@@ -23,7 +23,7 @@ from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variants
-from pipeline.tradeoff.probe import Place, Probe, fitted, near_the_boundary, probe, some_places
+from pipeline.tradeoff.probe import Probe, Target, fitted, near_the_boundary, probe, some_places
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from pipeline.tradeoff.yardstick import velocity_errors
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
@@ -88,7 +88,7 @@ def trade(
     without_surfaces = sweep.changed(variants=Variants())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
     asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
-    near, exponents = near_the_boundary(sweep, [Place(load) for load in asked])
+    near, exponents = near_the_boundary(sweep, [Target(load) for load in asked])
     places = _around(near) if diagram else near
     exact = fitted(sweep, PRESETS["reference"])
     candidates = _candidates(sweep, presets, base)

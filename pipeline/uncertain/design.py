@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeline.analysis.operating_points import Place
-from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import Unknown
@@ -326,16 +326,16 @@ def confirmed(
     for number, row in enumerate(near.tolist()):
         if progress:
             progress(number, len(near))
-        sweep = scene_with(written(ensemble, inputs[row]))
+        sweep = scene_with(as_in_a_scene(ensemble, inputs[row]))
         columns = run_point(sweep, *place).columns
-        rise = float(decisive_rises(columns, place.load, sweep.conditions))
+        rise = float(worst_rises(columns, place.load, sweep.conditions))
         severe[row] = math.log(rise) > limits[row]
     chance = float(severe.mean())
     error = math.sqrt(max(chance * (1 - chance), 1 / _FRESH) / _FRESH)
     return Direct(chance, error, _FRESH, len(near))
 
 
-def written(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
+def as_in_a_scene(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
     """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths."""
     pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
     pairs += [(one.unknown, one.value) for one in ensemble.fixed]

@@ -28,7 +28,7 @@ from pipeline.analysis.dataset import end_of_point, values_of
 from pipeline.analysis.soundness import require_sound
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
@@ -388,9 +388,9 @@ def _rises(
 ) -> Array:
     """Decisive rise by sample and load [K]."""
     if shares is None:
-        return decisive_rises(columns, loads[:, None], conditions)
+        return worst_rises(columns, loads[:, None], conditions)
     rows = [
-        decisive_rises(
+        worst_rises(
             {name: values[i] for name, values in columns.items()},
             loads[:, None],
             replace(conditions, failing_share=share),

@@ -103,7 +103,7 @@ def _with_column(inputs: Array, number: int, column: Array) -> Array:
     return other
 
 
-class Measurement(NamedTuple):
+class Observable(NamedTuple):
     """A measurement, with the result that it has of each truth.
 
     ``values`` (n,) are true results, ``slopes`` (n, n_feature) those about each truth, and
@@ -119,7 +119,7 @@ class Measurement(NamedTuple):
     low: float = -math.inf
     high: float = math.inf
     test: dict[str, float] | None = None
-    besides: Measurement | None = None
+    besides: Observable | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,7 +142,7 @@ class Knowledge:
         """Standard deviation of a target by its slopes (m, n, n_feature), root mean square."""
         return math.sqrt(max(float(self._variances(target).mean()), 0.0))
 
-    def expected(self, measurement: Measurement, target: Array) -> float:
+    def expected(self, measurement: Observable, target: Array) -> float:
         """Spread of a target that a measurement is expected to leave."""
         if measurement.besides:
             together, _, deviation = self._predicted(measurement.besides)
@@ -154,7 +154,7 @@ class Knowledge:
         variances = self._variances(target) - _explained(low, high) * moved**2
         return math.sqrt(max(float(variances.mean()), 0.0))
 
-    def after(self, measurement: Measurement, chance: np.random.Generator) -> Knowledge:
+    def after(self, measurement: Observable, chance: np.random.Generator) -> Knowledge:
         """What is known after a measurement, whose error is drawn for each truth."""
         if measurement.besides:
             known = self.after(measurement.besides, chance)
@@ -184,7 +184,7 @@ class Knowledge:
     def _variances(self, target: Array) -> Array:
         return np.asarray(np.einsum("mnf,nfg,mng->mn", target, self.covariance, target))
 
-    def _predicted(self, measurement: Measurement) -> tuple[Array, Array, Array]:
+    def _predicted(self, measurement: Observable) -> tuple[Array, Array, Array]:
         """Covariance of the coordinates with the result, its mean, and its standard deviation."""
         slopes = measurement.slopes
         together = np.einsum("nfg,ng->nf", self.covariance, slopes)
@@ -193,7 +193,7 @@ class Knowledge:
         return together, predicted, np.sqrt(variance)
 
 
-def _ends(measurement: Measurement, predicted: Array, deviation: Array) -> tuple[Array, Array]:
+def _ends(measurement: Observable, predicted: Array, deviation: Array) -> tuple[Array, Array]:
     """Ends beyond which only the side is learnt, as normal scores."""
     low, high = (
         np.clip((end - predicted) / deviation, -_OUTERMOST, _OUTERMOST)

@@ -23,7 +23,7 @@ from pipeline.scene.units import UnitError, to_si
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.evidence import distances_of
 from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
-from pipeline.uncertain.learning import Features, Knowledge, Measurement
+from pipeline.uncertain.learning import Features, Knowledge, Observable
 from pipeline.uncertain.weigh import Posterior
 from tribo import InputError
 from tribo.types import Array
@@ -203,20 +203,20 @@ class _Plan:
         scores = ndtri((self._chance.permutation(_TRUTHS) + 0.5) / _TRUTHS) / _SCORES_APART
         return np.asarray(middle * (high / low) ** scores)
 
-    def left(self, measurement: Measurement) -> float:
+    def left(self, measurement: Observable) -> float:
         """Spread of the target that a measurement is expected to leave."""
         return self._known.expected(measurement, self._target)
 
-    def learn(self, measurement: Measurement) -> None:
+    def learn(self, measurement: Observable) -> None:
         """Let each truth learn the result that a measurement has of it."""
         self._known = self._known.after(measurement, self._chance)
 
-    def candidate(self, measurement: Measurement, spread: float | None = None) -> Candidate:
+    def candidate(self, measurement: Observable, spread: float | None = None) -> Candidate:
         """A measurement with the spread that it leaves; that of today if not given."""
         left = self._known.spread(self._target) if spread is None else spread
         return Candidate(measurement.what, left, self._before, measurement.test)
 
-    def measurements(self) -> Iterator[Measurement]:
+    def measurements(self) -> Iterator[Observable]:
         """All that could be measured."""
         yield from self._tests()
         truths, loads = self._of_sweep(self._features.truths), self._ensemble.loads
@@ -227,7 +227,7 @@ class _Plan:
             error = self._ensemble.width(truths, load, velocity).error
             values, slopes = self._features.slopes(partial(self._log_width, load, velocity))
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
-            yield Measurement(what, values[0], slopes[0], np.hypot(WIDTH_SCATTER, error))
+            yield Observable(what, values[0], slopes[0], np.hypot(WIDTH_SCATTER, error))
         of_sweeps = set(np.concatenate(self._posterior.columns).tolist())
         for number, quantity in enumerate(self._posterior.unknown):
             if quantity.kind == "list" or number not in of_sweeps:
@@ -237,7 +237,7 @@ class _Plan:
             values, slopes = self._features.of_truths[:, place], np.zeros_like(self._known.mean)
             slopes[:, place] = 1.0
             what = f"{name}, to a tenth of its spread today"
-            yield Measurement(what, values, slopes, np.full(_TRUTHS, _KNOWN))
+            yield Observable(what, values, slopes, np.full(_TRUTHS, _KNOWN))
 
     def _log_width(self, load: float, velocity: float, inputs: Array) -> Array:
         """Logarithm of the contact's width at a point, shape (1, n)."""
@@ -251,7 +251,7 @@ class _Plan:
                 left = known.spread(self._target)
                 yield Candidate(f"{quantity.path} itself", left, self._before)
 
-    def _tests(self) -> Iterator[Measurement]:
+    def _tests(self) -> Iterator[Observable]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""
         ensemble, inputs = self._ensemble, self._of_sweep(self._features.truths)
         bulks = self._bulks
@@ -275,13 +275,13 @@ class _Plan:
                 what = f"the transition at {where}, about {likely:.3g} m/s"
                 ends = math.log(low), math.log(high)
                 at_likely = test | {"velocity": likely}
-                yield Measurement(what, log_velocity, slopes, deviation, *ends, at_likely, friction)
+                yield Observable(what, log_velocity, slopes, deviation, *ends, at_likely, friction)
             shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
             velocities = np.exp(np.quantile(log_velocity, shares)).clip(low, high)
             for velocity in np.unique(velocities).tolist():
                 what = f"a test at {where}, {velocity:.3g} m/s"
                 ends, place = (math.log(velocity),) * 2, test | {"velocity": velocity}
-                yield Measurement(what, log_velocity, slopes, deviation, *ends, place, friction)
+                yield Observable(what, log_velocity, slopes, deviation, *ends, place, friction)
 
     def _transition(self, test: Mapping[str, Any]) -> tuple[Array, Array, Array]:
         """Logarithm of each truth's critical velocity, its deviation in a test, and its slopes."""
@@ -294,7 +294,7 @@ class _Plan:
         (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
         return log_velocity, np.hypot(np.sqrt(variance), self._scatters), slopes
 
-    def _friction_measured(self, about: Mapping[str, float]) -> Measurement | None:
+    def _friction_measured(self, about: Mapping[str, float]) -> Observable | None:
         """What the friction that a test measures tells of the rig's; None where it is known."""
         places = self._posterior.rigs and self._posterior.rigs[0]
         if not places or "friction" not in about:
@@ -306,7 +306,7 @@ class _Plan:
         values, slopes = self._features.slopes(log_friction)
         by_error = about["friction_scatter"] / about["friction"]
         deviation = np.hypot(places.rig(self._features.truths).scatter, by_error)
-        return Measurement("friction", values[0], slopes[0], deviation)
+        return Observable("friction", values[0], slopes[0], deviation)
 
     def _friction_of_tests(self, inputs: Array) -> dict[str, float]:
         """Friction of the next test and its scatter, by the log; neither if that has no friction.

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import stats
 from scipy.special import ndtri
 
-from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.plan import run_point
 from pipeline.uncertain.fixed import CRITICAL
 from tests.promises.risk import entries_of
@@ -66,7 +66,7 @@ def _bounds(scene, tests, scatter, errors):
         velocity = test["velocity"] * math.exp(scatter * of_velocity)
         friction = test["friction"] + test.get("friction_scatter", 0.0) * of_friction
         columns = run_point(scene, test["normal_load"], velocity).columns
-        rise = float(decisive_rises(columns, test["normal_load"], scene.conditions))
+        rise = float(worst_rises(columns, test["normal_load"], scene.conditions))
         bulk = test.get("bulk_temperature", scene.conditions.bulk_temperature)
         if test["outcome"] == "severe":
             high = min(high, bulk + friction * rise)

@@ -7,7 +7,7 @@ import pipeline
 from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
-from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 from tests.helpers.javascript import run
@@ -33,7 +33,7 @@ def direct(rate, load, velocity):
     """Deciding rise of a point that is simulated with a wear rate of its own."""
     scene = SWEEP.changed(wear=Wear(rate), wear_rates=None)
     columns = pipeline.run_point(scene, load, velocity).columns
-    return float(decisive_rises(columns, load, scene.conditions))
+    return float(worst_rises(columns, load, scene.conditions))
 
 
 @pytest.mark.parametrize("rate", [RATES[0], 1.5e-15, RATES[1]])
@@ -46,7 +46,7 @@ def test_a_rise_at_another_rate_is_that_of_a_simulation_with_it(store, rate):
         for velocity in ds["velocity"].values[[0, -1]]:
             rises = ds.sel(load=load, velocity=velocity)
             columns = {name: rises[name].values for name in ("normal_load", "rise_quantile")}
-            rise = float(decisive_rises(columns, load, SWEEP.conditions))
+            rise = float(worst_rises(columns, load, SWEEP.conditions))
             assert rise == pytest.approx(direct(rate, load, velocity), rel=tolerance)
 
 

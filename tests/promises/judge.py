@@ -6,8 +6,8 @@ A boundary is a velocity at each place: a load, and the surface where there are 
 import math
 from dataclasses import replace
 
-from pipeline.sweep.criterion import decisive_rise, rise_limit
-from pipeline.tradeoff.probe import Place
+from pipeline.sweep.criterion import momentary_rise, rise_limit
+from pipeline.tradeoff.probe import Target
 from tests.promises.scenes import state_at
 from tribo import PRESETS, MeasuredLoad, warnings
 
@@ -23,14 +23,14 @@ _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponen
 
 def places(sweep):
     """Places of a sweep at which its boundary is judged."""
-    return [Place(load, variant) for variant in sweep.variants.names for load in sweep.plane.loads]
+    return [Target(load, variant) for variant in sweep.variants.names for load in sweep.plane.loads]
 
 
 def _rise(sweep, fidelity, place, velocity):
     """Decisive rise at a place, with its warnings."""
     scene = sweep.variant(place.variant).changed(fidelity=fidelity).scene
     state = state_at(scene, place.load, velocity)
-    return decisive_rise(scene, state, sweep.conditions), warnings(scene, state)
+    return momentary_rise(scene, state, sweep.conditions), warnings(scene, state)
 
 
 def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None):

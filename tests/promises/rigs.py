@@ -11,7 +11,7 @@ from unittest import mock
 import numpy as np
 
 import pipeline
-from pipeline.sweep.criterion import decisive_rises, rise_limit
+from pipeline.sweep.criterion import rise_limit, worst_rises
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import at_scores
 from pipeline.sweep.variants import Variants
@@ -156,7 +156,7 @@ class Rig:
     def _simulated(self, load, log_velocity):
         """Decisive rise at friction 1 [K], from the start of the ramp on."""
         columns = run_point(self._scene, load, math.exp(log_velocity)).columns
-        return float(decisive_rises(columns, load, self._scene.conditions))
+        return float(worst_rises(columns, load, self._scene.conditions))
 
     def _noise(self):
         return float(self._chance.standard_normal())

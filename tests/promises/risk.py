@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.sweep.criterion import decisive_rises, rise_limit
+from pipeline.sweep.criterion import rise_limit, worst_rises
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import drawn
 from pipeline.sweep.variants import Variants
@@ -38,7 +38,7 @@ def excess(scene, overrides, inputs, load, velocity):
     """Logarithm of the rise over its limit at a point, with inputs as the scene would give them."""
     alone = pipeline.load_scene(scene, overrides=overrides | inputs)
     alone = alone.changed(variants=Variants())
-    rise = decisive_rises(run_point(alone, load, velocity).columns, load, alone.conditions)
+    rise = worst_rises(run_point(alone, load, velocity).columns, load, alone.conditions)
     return math.log(float(rise) / rise_limit(alone.conditions))
 
 

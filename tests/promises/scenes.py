@@ -7,7 +7,7 @@ import numpy as np
 
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import decisive_rise
+from pipeline.sweep.criterion import momentary_rise
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
@@ -98,7 +98,7 @@ def in_window(sweep, lengths, velocity):
 def _with_boundary(sweep, velocity):
     """Set the critical temperature to what a rough look gives in the middle of the diagram."""
     state = state_at(sweep.scene, sweep.plane.loads[2], velocity)
-    rise = decisive_rise(sweep, state, sweep.conditions)
+    rise = momentary_rise(sweep, state, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return sweep.changed(conditions=replace(sweep.conditions, critical_temperature=critical))
 

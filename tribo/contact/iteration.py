@@ -20,7 +20,7 @@ from tribo.contact.active_set import ActiveSet, active_set_step
 from tribo.contact.correction import corrected
 from tribo.contact.gradient import Gradient, first_length, gradient_step
 from tribo.contact.problem import Iterate, Judgement, Problem, judge
-from tribo.contact.rounding import Progress, largest, lost_by_transform, restored
+from tribo.contact.rounding import LowestResidual, largest, lost_by_transform, restored
 from tribo.contact.simplex import scaled_to_load
 from tribo.types import Array
 
@@ -39,7 +39,7 @@ class Limits(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
+class IterationResult:
     """Result of an iteration; all of it belongs to the pressure."""
 
     pressure: Array  # [Pa]
@@ -79,14 +79,14 @@ def iterate(
     limits: Limits,
     displacement: Array | None = None,
     spent: float = 0.0,
-) -> Outcome:
+) -> IterationResult:
     """Iterate from a guess until the error is within the tolerance, or cannot get there.
 
     Where the displacement under the guess is known [m], the guess has to carry the load, but may
     exceed the bounds. `spent` are the convolutions that the guess took.
     """
     state = _begun(problem, guess, displacement, spent)
-    turns, progress, change = Turns(), Progress(), math.inf
+    turns, progress, change = Turns(), LowestResidual(), math.inf
     active, gradient = ActiveSet(), Gradient(first_length(problem))
     while True:
         judged = judge(problem, state)
@@ -146,8 +146,8 @@ def _outcome(
     error: float,
     converged: bool,
     stalled: bool,
-) -> Outcome:
-    return Outcome(
+) -> IterationResult:
+    return IterationResult(
         pressure=state.pressure,
         displacement=state.displacement,
         gap=judged.gap,

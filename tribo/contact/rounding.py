@@ -65,15 +65,15 @@ def restored(
     return None
 
 
-class Progress(NamedTuple):
+class LowestResidual(NamedTuple):
     """The lowest residual so far."""
 
     lowest: float = math.inf
     convolutions: float = 0.0  # after which it was reached
 
-    def after(self, residual: float, convolutions: float) -> Progress:
+    def after(self, residual: float, convolutions: float) -> LowestResidual:
         """The progress after another residual."""
-        return Progress(residual, convolutions) if residual < 0.9 * self.lowest else self
+        return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
         """True if the residual has stopped falling, mostly because of rounding."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.guess import from_coarser_grids, in_window
-from tribo.contact.iteration import Limits, Outcome, iterate
+from tribo.contact.iteration import IterationResult, Limits, iterate
 from tribo.contact.problem import Problem
 from tribo.contact.rows import SoftRows
 from tribo.contact.simplex import LARGEST, SMALLEST
@@ -237,7 +237,7 @@ def _is_single(solid: ElasticHalfSpace) -> bool:
     return solid.rounding > _DOUBLE_ROUNDING
 
 
-def _solution(outcome: Outcome, hardness: float) -> ContactSolution:
+def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
     """Solution of an iteration, with the measures that prove it."""
     pressure, gap = outcome.pressure, outcome.gap
     saturated = pressure >= hardness
@@ -255,7 +255,7 @@ def _solution(outcome: Outcome, hardness: float) -> ContactSolution:
     )
 
 
-def _failure(outcome: Outcome, limits: Limits, single: bool) -> str:
+def _failure(outcome: IterationResult, limits: Limits, single: bool) -> str:
     """Message on an iteration that has not converged, with advice."""
     advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
     if outcome.stalled:

@@ -10,7 +10,7 @@ from tribo.thermal.conduction import settling_time as settling_time
 from tribo.thermal.criterion import CRITERIA as CRITERIA
 from tribo.thermal.criterion import Criterion as Criterion
 from tribo.thermal.criterion import Rule as Rule
-from tribo.thermal.criterion import rises_at as rises_at
+from tribo.thermal.criterion import with_bulk_ratio as with_bulk_ratio
 from tribo.thermal.duhamel import Conductor as Conductor
 from tribo.thermal.duhamel import HeatHistory as HeatHistory
 from tribo.thermal.duhamel import conducted_spectrum as conducted_spectrum

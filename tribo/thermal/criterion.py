@@ -199,7 +199,7 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
         )
 
 
-def rises_at(columns: Columns, bulk_ratio: float) -> Columns:
+def with_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
     """Columns with their rises at friction 1 above the pin's bulk at a bulk ratio [K].
 
     The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The mean rise
@@ -208,7 +208,7 @@ def rises_at(columns: Columns, bulk_ratio: float) -> Columns:
     Examples
     --------
     >>> mean = {"mean_rise": 500.0, "mean_bulk_response": 0.75}
-    >>> rises_at(mean, bulk_ratio=200.0)["mean_rise"]
+    >>> with_bulk_ratio(mean, bulk_ratio=200.0)["mean_rise"]
     650.0
     """
     if bulk_ratio == 0:

@@ -20,7 +20,7 @@ from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     asked,
-    corrected,
+    corrected_sweep,
     end_of_point,
     ordered,
     plane_of,
@@ -34,7 +34,7 @@ from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
 from pipeline.figures.overlays import in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
-from pipeline.figures.page.fine import along, between, bridged, error_of_lines, parts_of
+from pipeline.figures.page.fine import along, between, bridged, error_of_lines, pieces_of
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit, worst_moment
@@ -84,7 +84,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     stored, rates = _wear_rates(ds)
-    systems = [corrected(at_wear_rate(ds, rate), conditions) for rate in rates or (None,)]
+    systems = [corrected_sweep(at_wear_rate(ds, rate), conditions) for rate in rates or (None,)]
     tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
     status = values_of(ds, "status")
     done = status == DONE
@@ -113,24 +113,24 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "chosen": bool(attributes.get("boundary_only")),
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
-        "errors": packed(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
+        "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
         "deciding": conditions.decisive.temperature,
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["quantile"].values.tolist(),
         "surfaces": ds["realization"].values.tolist() if "realization" in ds.dims else None,
         "done": int(done.sum()),
-        "status": packed(status, "i1"),
-        "asked": packed(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
-        "times": packed(np.take_along_axis(values_of(ds, "time"), steps, axis=-1), "<f4"),
+        "status": packed_array(status, "i1"),
+        "asked": packed_array(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
+        "times": packed_array(np.take_along_axis(values_of(ds, "time"), steps, axis=-1), "<f4"),
         "wear_rates": rates,
         "bulk_ratios": ratios,
         "shares": shares,
-        "rises": packed(np.stack(rises, axis=-3), "<f4"),
+        "rises": packed_array(np.stack(rises, axis=-3), "<f4"),
         **_planes(decisive, ds, own),
         "numbers": [
             {"label": label, "unit": unit, "power": power}
-            | {"values": packed(factor * values_of(end, name), "<f4")}
+            | {"values": packed_array(factor * values_of(end, name), "<f4")}
             for name, label, unit, factor, power in _NUMBERS
             if name in ds
         ],
@@ -207,7 +207,7 @@ def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str
     loads, velocities = ds["load"].values, ds["velocity"].values
     done = values_of(ds, "status") == DONE
     missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
-    by_velocity, by_load = parts_of(len(loads), len(velocities), rises[..., 0, 0, :, :, :].size)
+    by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :, :].size)
     rows = along(rises, velocities, by_velocity, -4)
     plane = along(rows, loads, by_load, -5)
     columns = along(rises, loads, by_load, -5)
@@ -222,8 +222,8 @@ def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str
         },
         "parts": {"load": by_load, "velocity": by_velocity},
         "lines": {
-            "velocity": packed(plane, "<f4"),
-            "load": packed(columns.swapaxes(-5, -4), "<f4"),
+            "velocity": packed_array(plane, "<f4"),
+            "load": packed_array(columns.swapaxes(-5, -4), "<f4"),
         },
         "bridged": {"velocity": _bits(across), "load": _bits(upwards)},
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
@@ -297,6 +297,6 @@ def _bits(holds: Mask) -> str:
     return "".join("01"[bit] for bit in holds.ravel().astype(int))
 
 
-def packed(values: Any, dtype: str) -> str:
+def packed_array(values: Any, dtype: str) -> str:
     """An array as the base64 of its bytes."""
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()

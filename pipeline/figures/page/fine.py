@@ -12,12 +12,12 @@ _MOST = 400_000  # values of a table, 2 MB of a page
 _FLAT = 0.05  # least exponent of a rise whose crossings are judged
 
 
-def parts_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
+def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
     """Parts of each interval between velocities, and between loads.
 
     Examples
     --------
-    >>> parts_of(loads=12, velocities=19, others=25), parts_of(12, 19, others=2000)
+    >>> pieces_of(loads=12, velocities=19, others=25), pieces_of(12, 19, others=2000)
     ((4, 3), (1, 1))
     """
     counts = [velocities, loads]

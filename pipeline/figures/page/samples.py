@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.figures.page.content import packed, record
+from pipeline.figures.page.content import packed_array, record
 from pipeline.store.schema import DONE
 from pipeline.uncertain.answers import probabilities, risk_lines, table_of_lines
 from pipeline.uncertain.ensemble import Ensemble
@@ -35,7 +35,7 @@ def content_of_samples(
         "measured": [*ensemble.tests],
         "loads": plane["load"].values.tolist(),
         "velocities": plane["velocity"].values.tolist(),
-        "probability": packed([plane.values], "<f4"),
+        "probability": packed_array([plane.values], "<f4"),
         "shares": list(shares),
         "lines": np.clip(lines, *ensemble.velocities).tolist(),
         "table": table_of_lines(ensemble, draws),

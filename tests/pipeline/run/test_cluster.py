@@ -25,7 +25,7 @@ from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
 from pipeline.run import forkserver, local
-from pipeline.run.cluster import Connection, client_of, connected, share, threads_of
+from pipeline.run.cluster import Connection, client_of, connected, sent_once, threads_of
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
 from pipeline.store.progress import summary
@@ -219,10 +219,10 @@ class Deadly:
 
 def test_what_workers_share_outlives_those_that_die_while_they_take_it():
     client = Deadly(deaths=2)
-    assert share(Connection(client, Source()), bytes(100_000)) is client
+    assert sent_once(Connection(client, Source()), bytes(100_000)) is client
     assert client.submitted == 3
     with pytest.raises(ExecutionError, match="cannot run this program"):
-        share(Connection(Deadly(deaths=100), Source()), bytes(100_000))
+        sent_once(Connection(Deadly(deaths=100), Source()), bytes(100_000))
 
 
 class Late:
@@ -250,7 +250,7 @@ def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
     """Or Dask would give every task to the one worker that has it."""
     with connected(None, 2) as link:
         client = link.client
-        shared = share(link, bytes(100_000))
+        shared = sent_once(link, bytes(100_000))
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
         assert shared.result(timeout=30) == bytes(100_000)
 

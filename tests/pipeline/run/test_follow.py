@@ -12,7 +12,7 @@ from pipeline.store.place import place_of
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import decisive_rise, rise_limit
+from pipeline.sweep.criterion import momentary_rise, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point, step_count
 from tests.helpers.accuracy_scenes import PAPER
@@ -47,7 +47,7 @@ def grid():
         for point in chain:
             result = run_point(SWEEP, *point, trunk=trunk)
             trunk = result.trunk
-            rises[point] = decisive_rise(SWEEP, result.state, SWEEP.conditions)
+            rises[point] = momentary_rise(SWEEP, result.state, SWEEP.conditions)
     velocities = np.array(SWEEP.plane.velocities)
     return [
         crossing(

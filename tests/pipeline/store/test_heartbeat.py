@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.store import heartbeat, lock
 from pipeline.store.create import writing
-from pipeline.store.disks import kind_of
+from pipeline.store.disks import filesystem_of
 from pipeline.store.place import LOCK, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
@@ -129,4 +129,4 @@ MOUNTS = "/dev/a / ext4 rw 0 0\nx /home ext4 rw 0 0\nhost:/h /home nfs rw 0 0\nb
     [("/homes/a", "ext4"), ("/home/a", "nfs"), ("/mnt", "9p"), ("/mnt2/mnt", "ext4")],
 )
 def test_the_last_mount_above_a_folder_tells_its_kind(tmp_path, folder, kind):
-    assert kind_of(tmp_path.__class__(folder), MOUNTS) == kind
+    assert filesystem_of(tmp_path.__class__(folder), MOUNTS) == kind

@@ -10,12 +10,12 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import (
     boundary_velocity_error,
     contact_temperature,
-    decisive_rise,
-    decisive_rises,
     failed_fraction,
+    momentary_rise,
     rise_limit,
     verdict,
     worst_moment,
+    worst_rises,
 )
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.rises import at_bulks
@@ -62,8 +62,8 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
         "mean": heat.rise[contact].mean(),
     }[criterion]
     conditions = replace(sweep.conditions, criterion=criterion)
-    assert decisive_rise(sweep, result.state, conditions) == pytest.approx(expected, rel=1e-9)
-    assert decisive_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
+    assert momentary_rise(sweep, result.state, conditions) == pytest.approx(expected, rel=1e-9)
+    assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     judged = result.verdict(conditions)
     assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
     measured = critical_temperature(sweep.scene, [(600.0, 1.5, 0.1)], 298.15, conditions.decisive)

@@ -9,7 +9,7 @@ import pytest
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import probe as module
 from pipeline.tradeoff.probe import (
-    Place,
+    Target,
     _run,
     critical_velocity,
     fitted,
@@ -129,13 +129,13 @@ def made_up(monkeypatch, exponent, reference_velocity=2.0):
 @pytest.mark.parametrize(("exponent", "expected"), [(0.7, 0.7), (0.31, 0.31), (0.1, 0.3)])
 def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, expected):
     asked = made_up(monkeypatch, exponent)
-    (point,), exponents = near_the_boundary(SWEEP, [Place(300.0)])
+    (point,), exponents = near_the_boundary(SWEEP, [Target(300.0)])
     assert point.load == 300.0
     assert abs(exponent * math.log(point.velocity / 2.0)) < 0.0101
     assert exponents == (pytest.approx(expected, rel=1e-9),)
     assert set(asked) == {fitted(SWEEP, PRESETS["standard"])}
     made_up(monkeypatch, 0.5)
-    points, _ = near_the_boundary(SWEEP, [Place(load) for load in (150.0, 300.0, 450.0)])
+    points, _ = near_the_boundary(SWEEP, [Target(load) for load in (150.0, 300.0, 450.0)])
     ratios = [point.velocity * (point.load / 300.0) ** 2 for point in points]
     assert ratios == pytest.approx([2.0] * 3, rel=0.025)
 
@@ -146,7 +146,7 @@ def test_the_exponent_is_that_beside_the_boundary(monkeypatch):
         yield state(load, rise=1200.0 * math.exp(0.6 * x + 0.5 * x**3))
 
     monkeypatch.setattr(module, "simulate", simulate)
-    assert near_the_boundary(SWEEP, [Place(300.0)])[1] == (pytest.approx(0.6, abs=0.005),)
+    assert near_the_boundary(SWEEP, [Target(300.0)])[1] == (pytest.approx(0.6, abs=0.005),)
 
 
 @pytest.mark.parametrize(("crossing", "expected"), [(0.01, 0.25), (100.0, 16.0)])
@@ -154,13 +154,13 @@ def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(
     monkeypatch, crossing, expected
 ):
     made_up(monkeypatch, 0.7, crossing)
-    (point,), _ = near_the_boundary(SWEEP, [Place(300.0)])
+    (point,), _ = near_the_boundary(SWEEP, [Target(300.0)])
     assert point.velocity == pytest.approx(expected, rel=1e-6)
 
 
 def test_without_a_velocity_there_is_no_boundary():
     with pytest.raises(InputError, match="no velocity but 0"):
-        near_the_boundary(SWEEP.changed(velocities=(0.0,)), [Place(300.0)])
+        near_the_boundary(SWEEP.changed(velocities=(0.0,)), [Target(300.0)])
 
 
 @pytest.mark.parametrize("exponent", [0.05, 1.0, 8.0])

@@ -10,7 +10,7 @@ from tribo.contact import rounding
 from tribo.contact.iteration import Limits, iterate
 from tribo.contact.problem import Iterate, Problem, judge
 from tribo.contact.rounding import (
-    Progress,
+    LowestResidual,
     lost_by_updates,
     restored,
 )
@@ -120,7 +120,7 @@ def test_an_iteration_stalls_sooner_at_rounding_than_above_it(
     judged = judge(PROBLEM, solved)
     size = rounding.largest(solved.displacement) + abs(judged.level)
     lowest = times_rounding * EPSILON * size / judged.unit
-    progress = Progress(lowest, convolutions=solved.convolutions - waited)
+    progress = LowestResidual(lowest, convolutions=solved.convolutions - waited)
     assert progress.has_stalled(PROBLEM, solved, judged, idle) is stalled
 
 

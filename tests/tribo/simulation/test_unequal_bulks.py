@@ -24,7 +24,7 @@ from tribo import (
     simulate,
 )
 from tribo.simulation.temperature import _bodies, _conductor
-from tribo.thermal import Conductor, HeatHistory, partition_with_history, rises_at
+from tribo.thermal import Conductor, HeatHistory, partition_with_history, with_bulk_ratio
 
 NINE_TENTHS = QUANTILES.index(0.9)
 
@@ -99,7 +99,7 @@ def test_the_rise_is_the_same_with_the_response_and_without_bit_for_bit(preset):
 
 
 def quantiles_at(heat, ratio):
-    return rises_at(heat.columns, ratio)["rise_quantile"]
+    return with_bulk_ratio(heat.columns, ratio)["rise_quantile"]
 
 
 def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):

@@ -5,7 +5,7 @@ import pytest
 
 from tribo import BULK_RATIOS, QUANTILES, Criterion
 from tribo.simulation import Heat
-from tribo.thermal import rises_at
+from tribo.thermal import with_bulk_ratio
 
 RISE = np.linspace(100.0, 400.0, len(QUANTILES))
 
@@ -23,7 +23,7 @@ def test_a_uniform_response_moves_every_criterion_alike(ratio):
         bulk_rise_quantile=unequal,
     )
     equal = heat.columns
-    moved = rises_at(equal | {"max_rise": 400.0}, ratio)
+    moved = with_bulk_ratio(equal | {"max_rise": 400.0}, ratio)
     assert moved["max_rise"] == pytest.approx(400.0 + 0.75 * ratio)
     for criterion in (Criterion(), Criterion("highest"), Criterion("mean")):
         expected = criterion.rise(equal) + 0.75 * ratio
