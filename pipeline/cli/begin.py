@@ -17,6 +17,10 @@ from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tribo import InputError
 
 _OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
+_READING_ORDER = (
+    "first-hour", "your-system", "your-tests", "choosing", "model", "physics", "scene", "dataset",
+    "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes", "paper",
+)  # fmt: skip
 _NAMES = {"README": "paper"}
 _SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"
 
@@ -34,7 +38,7 @@ def new(options: argparse.Namespace) -> Result:
         return Result({"file": str(schema)}, [f"{schema} is written", use])
     if options.file is None:
         raise InputError("no file is named; give one to write, such as: irg new scene.toml")
-    scene, *copies = pipeline.new_scene(options.file, options.like)
+    scene, *copies = pipeline.new_scene(options.file, options.like, options.full)
     text = [
         f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
         f"its meaning and cost: irg check {scene}",
@@ -67,7 +71,9 @@ def help_(options: argparse.Namespace) -> Result:
         lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
         if _SITE.exists():
             lines.append(f"all of them as a site: {_SITE.as_uri()}")
-        return Result(titles, ["pages:", *lines, "a command: irg COMMAND --help"])
+        return Result(
+            titles, ["pages, in the order of reading:", *lines, "a command: irg COMMAND --help"]
+        )
     commands = [command.name for command in COMMANDS]
     if topic in commands:
         parse([topic, "--help"])
@@ -86,8 +92,17 @@ def help_(options: argparse.Namespace) -> Result:
 def _pages() -> dict[str, Path]:
     """File of each page that can be printed, by the name to ask for it."""
     return {
-        _name(path): path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE
+        _name(path): path
+        for path in sorted(WORKFLOWS.glob("*.md"), key=_place)
+        if path.stem not in _OF_SITE
     }
+
+
+def _place(path: Path) -> tuple[int, str]:
+    """Place of a page in the order of reading, those of no place last."""
+    name = _name(path)
+    known = name in _READING_ORDER
+    return (_READING_ORDER.index(name) if known else len(_READING_ORDER), name)
 
 
 def _name(path: Path) -> str:

@@ -135,6 +135,7 @@ OF_NEW = (
             ),
         ),
     ),
+    _flag("--full", "explain every entry, and add those that are not used as comments"),
     Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
 )  # fmt: skip
 

@@ -35,7 +35,7 @@ _AT = '--load "500 N" --velocity "2 m/s"'
 COMMANDS = (
     Command(
         "run", "new", "begin:new",
-        "write a commented scene to start from: all tables, keys, units and defaults",
+        "write a scene to start from; --full explains every entry",
         "scene.toml --from twin_disc", o.OF_NEW,
     ),
     Command(
@@ -196,7 +196,9 @@ def whole_parser() -> argparse.ArgumentParser:
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.\n\n"
         + "\n".join(_listed()),
-        epilog="Begin with:\n  irg new scene.toml\nWhat a command takes:\n  irg COMMAND --help\n"
+        epilog="Begin with:\n  irg new scene.toml\n  irg check scene.toml\n  irg run scene.toml\n"
+        "  irg plot results/scene.zarr\n  irg help first-hour\n"
+        "What a command takes:\n  irg COMMAND --help\n"
         "Completion in bash and zsh, with argcomplete installed:\n"
         '  eval "$(register-python-argcomplete irg)"',
     )

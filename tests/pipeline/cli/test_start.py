@@ -23,7 +23,7 @@ def test_the_version_is_that_of_the_package(irg):
 
 def test_without_a_command_there_is_help(irg):
     said = irg(code=2)
-    assert "write a commented scene to start from" in said
+    assert "write a scene to start from" in said
     assert said.endswith("irg: give a command\n")
 
 

@@ -36,8 +36,16 @@ def test_a_new_scene_means_what_the_shipped_one_does(name, tmp_path):
 @pytest.fixture(scope="module")
 def template(tmp_path_factory):
     path = tmp_path_factory.mktemp("new") / "mine.toml"
-    new_scene(path)
+    new_scene(path, full=True)
     return path
+
+
+def test_the_short_scene_means_what_the_full_one_does(template, tmp_path):
+    (path,) = new_scene(tmp_path / "mine.toml")
+    assert load_scene(path) == load_scene(template)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 30
+    assert max(map(len, lines)) <= 130
 
 
 def test_the_template_holds_every_table_and_key(template):
