@@ -328,12 +328,12 @@ INTRODUCTION = """\
 # Extremes, and what happens
 
 For users with unusual inputs, and for developers of a solver. After it you know which inputs are
-solved, and which end in an error. Each case is a test on 48 × 16 elements of the paper's system, unless
-it says otherwise.
+solved, and which end in an error. Each case is a test on 48 × 16 elements of the paper's system,
+unless it says otherwise.
 
 **Solved** means that a check apart from the solver holds at every step. All is finite, the load is
-carried, and pressure lies between 0 and the hardness. The gap is 0 or more outside yielding, and the
-worn volume follows from the load. Other cases name their error, with words of its message.
+carried, and pressure lies between 0 and the hardness. The conditions on the gap hold, and the worn
+volume follows from the load. Other cases name their error, with words of its message.
 """
 
 
