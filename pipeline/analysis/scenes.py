@@ -57,17 +57,25 @@ def at_entries(ds: xr.Dataset | PathLike, values: Mapping[str, float | str]) -> 
     tribo.errors.InputError: pin.radius has one value alone in this sweep; leave it out, or give \
 its scene sweep.over, and run it into another store
     """
-    ds = dataset_of(ds)
-    names = entry_dims(ds)
-    for path, value in values.items():
-        if path not in names:
-            others = f"; it has several of {', '.join(names)}" if names else ""
-            raise InputError(
-                f"{path} has one value alone in this sweep{others}; leave it out, or give its "
-                "scene sweep.over, and run it into another store"
-            )
-        ds = ds.isel({path: _place(ds[path], value)})
-    return dataset_of(ds)
+    ds, others = taken(dataset_of(ds), values)
+    for path in others:
+        names = entry_dims(ds)
+        several = f"; it has several of {', '.join(names)}" if names else ""
+        raise InputError(
+            f"{path} has one value alone in this sweep{several}; leave it out, or give its "
+            "scene sweep.over, and run it into another store"
+        )
+    return ds
+
+
+def taken(
+    ds: xr.Dataset, values: Mapping[str, float | str]
+) -> tuple[xr.Dataset, dict[str, float | str]]:
+    """Take a sweep at those values that its table of variants has, and return the others."""
+    columns = {*entry_dims(ds), *(attributes_of(ds).get("entries") or ())}
+    places = {path: _place(ds[path], values[path]) for path in values if path in columns}
+    ds = ds.isel({path: place for path, place in places.items() if path in ds.dims})
+    return dataset_of(ds), {path: value for path, value in values.items() if path not in columns}
 
 
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
@@ -189,7 +197,7 @@ def entries_in_words(scene: xr.Dataset) -> str:
 
 def _place(axis: xr.DataArray, value: float | str) -> int:
     """Place of a value along the dimension of an entry."""
-    values = axis.values.tolist()
+    values = np.atleast_1d(axis.values).tolist()
     if isinstance(values[0], str):
         matches = [number for number, held in enumerate(values) if held == value]
     else:

@@ -15,7 +15,7 @@ from pipeline.analysis.operating_points import OperatingPoints, Place
 from pipeline.analysis.tables import Column, Table
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import beside, criterion_in, flags_of, values_in
+from pipeline.cli.scenes import beside, criterion_in, flags_of, opened, values_in
 from pipeline.cli.unknowns import about, notes, samples_of
 from pipeline.cli.values import setting
 from pipeline.store.identity import describe, scene_hash
@@ -39,7 +39,7 @@ def design(options: argparse.Namespace) -> Result:
     goal, entries = _goal(options), options.entries
     if len(entries) > 2 or len(set(entries)) < len(entries):
         raise InputError(f"--over is {', '.join(entries)}; give one entry, or two different ones")
-    ds = pipeline.open_sweep(options.store)
+    ds = opened(options)
     ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     draws = weighed.draws if weighed else None
     *first, last = entries

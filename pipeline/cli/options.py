@@ -185,8 +185,8 @@ REALIZATION = Option(
 )  # fmt: skip
 AT = Option(
     "--at", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
-    help='value of an entry with several, like "pin.radius=2 mm": of a store whose scene has over; '
-    "or of samples one at which to fix an unknown input; may be repeated for other entries",
+    help='value of an entry with several, like "pin.radius=2 mm", of a store whose scene has over; '
+    "and of samples one at which to fix an unknown input; may be repeated for other entries",
 )  # fmt: skip
 WEAR_RATE = _quantity(
     "--wear-rate", "K", "2e-6 mm^3/(N m)", "specific wear rate of a store with wear_rates"

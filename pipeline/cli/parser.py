@@ -119,7 +119,9 @@ COMMANDS = (
         "ask", "sensitivity", "unknowns:sensitivity",
         "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
         "results/uncertain.zarr -o sensitivity.png",
-        (o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.CRITERION, o.OWN_LAWS),
+        (
+            o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.AT, o.CRITERION, o.OWN_LAWS,
+        ),
     ),
     Command(
         "ask", "design", "designs:design",

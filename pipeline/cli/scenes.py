@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import has_plane
+from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
 from pipeline.scene.over import note_of
 from pipeline.sweep.conditions import changes_of
@@ -94,16 +96,28 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
             f"samples of unknown inputs are needed by {flags_of(weighed)}: give [unknown] and "
             "sweep.samples in the scene"
         )
-    wanted = {path: value for path, value in options.at if store is None or path in ds.dims}
-    if wanted and "sample" in ds.dims and options.command not in _FIXING:
-        raise InputError(
-            "--at fixes unknown inputs of samples in irg risk, irg margin and irg boundary alone; "
-            "leave it out, or run the scene with --set into another store"
-        )
-    if wanted and "sample" not in ds.dims:
+    wanted = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
+    if has_plane(ds):
         ds = pipeline.at_entries(ds, wanted)
+    else:
+        ds, to_fix = taken(ds, wanted)
+        if to_fix and options.command not in _FIXING:
+            raise InputError(
+                "--at fixes unknown inputs of samples in irg risk, irg margin, irg boundary and "
+                f"irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
+                "into another store"
+            )
     wear_rate = getattr(options, "wear_rate", None)
     return ds if wear_rate is None else pipeline.at_wear_rate(ds, wear_rate)
+
+
+def at_in(options: argparse.Namespace) -> dict[str, Any]:
+    """Values of --at by their paths, each of which is given once."""
+    values = dict(options.at)
+    if len(values) < len(options.at):
+        twice = next(path for path in values if [p for p, _ in options.at].count(path) > 1)
+        raise InputError(f"--at: {twice} is given more than once; give it once")
+    return values
 
 
 def beside(store: Path | str, ending: str) -> Path:

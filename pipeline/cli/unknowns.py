@@ -19,10 +19,11 @@ from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import (
+    at_in,
     beside,
     criterion_in,
     flags_of,
-    tell_of_another_law,
+    opened,
     values_in,
     weighing,
 )
@@ -49,8 +50,7 @@ def risk(options: argparse.Namespace) -> Result:
     place = values_in(options, "load", "velocity")
     if len(place) == 1:
         raise InputError("only one of --load and --velocity is given; give both or neither")
-    ds = pipeline.open_sweep(options.store)
-    tell_of_another_law(options, ds)
+    ds = opened(options)
     ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     draws = weighed.draws if weighed else None
     document = {"given_measured": weighed is not None, **about(ensemble)}
@@ -164,8 +164,7 @@ def _within(value: float, ends: Sequence[float]) -> float | str:
 
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
-    ds = pipeline.open_sweep(options.store)
-    tell_of_another_law(options, ds)
+    ds = opened(options)
     ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
@@ -237,8 +236,7 @@ def samples_of(
             f"{flags_of(others)}"
         )
     with working("reading samples"):
-        at = _once(getattr(options, "at", []))
-        ensemble = pipeline.Ensemble.of(ds, at, **conditions)
+        ensemble = pipeline.Ensemble.of(ds, at_in(options), **conditions)
     with working("weighing the inputs by the measurements"):
         return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
 
@@ -251,15 +249,6 @@ def about(ensemble: Ensemble) -> dict[str, Any]:
         "unknown": [one.as_dict() for one in ensemble.unknown],
         "fixed": _fixed(ensemble),
     }
-
-
-def _once(at: Sequence[tuple[str, Any]]) -> dict[str, Any]:
-    """Values of --at by their paths, each of which is given once."""
-    values = dict(at)
-    if len(values) < len(at):
-        twice = next(path for path in values if [p for p, _ in at].count(path) > 1)
-        raise InputError(f"--at: {twice} is given more than once; give it once")
-    return values
 
 
 def _fixed(ensemble: Ensemble) -> dict[str, float]:

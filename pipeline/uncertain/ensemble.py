@@ -24,7 +24,8 @@ from scipy.special import ndtr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import end_of_point, values_of
+from pipeline.analysis.dataset import end_of_point, require_one_scene, values_of
+from pipeline.analysis.scenes import taken
 from pipeline.analysis.soundness import require_sound
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -153,7 +154,8 @@ class Ensemble:
         ds : Dataset
             Dataset of `pipeline.open_sweep`.
         at : mapping of str to float or str, optional
-            Values at which to fix unknown inputs, by their paths [SI], or text with a unit.
+            Values [SI], or text with a unit, by their paths: of entries with several, which the
+            samples are to have, and of unknown inputs to fix.
         **changed
             Friction, temperatures, share and criterion in place of the scene's and of those that
             are drawn; see `pipeline.boundary`.
@@ -164,19 +166,21 @@ class Ensemble:
             If the sweep has no samples, too few of them are done, a condition lies outside its
             range, or a value to fix an input at lies outside the samples.
         """
-        about = attributes_of(ds)
         if "sample" not in ds.dims:
             raise InputError(
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "
                 "it into a new store"
             )
+        ds, at = taken(ds, at or {})
+        require_one_scene(ds)
+        about = attributes_of(ds)
         design = Design.from_dict(about["scene"]["samples"])
         if isinstance(changed.get("friction"), tuple):
             raise InputError("samples are judged at one --friction at a time; give one")
-        changed = with_conditions(at or {}, changed)
+        changed = with_conditions(at, changed)
         conditions = conditions_of(ds, **changed)
         unknown = tuple(Unknown.from_dict(quantity) for quantity in about["unknown"])
-        fixed = fixed_at(unknown, at or {}, changed, conditions)
+        fixed = fixed_at(unknown, at, changed, conditions)
         ds = ds.sortby("load").isel(sample=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T

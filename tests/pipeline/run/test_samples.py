@@ -240,3 +240,25 @@ def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, 
     said = irg("design", store, *place, "--over", "disk.roughness.ra", f"--risk={risk}")
     assert "scene.toml is not the scene of the store any more" in said
     assert "give one of them" in irg(*asked[:-1], "--risk=1%", "--margin=20 K", code=2)
+
+
+def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(sampled, tmp_path, irg):
+    text = SMALL.replace("samples = 16", 'samples = 8\nover = { "pin.radius" = ["2 mm", "4 mm"] }')
+    pipeline.run_sweep(load(tmp_path, text), tmp_path / "out.zarr", workers=1)
+    place = ("--load", "500 N", "--velocity", "1.3 m/s", "--json")
+    slim, wide = (("--at", f"pin.radius={radius} mm") for radius in (2, 4))
+    alone = pipeline.Ensemble.of(pipeline.open_sweep(sampled[0] / "out.zarr"))
+    one = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "out.zarr"), {"pin.radius": 2e-3})
+    assert np.array_equal(one.rises, alone.rises[:8])
+    store = tmp_path / "out.zarr"
+    likely, rare = (irg("risk", store, *place, *at)["probability"] for at in (slim, wide))
+    assert rare < 0.5 < likely
+    fixed = irg("risk", store, *place, *slim, "--at", "friction.coefficient=0.13")
+    assert fixed["fixed"] == {"friction.coefficient": 0.13}
+    assert irg("boundary", store, *slim, "--json")["samples"] == 8
+    for command in (("risk",), ("boundary",), ("sensitivity",), ("report",)):
+        assert "has several values of pin.radius" in irg(*command, store, code=2)
+    assert "it has 2 mm, 4 mm" in irg("risk", store, "--at", "pin.radius=3 mm", code=2)
+    assert "alone; leave out friction" in irg(
+        "plot", store, *slim, "--at", "friction.coefficient=0.13", code=2
+    )
