@@ -17,13 +17,8 @@ from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 from tribo.types import Array
 
-_IN_UTC = {
-    "units": "seconds since 1970-01-01 00:00:00",
-    "calendar": "standard",
-    "long_name": "time at which the point was finished, UTC",
-}
 _USUAL = {*COORDINATES, "friction"}
-_ORDER = ("load", "velocity", "step", "bulk_ratio", "wear_rate", "quantile")
+_ORDER = ("load", "velocity", "step", "bulk_ratio", "wear_rate", "cooler_share")
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -37,8 +32,9 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     Returns
     -------
     Dataset
-        The stored variables, with loads, velocities and seeds of surfaces ascending. Steps beyond
-        a load's own and points that are not done are NaN. Data are read when they are used.
+        The stored variables, with loads, velocities and seeds of surfaces ascending. At ``step`` 0
+        is the end of each point, at −1 the station before; steps before a point's first station and
+        points that are not done are NaN. Data are read when they are used.
         Attributes are text and numbers, those that are more as JSON, so that ``to_netcdf`` writes
         them. `pipeline.temperatures` gives the temperatures of the contact.
 
@@ -58,8 +54,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     0.00029
     """
     ds = ordered(open_store(path))
-    ds["finished_at"].attrs |= _IN_UTC
-    ds = ds.drop_vars(["checksum", "record_checksum"])
+    ds = ds.drop_vars("checksum")
     words = [name for name in entry_dims(ds) if ds[name].dtype.kind not in "f"]
     ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
     return ds.drop_attrs(deep=False).assign_attrs(portable(ds.attrs))
@@ -185,10 +180,9 @@ def corrected_sweep(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
 
 def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> Array:
     """Rise over the window at the end of a point with corrections, shape of `rise` [K]."""
-    last = int(point["time"].notnull().sum()) - 1
     columns = {name: point[name].values for name in rises.columns_needed(conditions)}
     line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-    zero, one = rises.corrected(columns | line, conditions)["rise_quantile"][last]
+    zero, one = rises.corrected(columns | line, conditions)["rise_quantile"][-1]
     field: Array = zero + (one - zero) * rise
     return field
 
@@ -213,7 +207,7 @@ def _with_rises(
 
 
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
-    """Take each point at its last step, the load that it is named after.
+    """Take each point at its end, at the load that it is named after.
 
     Parameters
     ----------
@@ -223,8 +217,7 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Without the dimension ``step``, of which ``ds.isel(step=-1)`` would be NaN below the
-        highest load; NaN where a point is not done.
+        At ``step`` 0, without that dimension; NaN where a point is not done.
 
     Examples
     --------
@@ -233,6 +226,4 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.00029
     """
-    ds = dataset_of(ds)
-    steps = ds["time"].notnull().sum("step")
-    return ds.isel(step=(steps - 1).clip(min=0)).drop_vars("step")
+    return dataset_of(ds).isel(step=-1).drop_vars("step")

@@ -32,7 +32,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
             )
     names = ["normal_load", conditions.decisive.column, *columns_needed(conditions)]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
-    columns["quantile"] = ds["quantile"].values
+    columns["quantile"] = ds["cooler_share"].values
     rises = worst_rises(columns, ds["load"].values[:, None, None], conditions)
     axes = ("realization", "load", "velocity")
     dims = [name for name in axes if name in ds.dims]
@@ -51,11 +51,11 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
 
 def _about_quantile(ds: xr.Dataset, level: float | None) -> xr.Dataset:
     """The sweep with the two quantiles about a level alone, which is all that is read of it."""
-    stored = ds["quantile"].values
+    stored = ds["cooler_share"].values
     if level is None or not stored[0] <= level <= stored[-1]:
         return ds
     last = max(int(np.searchsorted(stored, level)), 1)
-    return ds.isel(quantile=slice(last - 1, last + 1))
+    return ds.isel(cooler_share=slice(last - 1, last + 1))
 
 
 def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> xr.DataArray:

@@ -69,7 +69,7 @@ def temperatures(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
 ) -> xr.Dataset:
-    """Temperatures of the contact, at each step at which the temperature was asked for.
+    """Temperatures of the contact, at each station of each point.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def temperatures(
     -------
     Dataset
         ``max_temperature`` and ``mean_temperature`` of the contact, ``temperature_quantile`` that a
-        share ``quantile`` of the contact area stays below [K]; and, where there is a critical
+        share ``cooler_share`` of the contact area stays below [K]; and, where there is a critical
         temperature, ``failed_fraction``, the share of the contact area above it.
 
     Examples
@@ -115,7 +115,7 @@ def temperatures(
         share = xr.apply_ufunc(
             failed_fraction,
             rises["rise_quantile"],
-            input_core_dims=[["quantile"]],
+            input_core_dims=[["cooler_share"]],
             kwargs={"conditions": conditions},
             vectorize=True,
         )

@@ -77,7 +77,7 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
         return xr.DataArray(rise, dims=dims, attrs=ds[name].attrs).transpose(*ds[name].dims)
 
     quantile = at_rate("rise_quantile")
-    highest = quantile.isel(quantile=-1).assign_attrs(ds["max_rise"].attrs)
+    highest = quantile.isel(cooler_share=-1).assign_attrs(ds["max_rise"].attrs)
     scale = stored_rate / rate
     velocities = ds["velocity"] * scale
     own_range = [velocity * scale for velocity in attributes.get("velocities", [])]

@@ -40,7 +40,9 @@ def point(options: argparse.Namespace) -> Result:
     require_bearable_load(sweep, options.load, "--load")
     sweep = sweep.on_surface(options.realization)
     with working("simulating") as progress:
-        result = pipeline.run_point(sweep, options.load, options.velocity, progress=progress)
+        result = pipeline.run_point(
+            sweep.changed(steps="end"), options.load, options.velocity, progress=progress
+        )
     measured, verdict = measures(sweep.scene, result.state), result.verdict(sweep.conditions)
     judged, error = _judged(sweep, result, verdict)
     commands = _next(options, sweep, verdict) if judged == NOT_DECIDED else []

@@ -17,7 +17,6 @@ from pipeline.cli.scenes import criterion_in, opened
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.root import read_attributes
 from pipeline.sweep.selection import error_in_words, velocity_error
-from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.tradeoff.choose import stored_selection
 
@@ -44,8 +43,6 @@ def status(options: argparse.Namespace) -> Result:
         "pending": state.pending,
         "done_earlier": state.earlier,
         "running": state.running is not None,
-        "points_per_minute": None if state.rate is None else 60 * state.rate,
-        "time_to_go": state.time_to_go,
         "velocity_error": velocity_error(attributes),
         "selection": selection.as_dict() if selection else None,
     }
@@ -53,7 +50,7 @@ def status(options: argparse.Namespace) -> Result:
         state.title,
         f"{state.total} points: {state.done} done, {len(state.failed)} failed, "
         f"{state.pending} pending",
-        *_pace(state),
+        *_besides(state),
         error_in_words(attributes),
         *(f"failed: {point}" for point in state.failed),
     ]
@@ -75,17 +72,12 @@ def _is_folder_of_stores(path: Path | str) -> bool:
     )
 
 
-def _pace(state: Summary) -> Iterator[str]:
-    """Points beyond those that were asked for, and the pace of a run."""
+def _besides(state: Summary) -> Iterator[str]:
+    """Points beyond those that were asked for, and the process that runs."""
     if state.earlier:
         yield f"{state.earlier} more are done, for which an earlier run asked"
     if state.running:
         yield f"running: {state.running}"
-    if state.pending and state.rate and state.time_to_go:
-        when = "now" if state.running else "the last time"
-        pace = 60 * state.rate
-        points = f"{pace:.0f}" if pace >= 100 else f"{pace:.3g}"
-        yield f"{points} points a minute {when}, {duration(state.time_to_go)} to go"
 
 
 def verify(options: argparse.Namespace) -> Result:
@@ -95,7 +87,6 @@ def verify(options: argparse.Namespace) -> Result:
     document = {
         "done": check.done,
         "damaged": failed_points(check.damaged),
-        "damaged_records": failed_points(check.records),
         "shared": check.shared,
         "without_status": [with_variant(point._asdict()) for point in check.without_status],
         "repaired": check.repaired,
@@ -104,7 +95,6 @@ def verify(options: argparse.Namespace) -> Result:
     text = [
         f"{check.done} points are done and intact, {len(check.damaged)} are damaged",
         *(f"damaged: {damage}" for damage in check.damaged),
-        *(f"damaged, but not its data: {damage}" for damage in check.records),
         *(f"damaged: {fault}" for fault in check.shared),
         *(f"complete, but without a status: {point}; {taken}" for point in check.without_status),
     ]

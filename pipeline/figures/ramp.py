@@ -85,7 +85,8 @@ def _temperatures(
     rises: list[tuple[Array, str, Any]] = [(highest, "maximum", {"ls": "--", "marker": "^"})]
     decisive = conditions.decisive
     if decisive.temperature != Criterion("highest").temperature:
-        columns = {name: ds[name].values for name in (decisive.column, "quantile")}
+        columns = {decisive.column: ds[decisive.column].values}
+        columns["quantile"] = ds["cooler_share"].values
         look = {"ls": "-", "marker": "o"}
         rises.append((decisive.rise(columns), decisive.temperature, look))
     for number, point in enumerate(points):

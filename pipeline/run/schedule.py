@@ -24,6 +24,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
 
+import numpy as np
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
@@ -34,7 +35,9 @@ from pipeline.run.suspects import STARTS, Suspects
 from pipeline.run.versions import other_packages, packages_of
 from pipeline.run.work import Report, compute_points
 from pipeline.run.writer import Writer
+from pipeline.store.schema import FAILED
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.variants import Variant
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 
@@ -128,13 +131,16 @@ class _Run:
         ramps: Iterable[_Ramp],
     ) -> None:
         self._connection, self._writer, self._reports = connection, writer, reports
-        with_fields = "pressure" in writer.store.arrays
-        self._pickled = pickle.dumps((sweep.changed(chosen=None), with_fields))
+        with_fields, store = "pressure" in writer.store.arrays, writer.store
+        asked = sweep.changed(chosen=None, stations=store.attributes["stations"])
+        self._pickled = pickle.dumps((asked, with_fields, store.simulated))
         self._parcel = sent_once(connection, self._pickled)
         self._numbers = itertools.count()
         self._label = uuid.uuid4().hex[:8]  # a scheduler may know tasks of other runs
         self._ramps = deque(ramps)
         self._suspects = Suspects()
+        self._waiting: list[tuple[set[Point], _Ramp]] = []
+        self._failed = _Failed(store.points_at(np.nonzero(store.flags == FAILED)))
         self._workers: Counter[str] = Counter()
         self._looked = -_POLL
         self.running: list[_Task] = []
@@ -169,7 +175,7 @@ class _Run:
         if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
             parcel = self._parcel = sent_once(self._connection, self._pickled)
         name = f"point-{_in_short(points)}-{self._label}-{next(self._numbers)}"
-        arguments = (compute_points, name, parcel, points, ramp.below)
+        arguments = (compute_points, name, parcel, points, ramp.below, self._failed.below(points))
         future = self._connection.client.submit(*arguments, key=name, workers=alone_on)
         future.add_done_callback(self._reports.wake)
         self.running.append(_Task(points, future, ramp, alone_on))
@@ -236,6 +242,15 @@ class _Run:
         self._writer.add(records)
         for record in records:
             self._suspects.acquit(record.point)
+            if record.data is None:
+                self._failed.add(record.point)
+        settled = {record.point for record in records}
+        for suspects, _ in self._waiting:
+            suspects -= settled
+        for suspects, ramp in self._waiting:
+            if not suspects:
+                self._go_on(ramp)
+        self._waiting = [(suspects, ramp) for suspects, ramp in self._waiting if suspects]
 
     def _recover(self, task: _Task) -> None:
         """Go on after a loss; suspect the points of the task if it was lost itself."""
@@ -248,14 +263,16 @@ class _Run:
             # What it depends on was lost too often: its ramp begins again.
             task.ramp.below = None
             task.ramp.loads.appendleft(task.points)
+            self._go_on(task.ramp)
         else:
             killed = isinstance(error, KilledWorker)
             self._accuse(task, _KILLED if killed else f"{type(error).__name__}: {error}")
-        self._go_on(task.ramp)
 
     def _accuse(self, task: _Task, reason: str) -> None:
+        """Suspect the points of a task; its ramp waits, as what they come to are its stations."""
         alone = task.alone_on is not None
         guilty = [point for point in task.points if self._suspects.accuse(point, alone)]
+        self._waiting.append((set(task.points), task.ramp))
         self._settle(PointRecord(point, None, reason) for point in guilty)
 
     def _has_lost_its_worker(self, task: _Task) -> bool:
@@ -276,6 +293,25 @@ class _Run:
         self._settle(PointRecord(point, None, reason) for point in task.points)
         self._go_on(task.ramp)
         return True
+
+
+class _Failed:
+    """Points that have failed, by their ramp."""
+
+    def __init__(self, points: Iterable[Point]) -> None:
+        self._by_ramp: dict[tuple[float, Variant], set[Point]] = {}
+        for point in points:
+            self.add(point)
+
+    def add(self, point: Point) -> None:
+        """Note that a point has failed."""
+        self._by_ramp.setdefault(point[1:], set()).add(point)
+
+    def below(self, points: Iterable[Point]) -> tuple[Point, ...]:
+        """Those on the ramps of some points, in order."""
+        return tuple(
+            sorted(failed for point in points for failed in self._by_ramp.get(point[1:], ()))
+        )
 
 
 def _in_short(points: tuple[Point, ...]) -> str:

@@ -335,6 +335,12 @@ SWEEP = Table({
     "fields": Optional(Flag(),
         "Pressure, temperature rise and wear depth over the window stored, or not.",
         default=False),
+    "steps": Optional(
+        Either(Whole(at_least=1, at_most=1_000_000), OneOf(("loads", "all", "end")),
+            when=lambda value: isinstance(value, str)),
+        'Steps of a point that are stored besides those that decide. "loads": the lower loads of '
+        "the plane, at no further cost; the default of a ramp without a hold. A number: so many, "
+        'even in time. "all": each step. "end": none, the default elsewhere.'),
     "independent": Optional(Flag(),
         "Each point simulated from the start, not on from the next lower load; takes longer.",
         default=False),

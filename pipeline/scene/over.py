@@ -20,7 +20,7 @@ from tribo import InputError
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = (
-    "loads", "velocities", "variants", "wear_rates", "unequal_bulks", "independent",
+    "loads", "velocities", "variants", "wear_rates", "unequal_bulks", "independent", "steps",
 )  # fmt: skip
 _MOST = 10_000  # combinations, each of which is read as a scene
 

@@ -158,7 +158,9 @@ class _Reader:
             ),
             conditions=_conditions_of(tables, made, own_criterion),
             variants=surfaces(realizations),
-            record=Record(asked["fields"], tuple(rates.values()) if rates else None),
+            record=Record(
+                asked["fields"], tuple(rates.values()) if rates else None, asked["steps"]
+            ),
             about=About(
                 name=name,
                 title=tables["title"] or name,

@@ -13,7 +13,7 @@ from pipeline.store.identity import describe, scene_hash
 from pipeline.store.schema import FORMAT, stored_columns
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import step_count
+from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES
 
@@ -44,6 +44,7 @@ def _lasting(sweep: Sweep) -> dict[str, Any]:
         "format": FORMAT,
         "scene": description,
         "scene_hash": scene_hash(description),
+        "stations": Stations.of(sweep).as_dict(),
         "versions": versions(),
     }
 
@@ -149,7 +150,8 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
     """Values along each dimension: those of a store, in their order, then what a sweep adds."""
     chosen, plane, table = sweep.plane.chosen or (), sweep.plane, sweep.variants
     scenes = [sweep.variant(name).scene for name in table.given]
-    steps = max(step_count(scene, load) for scene in scenes for load in plane.loads)
+    stations = Stations.of(sweep)
+    steps = max(stations.count(scene, load) for scene in scenes for load in plane.loads)
 
     def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
         present = axes.get(name, [])
@@ -163,8 +165,8 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
         | {name: [*values.values()] for name, values in _followed(axes, table, leading).items()}
         | {
             "load": widened("load", plane.loads),
-            "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
-            "quantile": list(QUANTILES),
+            "step": list(range(1 - max(steps, len(axes.get("step", []))), 1)),
+            "cooler_share": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
             "wear_rate": list(sweep.rates),
             "x": scenes[0].grid.coordinates(0).tolist(),

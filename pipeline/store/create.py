@@ -119,7 +119,7 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     rates = root.axes.get("wear_rate", [])
     different = [
         *_differences_of_scenes(root, sweep),
-        *differences(root.axes["quantile"], list(QUANTILES), "quantile"),
+        *differences(root.axes["cooler_share"], list(QUANTILES), "cooler_share"),
         *differences(rates, list(sweep.rates), "sweep.wear_rates [m²/N]"),
     ]
     if different:

@@ -8,15 +8,13 @@ import math
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass
-from typing import Any
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.own_laws import own_laws
-from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.variants import Variant
 from tribo import Scene
 
@@ -63,28 +61,42 @@ def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:
         yield f"{key}: {_short(stored)} in the store, {_short(wanted)} in the scene"
 
 
-def checksum(point: Point, data: Mapping[str, NDArray[Any]]) -> np.uint64:
-    """Hash of the place of a point, and of what is stored of its own steps and fields.
+@dataclass(frozen=True, slots=True)
+class Simulated:
+    """Hash of what was simulated at each point of a store.
+
+    Attributes
+    ----------
+    hashes : mapping of tuple to str
+        SHA-256 of the scene by the values of the entries that have several, in order.
+    """
+
+    hashes: Mapping[tuple[Any, ...], str]
+
+    @classmethod
+    def of(cls, attributes: Mapping[str, Any]) -> Self:
+        """Hashes by the attributes of a store."""
+        scene = attributes["scene"]
+        entries = attributes.get("scenes", [{"values": [], "scene": {}}])
+        return cls({tuple(one["values"]): scene_hash(scene | one["scene"]) for one in entries})
+
+    def at(self, point: Point) -> str:
+        """Hash of what is simulated at a point."""
+        values = tuple(value for _, value in point.variant)
+        return self.hashes[values[: len(next(iter(self.hashes)))]]
+
+
+def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> np.uint64:
+    """Hash of what was simulated, of the place of a point, and of what is stored of its stations.
 
     Of each variable it takes the CRC, four times as fast on fields as a hash of all their bytes.
     """
-    digest = hashlib.blake2b(_place(point), digest_size=8)
+    digest = hashlib.blake2b(simulated.encode(), digest_size=8)
+    digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
     for name in sorted(data):
         digest.update(name.encode())
         digest.update(struct.pack("<L", zlib.crc32(np.ascontiguousarray(data[name]).data)))
     return np.uint64(int.from_bytes(digest.digest(), "little"))
-
-
-def record_checksum(record: PointRecord) -> np.uint64:
-    """Hash of the place of a point, and of its message, warnings and times."""
-    digest = hashlib.blake2b(_place(record.point), digest_size=8)
-    digest.update(struct.pack("<qdd", record.warning_flags, record.wall_time, record.finished_at))
-    digest.update(record.message.encode())
-    return np.uint64(int.from_bytes(digest.digest(), "little"))
-
-
-def _place(point: Point) -> bytes:
-    return struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode()
 
 
 def _plain(value: Any) -> Any:

@@ -12,27 +12,36 @@ from dataclasses import replace
 import numpy as np
 from numcodecs.zstd import Zstd
 
-from pipeline.store.identity import checksum
+from pipeline.store.identity import Simulated, checksum
 from pipeline.store.schema import AT_END, COMPRESSION, VARIABLES
 from pipeline.sweep.plan import PointRecord
 from tribo.types import Array
 
+_LONGEST = 2000  # characters of a message, which somebody is to read
 _ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
 
 
-def packed(record: PointRecord) -> PointRecord:
+def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
     """Return a record with its checksum, and with fields as the chunks that Zarr would write.
 
-    One that is packed or has failed stays as it is.
+    One that is packed stays as it is.
     """
-    if record.data is None or record.checksum is not None:
+    if record.checksum is not None:
         return record
     data = {
         name: np.ascontiguousarray(values, VARIABLES[name].dtype)
-        for name, values in record.data.items()
+        for name, values in (record.data or {}).items()
     }
     encoded = {name: _ENCODER.encode(data[name]) for name in data.keys() & AT_END.keys()}
-    return replace(record, data=data | encoded, checksum=checksum(record.point, data))
+    # Names of files in a message may be no text.
+    message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
+    about = {"warning_flags": np.int32(record.warning_flags)}
+    return replace(
+        record,
+        data=None if record.data is None else data | encoded,
+        message=message,
+        checksum=checksum(simulated.at(record.point), record.point, data | about),
+    )
 
 
 def unpacked(encoded: bytes, name: str, shape: tuple[int, ...]) -> Array:

@@ -13,10 +13,6 @@ from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.variants import Variant
-from tribo.types import Array
-
-_RECENT = 200  # points, of which the rate is taken
-_BREAK = 20.0  # times the usual time between points, after which a run was interrupted
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,16 +53,14 @@ class Summary:
         Points besides these that are done, since an earlier run asked for them.
     warned : int
         Points that are done and carry a warning, also those that only an earlier run asked for.
-    rate : float or None
-        Rate at which points were finished most recently [1/s]; None if that is not known.
     running : str or None
         Process that computes points now; None if there is none.
 
     Examples
     --------
-    >>> half_done = Summary("a_scene", "A scene", 24, 12, 12, failed=(), rate=4.0)
-    >>> half_done.time_to_go
-    3.0
+    >>> half_done = Summary("a_scene", "A scene", 24, 12, 12, failed=())
+    >>> half_done.pending
+    12
     """
 
     name: str
@@ -77,13 +71,7 @@ class Summary:
     failed: tuple[FailedPoint, ...]
     earlier: int = 0
     warned: int = 0
-    rate: float | None = None
     running: str | None = None
-
-    @property
-    def time_to_go(self) -> float | None:
-        """Time that the pending points take at that rate [s]."""
-        return self.pending / self.rate if self.rate else None
 
 
 def summarized(store: Store) -> Summary:
@@ -107,7 +95,7 @@ def summarized(store: Store) -> Summary:
 
 
 def summary(path: PathLike) -> Summary:
-    """Number of points of a store by state, with warnings and rate, read without their data.
+    """Number of points of a store by state, with warnings, read without their data.
 
     Raises
     ------
@@ -123,31 +111,9 @@ def summary(path: PathLike) -> Summary:
     """
     place = place_of(path)
     store = Store(place, read_root(place))
-    finished = store.read("finished_at", ...)[store.flags == DONE]
     warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
     return replace(
         summarized(store),
-        rate=pace(finished[np.isfinite(finished)]),
         warned=int(np.count_nonzero(warned)),
         running=holder_of(place),
     )
-
-
-def pace(finished: Array) -> float | None:
-    """Points per second, of the most recent ones and since the last interruption.
-
-    By the times at which points were finished [s], in any order; None if fewer than three tell.
-
-    Examples
-    --------
-    >>> pace(np.array([1000.0, 1002.0, 1004.0, 9000.0, 9000.5, 9001.0, 9001.5]))
-    2.0
-    """
-    times = np.sort(finished)[-_RECENT:]
-    gaps = np.diff(times)
-    if gaps.size:
-        (breaks,) = np.nonzero(gaps > _BREAK * max(np.median(gaps), np.finfo(float).tiny))
-        times = times[breaks[-1] + 1 :] if breaks.size else times
-    if times.size < 3 or times[-1] == times[0]:
-        return None
-    return float((times.size - 1) / (times[-1] - times[0]))

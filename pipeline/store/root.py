@@ -115,8 +115,8 @@ def _parsed(place: Place, content: bytes) -> Root:
         ) from None
     if isinstance(version, int) and version != FORMAT:
         raise StoreError(
-            f"{place} has format {version}, and this program reads format {FORMAT}; "
-            "compute it again, or use the version that made it"
+            f"{place} has format {version}, and this program reads format {FORMAT}; make it anew: "
+            "irg run its scene into another folder with -o, or after moving this one away"
         )
     if not is_as_written:
         raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")

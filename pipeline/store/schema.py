@@ -9,7 +9,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, Variants
 from tribo import WarningKind
 
-FORMAT = 1
+FORMAT = 2
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -38,8 +38,7 @@ def _of_contact(units: str, long_name: str) -> Variable:
     comment = (
         "Depends on the size of the elements: a rough surface on larger ones touches on more of "
         "the window at a lower pressure. In the paper's system the preset 'standard' has 14 to "
-        "17 % more contact than the pixels themselves, 'draft' 40 to 50 %. NaN at steps on the "
-        "coarser grid of the history."
+        "17 % more contact than the pixels themselves, 'draft' 40 to 50 %."
     )
     return Variable(_STEP, units, long_name, attributes={"comment": comment})
 
@@ -54,8 +53,10 @@ COORDINATES = {
     "sample": Variable(("sample",), "1", "number of the sample of unknown inputs", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
-    "step": Variable(("step",), "1", "step of the ramp", "int64"),
-    "quantile": Variable(("quantile",), "1", "share of the contact area that is cooler"),
+    "step": Variable(
+        ("step",), "1", "station of the point, counted back from its end, which is 0", "int64"
+    ),
+    "cooler_share": Variable(("cooler_share",), "1", "share of the contact area that is cooler"),
     "bulk_ratio": Variable(
         ("bulk_ratio",), "K", "bulk temperature of the disk less that of the pin, over friction"
     ),
@@ -82,7 +83,7 @@ COLUMNS = {
     "mean_rise": Variable(_STEP, "K", f"mean temperature rise of the contact {_RISE}"),
     "pin_heat_share": Variable(_STEP, "1", "share of the friction heat that enters the pin"),
     "rise_quantile": Variable(
-        (*_STEP, "quantile"), "K", f"quantile of the temperature rise of the contact {_RISE}"
+        (*_STEP, "cooler_share"), "K", f"quantile of the temperature rise of the contact {_RISE}"
     ),
 }
 FIELDS = {
@@ -95,7 +96,7 @@ BULK_COLUMNS = {
         _STEP, "1", "mean rise of the contact for each kelvin by which the disk's bulk is warmer"
     ),
     "bulk_rise_quantile": Variable(
-        (*_STEP, "bulk_ratio", "quantile"),
+        (*_STEP, "bulk_ratio", "cooler_share"),
         "K",
         f"quantile of the contact's rise above the pin's bulk at a bulk ratio, {_RISE}",
     ),
@@ -103,7 +104,7 @@ BULK_COLUMNS = {
 """Variables of scenes with unequal bulk temperatures besides `COLUMNS`."""
 RATE_COLUMNS = {
     "rise_quantile_at_wear_rate": Variable(
-        (*_STEP, "wear_rate", "quantile"),
+        (*_STEP, "wear_rate", "cooler_share"),
         "K",
         f"quantile of the rise at this wear rate and the velocity times the scene's rate over "
         f"this one, {_RISE}",
@@ -137,9 +138,6 @@ RECORDS = {
         {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"},
     ),
     "wall_time": Variable(_POINT, "s", "duration of the point's computation"),
-    "finished_at": Variable(
-        _POINT, "s", "time of the end of its computation, since 1970-01-01 UTC"
-    ),
     "message": Variable(_POINT, None, "reason of a failure, or warnings", "str"),
     "warning_flags": Variable(
         _POINT,
@@ -152,9 +150,12 @@ RECORDS = {
         },
     ),
     "asked": Variable(_POINT, None, "1 if the last run asked for the point, else 0", "int8"),
-    "checksum": Variable(_POINT, None, "BLAKE2b-64 of the point's place and data", "uint64"),
-    "record_checksum": Variable(
-        _POINT, None, "BLAKE2b-64 of its place, times, message and warnings", "uint64"
+    "steps": Variable(_POINT, "1", "number of the point's own stations", "int32"),
+    "checksum": Variable(
+        _POINT,
+        None,
+        "BLAKE2b-64 of what was simulated, the point's place, data, message and warnings",
+        "uint64",
     ),
 }
 
@@ -177,7 +178,7 @@ def is_coordinate(name: str) -> bool:
 
 def is_of_points(dim: str) -> bool:
     """True if a dimension tells points apart."""
-    return dim not in ("step", "quantile", "bulk_ratio", "wear_rate", "x", "y")
+    return dim not in ("step", "cooler_share", "bulk_ratio", "wear_rate", "x", "y")
 
 
 def stored_columns(table: Variants) -> list[Column]:

@@ -72,7 +72,8 @@ class Reader:
     def _faults(self, chunk: _Index, members: list[_Index]) -> Iterator[tuple[Point, str]]:
         """Points of a chunk, each with its fault or nothing."""
         arrays = self._store.arrays
-        shared = [(name, chunk) for name in arrays if name in STEPPED or name == "checksum"]
+        beside = ("checksum", "steps", "warning_flags")
+        shared = [(name, chunk) for name in arrays if name in STEPPED or name in beside]
         fields = [name for name in arrays if name in AT_END]
         wanted = shared + [(name, index) for index in members for name in fields]
         parts = dict(zip(wanted, self._read(wanted), strict=True))
@@ -88,7 +89,7 @@ class Reader:
                 name: None if (part := parts[name, index]) is None else part[alone]
                 for name in fields
             }
-            yield point, fault_of_data(point, entries)
+            yield point, fault_of_data(self._store.simulated.at(point), point, entries)
 
     def _read(self, wanted: list[tuple[str, _Index]]) -> Iterator[Any]:
         """Parts of variables by their numbers along the points; None where lost or damaged."""

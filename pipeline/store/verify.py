@@ -1,38 +1,31 @@
 """Damage of a store: points whose data are not those that their checksums were taken of.
 
-Repair makes damaged points pending, so that the next run computes them again. Where only what is
-told about a point was lost, its data stay: the kinds of its warnings are restored from its
-checksum, a message from these kinds, and times are unknown.
+Repair makes damaged points pending, so that the next run computes them again.
 """
 
 from __future__ import annotations
 
 import itertools
 import json
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from pipeline.store.identity import checksum, record_checksum
+from pipeline.store.identity import checksum
 from pipeline.store.layout import Slices, blocks, chunk_key, slices_of
 from pipeline.store.lock import held
 from pipeline.store.place import ROOT, PathLike, StoreError, place_of, reaches, writes
 from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
-from pipeline.store.write import ABOUT, Store, values_of
+from pipeline.store.write import Store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.variants import Variant
-from tribo import WarningKind
 from tribo.types import Mask
 
 _OTHER = "the data are not those that were computed"
-_LOST = "the message was damaged; kinds of warnings: {}"
-_LOST_REASON = "the reason why it failed was damaged; try again with irg run --retry-failed"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +60,6 @@ class Verification:
         Points that are done and intact.
     damaged : tuple of Damage
         Points that are damaged; repair makes them pending.
-    records : tuple of Damage
-        Points whose data are intact, but not what is told about them; repair keeps their data.
     shared : tuple of str
         Faults of coordinates and metadata, which belong to no point.
     without_status : tuple of Point
@@ -86,7 +77,6 @@ class Verification:
 
     done: int
     damaged: tuple[Damage, ...]
-    records: tuple[Damage, ...]
     shared: tuple[str, ...]
     without_status: tuple[Point, ...]
     repaired: bool
@@ -94,7 +84,7 @@ class Verification:
     @property
     def is_clean(self) -> bool:
         """True if nothing was damaged."""
-        return not (self.damaged or self.records or self.shared)
+        return not (self.damaged or self.shared)
 
 
 def verify_store(
@@ -150,7 +140,7 @@ def _examined(
     keys = store.place.keys()  # again: a writer may have finished points meanwhile
     apart = {*filter(is_coordinate, store.arrays), *AT_END, "status", "asked"}
     total, count = int(np.count_nonzero(store.flags == DONE)), 0
-    faults: dict[tuple[int, ...], tuple[Damage, PointRecord | None]] = {}
+    damaged: dict[tuple[int, ...], Damage] = {}
     complete: list[Point] = []
     for numbers, block in begun:
         values = {n: _read(store, n, numbers, keys) for n in store.arrays if n not in apart}
@@ -164,25 +154,22 @@ def _examined(
         for point, index in zip(store.points_at([*indices.T]), map(tuple, indices), strict=True):
             entries = _entries(store, index, values, keys)
             is_done = bool(unknown[index] or store.flags[index] == DONE)
-            reason, record = _fault(point, entries, is_done)
+            reason = _fault(store, point, entries, is_done)
             if reason and not unknown[index]:
                 place = store.in_words(point)
-                damage = Damage(point.load, point.velocity, reason, point.variant, place)
-                faults[index] = damage, record
+                damaged[index] = Damage(point.load, point.velocity, reason, point.variant, place)
             elif unknown[index] and not reason:
                 complete.append(point)
         count += int(np.count_nonzero(store.flags[block] == DONE))
         if progress:
             progress(count, total)
-    damaged = {index: damage for index, (damage, record) in faults.items() if record is None}
     done = total - sum(bool(store.flags[index] == DONE) for index in damaged)
     if repair:
-        _repair(store, lost, faults, unknown, complete)
+        _repair(store, lost, damaged, unknown, complete)
         done = int(np.count_nonzero(store.flags == DONE))
     return Verification(
         done=done,
         damaged=tuple(damaged.values()),
-        records=tuple(damage for damage, record in faults.values() if record),
         shared=tuple(dict.fromkeys(shared)),
         without_status=tuple(complete),
         repaired=repair,
@@ -236,47 +223,25 @@ def _entries(
     return of_block | {name: _read(store, name, index, keys) for name in fields}
 
 
-def _fault(
-    point: Point, entries: Mapping[str, Any], is_done: bool
-) -> tuple[str, PointRecord | None]:
-    """Fault of a point by its entries, lost ones None; its record anew if its data are intact."""
-    if is_done and (reason := fault_of_data(point, entries)):
-        return reason, None
-    if lost := [name for name in (*ABOUT, "record_checksum") if entries[name] is None]:
-        return _unreadable(lost), _restored(point, entries, is_done)
-    message, kinds, *times = (entries[name] for name in ABOUT)
-    record = PointRecord(point, None, str(message), int(kinds), *map(float, times))
-    is_sound = entries["record_checksum"] == record_checksum(record)
-    return "" if is_sound else _OTHER, None
+def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool) -> str:
+    """Fault of a point by its entries, of which lost ones are None; empty if it has none."""
+    if lost := [name for name in RECORDS.keys() & entries.keys() if entries[name] is None]:
+        return _unreadable(sorted(lost))
+    simulated = store.simulated.at(point)
+    own = entries if is_done else {name: entries[name] for name in entries.keys() & RECORDS.keys()}
+    return fault_of_data(simulated, point, own)
 
 
-def fault_of_data(point: Point, entries: Mapping[str, Any]) -> str:
-    """Fault of the data of a done point by its entries, lost ones None; empty if they are sound."""
-    data = {name: entries[name] for name in entries.keys() & {*STEPPED, *AT_END}}
-    needed = data | {"checksum": entries["checksum"]}
+def fault_of_data(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
+    """Fault of the data of a point by its entries, lost ones None; empty if they are sound."""
+    checked = {*STEPPED, *AT_END, "warning_flags"}
+    data = {name: entries[name] for name in entries.keys() & checked}
+    needed = data | {name: entries[name] for name in ("checksum", "steps")}
     if lost := sorted(name for name, values in needed.items() if values is None):
         return _unreadable(lost)
-    steps = np.count_nonzero(np.isfinite(data["time"]))
-    data |= {name: data[name][:steps] for name in data.keys() & STEPPED.keys()}
-    return "" if entries["checksum"] == checksum(point, data) else _OTHER
-
-
-def _restored(point: Point, entries: Mapping[str, Any], is_done: bool) -> PointRecord | None:
-    """Record of a point from what is left of it; None if its warnings are lost for good."""
-    message, kinds, *times = (entries[name] for name in ABOUT)
-    times = [math.nan if moment is None else float(moment) for moment in times]
-    if kinds is None and message != "":
-        every = (
-            PointRecord(point, None, str(message or ""), number, *times)
-            for number in range(2 * max(WarningKind))
-        )
-        expected = entries["record_checksum"]
-        return next((record for record in every if record_checksum(record) == expected), None)
-    kinds = int(kinds or 0)
-    if message is None:
-        labels = ", ".join(kind.label for kind in WarningKind if kind & kinds)
-        message = _LOST.format(labels) if labels else "" if is_done else _LOST_REASON
-    return PointRecord(point, None, str(message), kinds, *times)
+    steps = int(needed["steps"])
+    data |= {name: data[name][-steps:] for name in data.keys() & STEPPED.keys()}
+    return "" if needed["checksum"] == checksum(simulated, point, data) else _OTHER
 
 
 def _unreadable(names: Iterable[str]) -> str:
@@ -286,12 +251,11 @@ def _unreadable(names: Iterable[str]) -> str:
 def _repair(
     store: Store,
     lost: Iterable[tuple[str, Slices]],
-    faults: Mapping[tuple[int, ...], tuple[Damage, PointRecord | None]],
+    damaged: Collection[tuple[int, ...]],
     unknown: Mask,
     complete: Iterable[Point],
 ) -> None:
-    """Make damaged points pending, and write anew what is told of the others."""
-    damaged = [index for index, (_, record) in faults.items() if record is None]
+    """Make damaged points pending, and write lost chunks anew."""
     pending = dict.fromkeys([*map(tuple, np.argwhere(unknown)), *damaged], PENDING)
     store.write({}, pending)  # first: a point that is done is whole, also after a kill in between
     for name, block in lost:
@@ -299,8 +263,7 @@ def _repair(
         array[block] = store.asked[block] if name == "asked" else array.fill_value
     for index, name in itertools.product(damaged, store.arrays.keys() & AT_END.keys()):
         store.arrays[name][index] = store.arrays[name].fill_value
-    values = {index: values_of(record) for index, (_, record) in faults.items() if record}
-    store.write(values, {store.index(point): DONE for point in complete})
+    store.write({}, {store.index(point): DONE for point in complete})
 
 
 def _shared_faults(store: Store, repair: bool) -> Iterator[str]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.store.files import THREADS
-from pipeline.store.identity import record_checksum
+from pipeline.store.identity import Simulated
 from pipeline.store.layout import arrays_of, blocks, chunk_key, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.packing import packed
@@ -42,9 +41,7 @@ from pipeline.sweep.plan import points as points_of
 from tribo.types import Indices, Mask
 
 _ADVICE = "; what is finished is safe, go on when there is room and permission to write"
-_LONGEST = 2000  # characters of a message, which somebody is to read
-ABOUT = ("message", "warning_flags", "wall_time", "finished_at")
-"""Variables with what is told about a point."""
+_ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # what is told about a point
 
 _Index = tuple[int, ...]
 
@@ -65,6 +62,8 @@ class Store:
         Status of each point, and 1 for each that the last run asked for.
     block : tuple of int
         Points that share a chunk along each dimension.
+    simulated : Simulated
+        Hash of what is simulated at each point.
     """
 
     def __init__(
@@ -72,6 +71,7 @@ class Store:
     ) -> None:
         self.place, self.root, self.lock = place, root, lock
         self.attributes, self.axes = root.attributes, root.axes
+        self.simulated = Simulated.of(root.attributes)
         self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
         status = self.arrays["status"]
         self.dims: tuple[str, ...] = status.metadata.dimension_names
@@ -154,14 +154,12 @@ class Store:
         """Put points on the disk: data first, then statuses."""
         values, statuses = {}, {}
         for record in records:
-            # Names of files in a message may be no text.
-            message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
-            record = packed(replace(record, message=message))
+            record = packed(record, self.simulated)
             index = self.index(record.point)
-            values[index] = values_of(record)
+            values[index] = {name: getattr(record, name) for name in _ABOUT}
             statuses[index] = FAILED
             if record.data is not None:
-                values[index] |= {**record.data, "checksum": record.checksum}
+                values[index] |= {**record.data, "steps": len(record.data["time"])}
                 statuses[index] = DONE
         self.write(values, statuses)
 
@@ -219,7 +217,7 @@ class Store:
             within = tuple(i % n for i, n in zip(index, self.block, strict=True))
             if name in STEPPED:
                 part[within] = np.nan
-                part[within][: len(value)] = value
+                part[within][-len(value) :] = value
             else:
                 part[within] = value
         array[block] = part
@@ -260,9 +258,3 @@ def stored(path: PathLike | None) -> Iterator[PathLike]:
         return
     with TemporaryDirectory(prefix="irg-") as folder:
         yield Path(folder) / "points.zarr"
-
-
-def values_of(record: PointRecord) -> dict[str, Any]:
-    """Values of a record by the names of variables, besides its data."""
-    about = {name: getattr(record, name) for name in ABOUT}
-    return about | {"record_checksum": record_checksum(record)}

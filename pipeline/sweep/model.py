@@ -14,7 +14,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.contacts import Lead, leads_of
 from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.variants import Part, Variant, Variants
-from tribo import InputError, Ramp, Scene, SelfAffineRoughness, Wear
+from tribo import InputError, MeasuredLoad, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import inseparable
 
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
@@ -97,10 +97,17 @@ class Record:
     wear_rates : tuple of float or None
         Lowest and highest specific wear rate between which heat is taken on each contact, beside
         the scene's own [m²/N]; None for that alone.
+    steps : str, int or None
+        Stations of each point: ``"loads"``, so many, ``"all"``, or ``"end"`` for those alone that
+        decide; None for what is usual, see `pipeline.sweep.stations`.
+    stations : mapping or None
+        Stations that a store has, in place of those that follow from the loads.
     """
 
     fields: bool = False
     wear_rates: tuple[float, float] | None = None
+    steps: str | int | None = None
+    stations: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,8 +156,19 @@ class Sweep:
         object.__setattr__(self, "_leads", None)  # which are found when they are asked for
         if self.variants.columns:
             self.variant(self.variants.names[0])  # refuses what the scene does not have
+        if self.record.steps == "loads" and (fault := self._fault_of_loads()):
+            raise InputError(
+                f'sweep.steps is "loads", and {fault}: a higher load does not pass through the end '
+                'of a lower one; give a number, "all" or "end"'
+            )
         if fault := self._fault_of_wear_rates():
             raise InputError(f"sweep.wear_rates: {fault}")
+
+    def _fault_of_loads(self) -> str | None:
+        """Reason why the ends of lower loads are no stations of higher ones."""
+        if isinstance(self.scene.loading, MeasuredLoad):
+            return "the load is a record"
+        return "the load is held" if self.scene.loading.hold else None
 
     def _fault_of_wear_rates(self) -> str | None:
         """Reason why the points cannot answer for other wear rates, and what to do."""

@@ -12,9 +12,9 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,9 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import Verdict, verdict
 from pipeline.sweep.description import as_html, as_lines, on_point
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Variant
-from tribo import BULK_RATIOS, QUANTILES, Scene, State, Wear, measures, warnings
+from tribo import BULK_RATIOS, QUANTILES, Ramp, Scene, State, Wear, measures, warnings
 from tribo.simulation import PointWarning, contacts, heat, heated, leads_to, start
 from tribo.types import Array
 
@@ -40,9 +41,10 @@ class Trunk:
     Attributes
     ----------
     state : State
-        State at the last station, without temperature.
-    records : mapping of tuple of dict
-        Values of `PointResult.columns` at each station so far, for each variant on it.
+        State at the last step of the trunk, without temperature.
+    ends : mapping of mapping
+        Values of `PointResult.columns` on reaching each load so far, for each variant; None where
+        that failed.
 
     Examples
     --------
@@ -56,7 +58,15 @@ class Trunk:
     """
 
     state: State
-    records: Mapping[Variant, tuple[Record, ...]] = field(default_factory=dict)
+    ends: Mapping[Variant, Mapping[float, Record | None]] = field(default_factory=dict)
+
+    def without(self, failed: Iterable[Point]) -> Trunk:
+        """The trunk on which these points are known to have failed."""
+        ends = {
+            point.variant: {**self.ends.get(point.variant, {}), point.load: None}
+            for point in failed
+        }
+        return replace(self, ends={**self.ends, **ends})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,8 +78,7 @@ class PointResult:
     point : Point
         Load, velocity and variant.
     columns : dict of ndarray, shape (n_step,), ``rise_quantile`` (n_step, n_quantile)
-        Values at each step since the start of the ramp, by variable of the dataset; NaN where
-        the temperature was not asked for.
+        Values at each station of the point, by variable of the dataset; the last one is its end.
     state : State
         State at the end, with temperature; where few elements touch, on smaller ones than the
         scene's, see `tribo.Fidelity.fewest_elements`.
@@ -83,8 +92,6 @@ class PointResult:
         States with temperature from when the load is reached on, which decide.
     wall_time : float
         Duration of the computation, which may have begun on a trunk [s].
-    finished_at : float
-        Time of its end, since 1970-01-01 UTC [s].
 
     Examples
     --------
@@ -108,7 +115,6 @@ class PointResult:
     trunk: Trunk
     at_load: tuple[State, ...]
     wall_time: float
-    finished_at: float = field(default_factory=time.time)
 
     def __repr__(self) -> str:
         return as_lines(str(self.point), list(on_point(self.columns, self.warnings)))
@@ -148,7 +154,6 @@ class PointResult:
             message="; ".join(map(str, self.warnings)),
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
             wall_time=self.wall_time,
-            finished_at=self.finished_at,
         )
 
     def verdict(self, conditions: Conditions) -> Verdict:
@@ -168,7 +173,6 @@ class PointRecord:
     message: str = ""  # its warnings, or the reason of its failure
     warning_flags: int = 0
     wall_time: float = math.nan  # [s]
-    finished_at: float = math.nan  # since 1970-01-01 UTC [s]
     checksum: np.uint64 | None = field(default=None, kw_only=True)
 
 
@@ -225,49 +229,120 @@ def run_points(
     points: Sequence[Point],
     trunk: Trunk | None = None,
     progress: Callable[[int, int], None] | None = None,
+    failed: Collection[Point] = (),
 ) -> tuple[PointResult, ...]:
     """Simulate points of one contact: one point, or variants that share it, at one load.
 
-    The trunk is that of the contact, with the records of these variants; `progress` is called with
-    the steps done and their number.
+    The trunk is that of the contact. Ends of lower loads that are stations of the points come from
+    it; those that it lacks are computed on the way, but for points that are known to have failed.
+    `progress` is called with the steps done and their number.
     """
     began = time.perf_counter()
-    load, names = points[0].load, [point.variant for point in points]
-    variants = [sweep.variant(name) for name in names]
-    first, name_of_lead = sweep.contact_of(points[0])
-    lead = variants[0] if name_of_lead == names[0] else sweep.variant(name_of_lead)
-    trunk = _leading_to(lead, load, trunk, names)
-    records = {name: list(trunk.records.get(name, ())) for name in names}
-    places = [(one.scene, point.velocity) for one, point in zip(variants, points, strict=True)]
-    steps = step_count(lead.scene, load) if progress else 0
-    states: list[State] = []
-    at_load = [dict[int, State]() for _ in points]
-    for number_of_step, contact in enumerate(contacts(lead.scene, load, first, trunk.state), 1):
-        heated_at = {place: _with_heat(*place, contact, first) for place in dict.fromkeys(places)}
-        states = [heated_at[place] for place in places]
-        rows = list(zip(variants, states, strict=True))
-        for name, row, hot in zip(names, rows, at_load, strict=True):
-            if row[1].heat and row[1].normal_load >= load:
-                hot[len(records[name])] = row[1]
-            records[name].append(_record(*row))
-        trunk = _extended(trunk, contact, rows, load, records)
-        if progress:
-            progress(number_of_step, steps)
+    load, stations = points[0].load, Stations.of(sweep)
+    trunk = trunk or Trunk(start(sweep.variant(sweep.contact_of(points[0])[1]).scene))
+    for below in stations.below(load):
+        trunk = _passed(sweep, [point._replace(load=below) for point in points], trunk, failed)
+    runs, trunk = _simulated(sweep, points, trunk, stations, progress)
     duration = (time.perf_counter() - began) / len(points)
     return tuple(
         PointResult(
             point=point,
-            columns=_stacked(records[point.variant])
-            | _at_wear_rates(variant, point.velocity, hot, len(records[point.variant])),
-            state=state,
-            shape=variant.scene.grid.shape,
-            warnings=tuple(warnings(variant.scene, state)),
+            columns=_stacked(
+                [
+                    *(end for below in stations.below(load) if (end := ends[below]) is not None),
+                    *run.records,
+                ]
+            ),
+            state=run.states[-1],
+            shape=run.scene.grid.shape,
+            warnings=tuple(warnings(run.scene, run.states[-1])),
             trunk=trunk,
-            at_load=tuple(hot.values()),
+            at_load=tuple(state for state in run.states if state.normal_load >= load),
             wall_time=duration,
         )
-        for point, variant, state, hot in zip(points, variants, states, at_load, strict=True)
+        for point, run in zip(points, runs, strict=True)
+        for ends in [trunk.ends.get(point.variant, {})]
     )
+
+
+def _passed(
+    sweep: Sweep, points: Sequence[Point], trunk: Trunk, failed: Collection[Point]
+) -> Trunk:
+    """The trunk with the ends of points at a load that it passes."""
+    load = points[0].load
+    missing = [point for point in points if load not in trunk.ends.get(point.variant, {})]
+    gone = [point for point in missing if point in failed]
+    trunk = trunk.without(gone)
+    missing = [point for point in missing if point not in gone]
+    if not missing:
+        return trunk
+    try:
+        _, passed = _simulated(sweep, missing, trunk)
+    except Exception:  # such a point is recorded as failed, and is no station
+        if len(missing) == 1:
+            return trunk.without(missing)
+        for point in missing:
+            trunk = _passed(sweep, [point], trunk, failed)
+        return trunk
+    return passed
+
+
+class _Run(NamedTuple):
+    """A simulation of one variant: its states that are kept, and their records."""
+
+    scene: Scene
+    states: list[State]
+    records: list[Record]
+
+    def reached(self, load: float) -> Record | None:
+        """Record on reaching a load."""
+        moments = zip(self.states, self.records, strict=True)
+        return next((record for state, record in moments if state.normal_load >= load), None)
+
+
+def _simulated(
+    sweep: Sweep,
+    points: Sequence[Point],
+    trunk: Trunk,
+    stations: Stations | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[list[_Run], Trunk]:
+    """Simulate points of one contact, and lengthen its trunk.
+
+    Without stations they are passed on the way to a higher load, and so not held.
+    """
+    load, names = points[0].load, [point.variant for point in points]
+    variants = [sweep.variant(name) for name in names]
+    first, name_of_lead = sweep.contact_of(points[0])
+    lead = variants[0].scene if name_of_lead == names[0] else sweep.variant(name_of_lead).scene
+    if stations is None and isinstance(lead.loading, Ramp) and lead.loading.hold:
+        lead = replace(lead, loading=replace(lead.loading, hold=0.0))
+    asked = stations.asked(lead, load) if stations else frozenset[int]()
+    goes_on = leads_to(lead, trunk.state, load)
+    state = trunk.state if goes_on else start(lead)
+    steps = sum(1 for _ in lead.stations(load, asked=asked)) if progress else 0
+    runs = [_Run(variant.scene, [], []) for variant in variants]
+    ways = contacts(lead, load, first, state, asked)
+    for number_of_step, contact in enumerate(ways, 1):
+        if contact.on_trunk:
+            state = replace(contact.history or contact, heat=None)
+        if contact.index in asked or contact.normal_load >= load or contact.is_asked:
+            places = [(run.scene, point.velocity) for run, point in zip(runs, points, strict=True)]
+            heats = {place: _with_heat(*place, contact, first) for place in dict.fromkeys(places)}
+            for variant, point, run, place in zip(variants, points, runs, places, strict=True):
+                hot = heats[place]
+                if hot.heat is not None:
+                    run.states.append(hot)
+                    run.records.append(_record(variant, hot, point.velocity))
+        if progress:
+            progress(number_of_step, steps)
+    if not goes_on and trunk.state.normal_load >= load:
+        state = trunk.state  # the trunk had come beyond this load
+    ends = {
+        point.variant: {**trunk.ends.get(point.variant, {}), load: run.reached(load)}
+        for point, run in zip(points, runs, strict=True)
+    }
+    return runs, Trunk(state, {**trunk.ends, **ends})
 
 
 def _with_heat(scene: Scene, velocity: float, contact: State, first: float) -> State:
@@ -279,25 +354,17 @@ def _with_heat(scene: Scene, velocity: float, contact: State, first: float) -> S
     return contact
 
 
-def _at_wear_rates(
-    sweep: Sweep, velocity: float, at_load: Mapping[int, State], steps: int
-) -> dict[str, Array]:
-    """Heat on the contacts of a point at the velocities at which other wear rates have them.
-
-    The states, by their places among the steps, are those from when the load is reached on.
-    """
+def _at_wear_rates(sweep: Sweep, state: State, velocity: float) -> dict[str, Array]:
+    """Heat on a contact at the velocities at which other wear rates have it."""
     wear = sweep.scene.wear
     if not isinstance(wear, Wear) or not sweep.rates:
         return {}
-    usual, rates = wear.specific_wear_rate, sweep.rates
-    shapes = {"rise_quantile": (len(QUANTILES),), "mean_rise": (), "pin_heat_share": ()}
-    columns = {name: np.full((steps, len(rates), *shape), np.nan) for name, shape in shapes.items()}
-    for step, state in at_load.items():
-        for place, rate in enumerate(rates):
-            temperature = heat(sweep.scene, state, velocity * usual / rate)
-            for name, values in columns.items():
-                values[step, place] = getattr(temperature, name)
-    return {f"{name}_at_wear_rate": values for name, values in columns.items()}
+    usual = wear.specific_wear_rate
+    heats = [heat(sweep.scene, state, velocity * usual / rate) for rate in sweep.rates]
+    return {
+        f"{name}_at_wear_rate": np.array([getattr(one, name) for one in heats])
+        for name in ("rise_quantile", "mean_rise", "pin_heat_share")
+    }
 
 
 def stacked_columns(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
@@ -309,51 +376,10 @@ def _stacked(records: Sequence[Record]) -> dict[str, Array]:
     return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
-def _leading_to(
-    sweep: Sweep, load: float, trunk: Trunk | None, variants: Sequence[Variant]
-) -> Trunk:
-    """The trunk if the ramp of these variants to a load goes on from it, else the start."""
-    if trunk and leads_to(sweep.scene, trunk.state, load) and set(variants) <= set(trunk.records):
-        return trunk
-    return Trunk(start(sweep.scene))
-
-
-def _extended(
-    trunk: Trunk,
-    contact: State,
-    rows: Sequence[tuple[Sweep, State]],
-    load: float,
-    records: Mapping[Variant, list[Record]],
-) -> Trunk:
-    """Return the trunk with one more contact and its rows, if higher loads pass through it."""
-    if not contact.on_trunk:
-        return trunk
-    onwards = replace(contact.history or contact, heat=None)
-    longer: dict[Variant, tuple[Record, ...]] = {}
-    for (name, rows_of_it), (sweep, state) in zip(records.items(), rows, strict=True):
-        record = rows_of_it[-1]
-        if not _is_same_for_higher_loads(sweep, state, load):
-            passed = replace(state.history or state, sliding_distance=state.sliding_distance)
-            at_every_step = sweep.scene.remembers_heat and not sweep.scene.fidelity.fewest_elements
-            record = _record(sweep, passed if at_every_step else replace(passed, heat=None))
-        longer[name] = (*trunk.records.get(name, ()), record)
-    return Trunk(onwards, longer)
-
-
-def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
-    """True if a ramp to a higher load reports the same temperature at this state."""
-    if state.normal_load < load:
-        return True
-    stations = [one for one in sweep.scene.stations(load) if one.on_trunk]
-    (station,) = (one for one in stations if one.normal_load == load)
-    interval = sweep.scene.fidelity.temperature_interval
-    return interval > 0 and station.index % interval == 0
-
-
-def _record(sweep: Sweep, state: State) -> Record:
+def _record(sweep: Sweep, state: State, velocity: float | None = None) -> Record:
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     record: dict[str, float | Array] = {**measures(sweep.scene, state), "rise_quantile": quantiles}
     if sweep.scene.unequal_bulks:
         of_bulk = state.heat.bulk_rise_quantile if state.heat else None
         record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if of_bulk is None else of_bulk
-    return record
+    return record if velocity is None else record | _at_wear_rates(sweep, state, velocity)

@@ -8,7 +8,7 @@ from typing import Any
 
 from tribo import PRESETS, Fidelity
 
-KEPT_FIELDS = ("temperature_interval", "heat_model", "heat_kernel")
+KEPT_FIELDS = ("heat_model", "heat_kernel")
 """Fields of a scene's own fidelity that it keeps: what it asks to see, and how heat acts."""
 
 PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01, "reference": 0.01}

@@ -108,8 +108,7 @@ def at_accuracy(
             f"{store} was computed with {selection.name}, whose boundary errs by "
             f"{100 * selection.error:.2g} %; write to another store for {100 * accuracy:g} %"
         )
-    interval = sweep.scene.fidelity.temperature_interval
-    fidelity = replace(selection.fidelity, temperature_interval=interval)
+    fidelity = selection.fidelity
     named = fidelity == PRESETS.get(selection.name)
     return sweep.changed(
         fidelity=fidelity,
@@ -322,8 +321,8 @@ def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
 
 
 def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
-    """A fidelity with what the scene asks to see and its own heat, or with that of all the past."""
-    kept = replace(fidelity, temperature_interval=sweep.scene.fidelity.temperature_interval)
+    """A fidelity with the scene's own heat, or with that of all the past."""
+    kept = fidelity
     if past:  # which needs every step on one grid
         steps = max(kept.increments, _FEWEST_STEPS)
         kept = replace(kept, history_coarsening=1, heat_model="history", increments=steps)

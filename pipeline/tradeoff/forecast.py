@@ -15,8 +15,9 @@ import numpy as np
 from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import stacked_columns, step_count
+from pipeline.sweep.plan import stacked_columns
 from pipeline.sweep.stages import duration
+from pipeline.sweep.stations import Stations
 from tribo import QUANTILES, State
 from tribo.simulation import contacts, forget_contacts, heat, leads_to
 
@@ -124,10 +125,7 @@ def estimate(
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
         steps = [step for step in steps if step[0] <= np.median(sweep.plane.loads)]
-    heated = sum(is_heated for _, is_heated in steps)
-    heated += sum(is_heated and load in sweep.plane.loads for load, is_heated in steps) * len(
-        sweep.rates
-    )
+    heated = sum(is_heated for _, is_heated in steps) * (1 + len(sweep.rates))
     chains = math.ceil((points if sweep.plane.independent else ramps) / shared)
     parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
     turns = of_contacts / parallel if sweep.plane.independent else math.ceil(of_contacts / parallel)
@@ -235,27 +233,29 @@ def _searched(sweep: Sweep) -> int:
 
 def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
     """Load of each step at one velocity, and whether it is given its temperature."""
-    interval, shared, trunk = sweep.scene.fidelity.temperature_interval, 0.0, 0.0
-    for load in sweep.plane.loads:
+    stations, shared, trunk = Stations.of(sweep), 0.0, 0.0
+    loads = {load for load in stations.loads if load < sweep.plane.loads[-1]}
+    for load in sorted(loads.union(sweep.plane.loads)):
         if sweep.scene.trunk(load) != shared:
             shared, trunk = sweep.scene.trunk(load), 0.0
-        stations = list(sweep.scene.stations(load, after=trunk))
-        for station in stations:
+        asked = stations.asked(sweep.scene, load)
+        steps = list(sweep.scene.stations(load, trunk, asked))
+        for station in steps:
             reached = station.normal_load == load and not station.holding
-            asked = reached or station is stations[-1]
-            on_way = interval > 0 and station.index % interval == 0
-            yield station.normal_load, asked or on_way or sweep.scene.remembers_heat
+            is_shown = reached or station is steps[-1] or station.index in asked
+            yield station.normal_load, is_shown or sweep.scene.remembers_heat
             if station.on_trunk and not sweep.plane.independent:
                 trunk = station.normal_load
 
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
+    stations = Stations.of(sweep)
     numbers: int = sum(column[0].size for column in stacked_columns(sweep, [state]).values())
     numbers += len(sweep.rates) * (len(QUANTILES) + 2)
     fields = (
         (3 + sweep.scene.unequal_bulks) * math.prod(sweep.scene.grid.shape) * sweep.record.fields
     )
     return 8.0 * (
-        numbers * max(step_count(sweep.scene, load) for load in sweep.plane.loads) + fields
+        numbers * max(stations.count(sweep.scene, load) for load in sweep.plane.loads) + fields
     )

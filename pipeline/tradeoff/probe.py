@@ -78,7 +78,7 @@ def probe(
 
     The memory is measured at one more, cheaper point.
     """
-    scene = sweep.changed(fidelity=replace(fidelity, temperature_interval=0))
+    scene = sweep.changed(fidelity=fidelity, steps="end")
     peak = _peak_bytes(scene, points) if with_memory else None
     if with_memory:  # and the time, without surface and kernels that a whole sweep makes once
         load, velocity = min((point.load, point.velocity) for point in points)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
+from pipeline.sweep.stations import Stations
 
 
 def savings(sweep: Sweep) -> Iterator[str]:
@@ -34,8 +35,8 @@ def savings(sweep: Sweep) -> Iterator[str]:
     elif still:
         points = still * len(sweep.plane.loads) * len(sweep.variants.names)
         yield f"heat at {points} points, since nothing moves there"
-    interval = sweep.scene.fidelity.temperature_interval
-    if not interval and steps > 1 and sweep.scene.friction_heat and not sweep.scene.remembers_heat:
+    is_end = Stations.of(sweep).interval is None
+    if is_end and steps > 1 and sweep.scene.friction_heat and not sweep.scene.remembers_heat:
         yield f"temperatures before the last step (up to {steps - 1} a point)"
     if sweep.scene.coarsening > 1:
         factor = sweep.scene.coarsening

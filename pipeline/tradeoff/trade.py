@@ -149,7 +149,7 @@ def _candidates(
     ]
     if base and base not in presets:
         candidates.append((base, None, fitted(sweep, PRESETS[base])))
-    fidelity = replace(sweep.scene.fidelity, temperature_interval=0)
+    fidelity = sweep.scene.fidelity
     if sweep.about.preset is None:
         candidates.append(("as in the scene", None, fidelity))
     if base:

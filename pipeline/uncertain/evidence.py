@@ -57,7 +57,7 @@ def require_possible(ensemble: Ensemble) -> None:
             raise InputError(
                 f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: run "
                 "them with loading.hold of the longest test, and for shorter ones with "
-                "loading.hold_steps that end with these and fidelity.temperature_interval = 1"
+                'loading.hold_steps that end with these and sweep.steps = "all"'
             )
         if "load_scatter" in test and len(ensemble.loads) < 2:
             raise InputError(

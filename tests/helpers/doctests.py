@@ -48,7 +48,6 @@ def _compute(scene, path):
     """Compute a scene here, without a cluster."""
     import pipeline
     from pipeline.store.create import writing
-    from pipeline.store.packing import packed
     from pipeline.sweep.plan import chains, points, run_points
 
     sweep = pipeline.load_scene(scene)
@@ -58,4 +57,4 @@ def _compute(scene, path):
             for _, places in itertools.groupby(chain, key=lambda point: point.load):
                 results = run_points(sweep, tuple(places), trunk)
                 trunk = results[0].trunk
-                store.commit([packed(result.record(sweep.record.fields)) for result in results])
+                store.commit(result.record(sweep.record.fields) for result in results)

@@ -40,7 +40,7 @@ class LocalClient:
     def submit(self, function, *arguments, key, workers=None, **_):
         ended = Ended()
         ended.key = key
-        _, _, points, _ = arguments
+        _, _, points, *_ = arguments
         self.tasks.append(points)
         self.pinned.append(workers)
         try:

@@ -96,7 +96,6 @@ def random_point(seed, wildness):
         "heat_model": draw.either("elapsed", "elapsed", "history"),
         "partition": draw.either("local", "local", "uniform"),
         "heat_tolerance": draw.log(1e-8, 1e-4, far=4.0),
-        "temperature_interval": draw.either(0, 2),
     }
     if fidelity["heat_model"] == "history":
         fidelity["history_coarsening"] = 1

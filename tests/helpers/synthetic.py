@@ -107,15 +107,15 @@ def sweep(
             hot[-1] = True
             values = _columns(ramp, V) | _columns_of_heat(ramp, V, rise, hot)
             for name, value in values.items():
-                scalars[name][i, j, : len(ramp)] = value
+                scalars[name][i, j, -len(ramp) :] = value
             for k in np.flatnonzero(hot):
-                quantiles[i, j, k] = rise(ramp[k], V, np.array(QUANTILES))
+                quantiles[i, j, k - len(ramp)] = rise(ramp[k], V, np.array(QUANTILES))
 
     data = {
         name: (_STEP, values, {"units": COLUMNS[name].units, "long_name": name})
         for name, values in scalars.items()
     }
-    data["rise_quantile"] = ((*_STEP, "quantile"), quantiles, {"units": "K"})
+    data["rise_quantile"] = ((*_STEP, "cooler_share"), quantiles, {"units": "K"})
     data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
     data["wall_time"] = (("load", "velocity"), np.where(flags == DONE, 1.0, np.nan))
     data["warning_flags"] = (("load", "velocity"), np.zeros(shape[:2], np.int32))
@@ -123,8 +123,8 @@ def sweep(
     coords = {
         "load": ("load", loads, {"units": "N"}),
         "velocity": ("velocity", velocities, {"units": "m/s"}),
-        "step": ("step", np.arange(n_step)),
-        "quantile": ("quantile", np.array(QUANTILES)),
+        "step": ("step", np.arange(1 - n_step, 1)),
+        "cooler_share": ("cooler_share", np.array(QUANTILES)),
     }
     if fields:
         data |= _fields(flags, loads, velocities, rise, coords)
@@ -134,7 +134,7 @@ def sweep(
         "conditions": dict(CONDITIONS),
         "friction_band": [0.09, 0.103],
         "measured": [dict(point) for point in MEASURED],
-        "format": 1,
+        "format": 2,
         "preset": "fine",
     }
     return xr.Dataset(data, coords, attrs | attributes)

@@ -17,7 +17,7 @@ from tests.helpers.sweeps import sweep_of_fields
 LOADS, VELOCITIES = (150.0, 250.0, 600.0), (0.5, 1.0, 1.5)
 
 
-def sweep(increments=6, temperature_interval=0, fidelity=None, **changes):
+def sweep(increments=6, fidelity=None, **changes):
     """Stations every 125 N; 250 N is one of them."""
     return sweep_of_fields(
         **{
@@ -31,7 +31,6 @@ def sweep(increments=6, temperature_interval=0, fidelity=None, **changes):
                 **{
                     "pixels_per_element": 1,
                     "increments": increments,
-                    "temperature_interval": temperature_interval,
                 }
                 | (fidelity or {}),
             ),
@@ -49,7 +48,7 @@ def sweep(increments=6, temperature_interval=0, fidelity=None, **changes):
 
 def full(**changes):
     """With all that a store may hold."""
-    return sweep(temperature_interval=2, fields=True, **changes)
+    return sweep(**{"fields": True} | changes)
 
 
 def _on_a_worker():

@@ -64,7 +64,7 @@ def test_temperatures_are_those_of_the_fields(unequal):
     at_end = pipeline.temperatures(pipeline.end_of_point(last))
     assert float(at_end["max_temperature"]) == pytest.approx(temperature.max(), rel=1e-9)
     assert float(at_end["mean_temperature"]) == pytest.approx(temperature.mean(), rel=1e-9)
-    hot = at_end["temperature_quantile"].sel(quantile=0.9)
+    hot = at_end["temperature_quantile"].sel(cooler_share=0.9)
     assert float(hot) == pytest.approx(np.quantile(temperature, 0.9), rel=1e-9)
     share = float(at_end["failed_fraction"])
     assert share == pytest.approx((temperature > 373.15).mean(), abs=0.05)

@@ -18,7 +18,7 @@ step's short end, nor smaller elements where few touch.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import fields, replace
 
 import numpy as np
@@ -100,7 +100,11 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
 
 
 def contacts(
-    scene: Scene, normal_load: float, velocity: float, trunk: State | None = None
+    scene: Scene,
+    normal_load: float,
+    velocity: float,
+    trunk: State | None = None,
+    asked: Container[int] = (),
 ) -> Iterator[State]:
     """Contact states along the way to `normal_load` and through its hold, without temperatures.
 
@@ -129,14 +133,15 @@ def contacts(
     state = start(scene) if trunk is None else trunk.history or trunk
     _check(scene, state, normal_load, velocity)
     levels = tuple(scene.levels())
-    stations = list(scene.stations(normal_load, after=state.normal_load))
-    more_elements = _MoreElements(scene, normal_load, velocity)
+    stations = list(scene.stations(normal_load, state.normal_load, asked))
+    more_elements = _MoreElements(scene, normal_load, velocity, asked)
     for station in stations:
         if not scene.remembers_steps:
-            yield _unworn(levels, normal_load, velocity, station)
+            yield _unworn(levels, normal_load, velocity, station, asked)
             continue
         before, state = state, _advanced(levels, state, station, velocity)
-        if station is stations[-1] or _asks(scene, station, normal_load):
+        is_reached = station.normal_load == normal_load and not station.holding
+        if station is stations[-1] or is_reached or station.index in asked:
             yield _shown(levels, more_elements, before, state, station, velocity)
         elif state.heat is not None and scene.fidelity.fewest_elements:
             yield replace(state, heat=None)  # that might be of other elements than the last
@@ -171,13 +176,6 @@ def leads_to(scene: Scene, state: State, normal_load: float) -> bool:
     return math.isclose(state.normal_load, state.index * scene.trunk(normal_load))
 
 
-def _asks(scene: Scene, station: Station, normal_load: float) -> bool:
-    """True if a temperature is asked for on the way to the end: where the load is reached, too."""
-    interval = scene.fidelity.temperature_interval
-    reached = station.normal_load == normal_load and not station.holding
-    return reached or (interval > 0 and station.index % interval == 0)
-
-
 def _advanced(levels: tuple[Scene, ...], before: State, station: Station, velocity: float) -> State:
     """State at a station from which the ramp goes on, on the grid of the history."""
     return advance(levels[0], before, station, velocity, observed=len(levels) == 1)
@@ -199,7 +197,11 @@ def _shown(
 
 
 def _unworn(
-    levels: tuple[Scene, ...], normal_load: float, velocity: float, station: Station
+    levels: tuple[Scene, ...],
+    normal_load: float,
+    velocity: float,
+    station: Station,
+    asked: Container[int],
 ) -> State:
     """State at a station where nothing remembers the way there; kept for other velocities."""
     scene = levels[-1]
@@ -207,7 +209,7 @@ def _unworn(
     def compute() -> State:
         # From the start at each station: not even a first guess may remember the way, or results
         # would depend on the stations at which a temperature is asked for.
-        more_elements = _MoreElements(scene, normal_load, velocity)
+        more_elements = _MoreElements(scene, normal_load, velocity, asked)
         before = start(scene)
         after = _advanced(levels, before, station, velocity)
         return _shown(levels, more_elements, before, after, station, velocity)
@@ -224,8 +226,10 @@ class _MoreElements:
     0.5 % with it; `fine` was up to 12 % off with its history on a coarser grid.
     """
 
-    def __init__(self, scene: Scene, normal_load: float, velocity: float) -> None:
-        self._scene, self._to = scene, (normal_load, velocity)
+    def __init__(
+        self, scene: Scene, normal_load: float, velocity: float, asked: Container[int]
+    ) -> None:
+        self._scene, self._to, self._asked = scene, (normal_load, velocity), asked
         self._ramps: dict[Fidelity, Iterator[State]] = {}
 
     def instead_of(self, state: State) -> State:
@@ -234,7 +238,8 @@ class _MoreElements:
         if fidelity is None:
             return state
         if fidelity not in self._ramps:
-            self._ramps[fidelity] = contacts(replace(self._scene, fidelity=fidelity), *self._to)
+            finer_scene = replace(self._scene, fidelity=fidelity)
+            self._ramps[fidelity] = contacts(finer_scene, *self._to, asked=self._asked)
         work = state.work
         for finer in self._ramps[fidelity]:  # computed as far as it is asked for
             work += finer.work

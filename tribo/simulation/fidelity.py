@@ -68,9 +68,6 @@ class Fidelity:
         Division of friction heat between the bodies; see `tribo.partition_heat`.
     heat_tolerance : float
         Relative residual of the heat partition at which its solver stops.
-    temperature_interval : int
-        A point's temperature is computed at its end, and on its way at every so many stations of
-        the ramp; 0 for at the end only.
 
     Examples
     --------
@@ -94,7 +91,6 @@ class Fidelity:
     heat_kernel: HeatKernel = "pin"
     partition: Partition = "local"
     heat_tolerance: float = 1e-6
-    temperature_interval: int = 0
 
     def __post_init__(self) -> None:
         for name, lowest in (
@@ -102,7 +98,6 @@ class Fidelity:
             ("history_coarsening", 1),
             ("fewest_elements", 0),
             ("increments", 1),
-            ("temperature_interval", 0),
         ):
             require_integer(lowest, **{name: getattr(self, name)})
         require_positive(contact_tolerance=self.contact_tolerance)

@@ -8,7 +8,7 @@ of `loading_step` is one of its steps, with the contacts that `disk_positions` a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import replace
 
 from tribo.simulation.contact_ramp import contacts
@@ -18,7 +18,11 @@ from tribo.simulation.temperature import heat
 
 
 def simulate(
-    scene: Scene, normal_load: float, velocity: float, trunk: State | None = None
+    scene: Scene,
+    normal_load: float,
+    velocity: float,
+    trunk: State | None = None,
+    asked: Container[int] = (),
 ) -> Iterator[State]:
     """Bring the load up to `normal_load` at constant `velocity`, and through its hold.
 
@@ -34,12 +38,14 @@ def simulate(
         A state on the trunk of a lower load at the same velocity, from which to go on; the
         result is the same as from the start, bit for bit. Loads share a trunk where `Scene.trunk`
         is the same.
+    asked : container of int, optional
+        Indices of further stations at which the temperature is asked for, see `Station`.
 
     Yields
     ------
     State
         State after every step. The one that reaches `normal_load` and the last one have their
-        temperature, besides those that the fidelity asks for.
+        temperature, besides those that are asked for.
 
     Raises
     ------
@@ -56,7 +62,7 @@ def simulate(
     ...     print(f"{state.normal_load:g} N after {state.time:g} s")
     10 N after 61 s
     """
-    for state in contacts(scene, normal_load, velocity, trunk):
+    for state in contacts(scene, normal_load, velocity, trunk, asked):
         if state.is_asked and state.heat is None:
             yield replace(state, heat=heat(scene, state, velocity))
         else:

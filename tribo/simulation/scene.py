@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass, field, replace
 
 from tribo.errors import InputError
@@ -271,23 +271,23 @@ class Scene:
         coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
-    def stations(self, normal_load: float, after: float = 0.0) -> Iterator[Station]:
+    def stations(
+        self, normal_load: float, after: float = 0.0, asked: Container[int] = ()
+    ) -> Iterator[Station]:
         """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
-        All steps beyond a station on the trunk if a state depends on those before, else only those
-        at which a temperature is asked for.
+        All steps beyond a station on the trunk if a state depends on those before, else only the
+        last, and those whose indices are asked for.
         """
         fidelity = self.fidelity
         stations = self.loading.stations(normal_load, fidelity.increments, after)
         if self.remembers_steps:
             yield from stations
             return
-        interval = fidelity.temperature_interval
         for station in stations:
-            asked = bool(interval) and station.index % interval == 0
-            if asked:
+            if station.index in asked:
                 yield station
-        if not asked:
+        if station.index not in asked:
             yield replace(station, on_trunk=False)
 
     def trunk(self, normal_load: float) -> float:

@@ -123,7 +123,7 @@ def _held(sweep: Sweep, row: Any, duration: float, steps: int) -> Sweep:
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
     """Specific wear rate that gives a measured width by the end of a test [m²/N]."""
-    fidelity = replace(sweep.scene.fidelity, averaging="mean", temperature_interval=0)
+    fidelity = replace(sweep.scene.fidelity, averaging="mean")
     smooth = sweep.changed(roughness=None, fidelity=fidelity)
     scene = _held(smooth, row, duration, steps=50)
     return specific_wear_rate(scene.scene, row.measured_width, row.normal_load, row.velocity).value

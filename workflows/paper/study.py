@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -54,13 +54,12 @@ class Study:
     def scene_with_history(self, name: str) -> Sweep:
         """The scene of this name, with temperatures on the way also where a preset asks for none.
 
-        A scene of its own asks for those that it wants to show; a preset for that at the end only.
+        A scene of its own asks for those that it wants to show.
         """
         sweep = self.scene(name)
         if self.preset is None:
             return sweep
-        interval = max(1, sweep.scene.fidelity.increments // 10)
-        return sweep.changed(fidelity=replace(sweep.scene.fidelity, temperature_interval=interval))
+        return sweep.changed(steps=10)
 
     def stages(
         self,

@@ -117,7 +117,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "deciding": conditions.decisive.temperature,
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
-        "quantiles": ds["quantile"].values.tolist(),
+        "quantiles": ds["cooler_share"].values.tolist(),
         "surfaces": ds["realization"].values.tolist() if "realization" in ds.dims else None,
         "done": int(done.sum()),
         "status": packed_array(status, "i1"),
@@ -163,7 +163,7 @@ def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
         return [failing_share]
-    shares = np.minimum(np.round(1 - ds["quantile"].values, 12), np.nextafter(1.0, 0.0))
+    shares = np.minimum(np.round(1 - ds["cooler_share"].values, 12), np.nextafter(1.0, 0.0))
     return [float(share) for share in np.union1d(shares, failing_share)]
 
 
@@ -173,7 +173,7 @@ def _tables(
     """Deciding rises by share, and quantiles, by load, velocity, step and bulk ratio [K]."""
     names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
     columns = {name: values_of(ds, name) for name in names if name in ds}
-    quantile = {"quantile": ds["quantile"].values}
+    quantile = {"quantile": ds["cooler_share"].values}
     at_ratios = [{**above_colder(columns, ratio), **quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
     decisive = [np.stack([one.rise(rises) for one in criteria], axis=-1) for rises in at_ratios]

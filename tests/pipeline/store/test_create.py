@@ -76,7 +76,7 @@ def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
         import warnings; warnings.simplefilter("error")
         import xarray as xr
         ds = xr.open_zarr({str(alone)!r})
-        assert ds["rise_quantile"].sel(load=600, velocity=1.5).dims == ("step", "quantile")
+        assert ds["rise_quantile"].sel(load=600, velocity=1.5).dims == ("step", "cooler_share")
         assert ds["status"].attrs["flag_meanings"] == "pending done failed"
         ds.load()
         for name, variable in ds.variables.items():

@@ -1,14 +1,18 @@
 """Points, chains and the computation of one point (pipeline/sweep/plan.py)."""
 
+import itertools
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tribo
 from pipeline.store.schema import COLUMNS
+from pipeline.sweep import plan
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import chains, points, run_point, step_count
+from pipeline.sweep.plan import chains, points, run_point, run_points
+from pipeline.sweep.stations import Stations
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 
@@ -29,9 +33,9 @@ def same(first, second):
 
 
 def same_trunks(first, second):
-    records = [trunk.records.get((), ()) for trunk in (first, second)]
-    for one, other in zip(*records, strict=True):
-        assert all(np.array_equal(one[name], other[name], equal_nan=True) for name in one)
+    one, other = (trunk.ends[()] for trunk in (first, second))
+    for load in one.keys() & other.keys():
+        assert all(np.array_equal(one[load][name], other[load][name]) for name in one[load])
     return first.state.pressure.tobytes() == second.state.pressure.tobytes()
 
 
@@ -51,15 +55,16 @@ def test_independent_points_are_chains_of_their_own():
     assert chains(points(alone), alone) == tuple((point,) for point in points(alone))
 
 
-@pytest.mark.parametrize(("load", "count"), [(100.0, 2), (150.0, 3), (250.0, 2), (600.0, 5)])
-def test_a_point_has_a_row_for_each_of_its_steps(load, count):
+@pytest.mark.parametrize(("load", "count"), [(150.0, 1), (250.0, 2), (400.0, 3), (600.0, 3)])
+def test_a_point_has_a_row_for_each_of_its_stations(load, count):
     result = run_point(SWEEP, load, 1.0)
-    assert step_count(SWEEP.scene, load) == count
+    assert Stations.of(SWEEP).count(SWEEP.scene, load) == count
     assert {name: len(values) for name, values in result.columns.items()} == dict.fromkeys(
         COLUMNS, count
     )
     assert result.columns["normal_load"][-1] == load
     assert result.columns["rise_quantile"].shape == (count, len(tribo.QUANTILES))
+    assert all(np.isfinite(values).all() for values in result.columns.values())
 
 
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
@@ -103,18 +108,62 @@ PHYSICS = {
 }
 
 
-@pytest.mark.parametrize(("physics", "interval"), [("plain", 0), *((name, 2) for name in PHYSICS)])
-def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, interval):
-    """250 N and 500 N are stations, so that the end of the one lies on the trunk of the other."""
-    sweep = tiny.sweep(temperature_interval=interval, **PHYSICS[physics])
+@pytest.mark.parametrize(
+    ("physics", "steps"),
+    [("plain", "loads"), ("plain", "end"), *itertools.product(PHYSICS, (2, "all"))],
+)
+def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
+    """250 N and 500 N are steps of the trunk, so that the one's end lies on the other's."""
+    sweep = tiny.sweep(steps=steps, **PHYSICS[physics])
     highest, trunk = run_point(sweep, 625.0, 1.0), None
     for load in (100.0, 150.0, 250.0, 500.0, 600.0):
         result = run_point(sweep, load, 1.0, trunk=trunk)
         assert same(result, run_point(sweep, load, 1.0))
-        assert len(result.columns["time"]) == step_count(sweep.scene, load)
-        assert np.isfinite(result.columns["max_rise"][-1])
+        assert len(result.columns["time"]) == Stations.of(sweep).count(sweep.scene, load)
+        assert all(np.isfinite(values).all() for values in result.columns.values())
         trunk = pickle.loads(pickle.dumps(result.trunk))
         assert same(highest, run_point(sweep, 625.0, 1.0, trunk=trunk))
+
+
+@pytest.mark.parametrize("physics", [name for name in PHYSICS if "load" not in name])
+@pytest.mark.parametrize("steps", ["loads", 3, "all"])
+def test_a_station_is_the_end_of_the_point_at_its_load_bit_for_bit(physics, steps):
+    parts = PHYSICS[physics]
+    if "loading" in parts:
+        parts = {**parts, "loading": replace(parts["loading"], hold=0.0)}
+    sweep = tiny.sweep(steps=steps, **parts)
+    highest = run_point(sweep, 600.0, 1.0).columns
+    for number, load in enumerate(highest["normal_load"]):
+        lower = run_point(sweep, load, 1.0).columns
+        assert len(lower["time"]) == number + 1
+        for name, values in highest.items():
+            assert values[: number + 1].tobytes() == lower[name].tobytes(), (name, load)
+
+
+def test_loads_that_were_computed_before_cost_no_further_step(monkeypatch):
+    counted = []
+
+    def counting(*arguments):
+        for state in tribo.contacts(*arguments):
+            counted.append(state.normal_load)
+            yield state
+
+    monkeypatch.setattr(plan, "contacts", counting)
+    taken = {}
+    for steps in ("end", "loads"):
+        counted.clear()
+        sweep, trunk = tiny.sweep(steps=steps), None
+        for load in tiny.LOADS:
+            trunk = run_point(sweep, load, 1.0, trunk=trunk).trunk
+        taken[steps] = list(counted)
+    assert taken["loads"] == taken["end"]
+
+
+def test_a_load_that_failed_is_no_station():
+    loading = tiny.DivergingRamp(150.0, 750.0, faulty_load=250.0)
+    sweep = tiny.sweep(loading=loading)
+    told = run_points(sweep, [Point(600.0, 1.0)], failed=[Point(250.0, 1.0)])[0]
+    assert told.columns["normal_load"].tolist() == [150.0, 600.0]
 
 
 def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
@@ -127,19 +176,24 @@ def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
     assert load * sweep.scene.pin.patches(sweep.scene.grid) == pytest.approx(250.0)
 
 
-def test_temperatures_on_the_way_are_where_they_are_asked_for():
-    for interval in (0, 1, 2):
-        rise = run_point(tiny.sweep(temperature_interval=interval), 700.0, 1.0).columns["max_rise"]
-        asked = [bool(interval) and step % interval == 0 for step in range(1, len(rise))]
-        np.testing.assert_array_equal(np.isfinite(rise), [*asked, True])
+def test_a_number_asks_for_so_many_stations_of_the_highest_load_even_in_time():
+    for steps, loads in ((1, [250.0]), (2, [250.0, 375.0]), (9, [125.0, 250.0, 375.0, 500.0])):
+        columns = run_point(tiny.sweep(steps=steps), 600.0, 1.0).columns
+        assert columns["normal_load"].tolist() == [*loads, 600.0]
 
 
-def test_the_steps_of_a_hold_belong_to_the_point_alone():
+def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     sweep = tiny.sweep(loading=RAMP)
-    held, higher = run_point(sweep, 250.0, 1.0), run_point(sweep, 300.0, 1.0)
-    np.testing.assert_array_equal(held.columns["normal_load"], [125.0, 250.0, 250.0, 250.0])
-    np.testing.assert_array_equal(higher.columns["normal_load"], [125.0, 250.0, *[300.0] * 3])
-    assert len(held.trunk.records[()]) == len(higher.trunk.records[()]) == 2
+    held = run_point(sweep, 250.0, 1.0).columns
+    assert held["normal_load"].tolist() == [250.0, 250.0]
+    assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
+    every = run_point(sweep.changed(steps="all"), 250.0, 1.0).columns
+    assert every["normal_load"].tolist()[-4:] == [125.0, 250.0, 250.0, 250.0]
+
+
+def test_ends_of_lower_loads_are_refused_as_stations_where_the_load_is_held():
+    with pytest.raises(tribo.InputError, match="the load is held: a higher load does not pass"):
+        tiny.sweep(loading=RAMP, steps="loads")
 
 
 @pytest.mark.parametrize(("load", "other"), [(200.0, 600.0), (600.0, 150.0)])

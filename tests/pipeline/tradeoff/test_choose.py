@@ -52,11 +52,6 @@ def test_the_choice_is_the_same_every_time():
     assert replace(first, seconds=0.0) == replace(second, seconds=0.0)
 
 
-def test_what_the_scene_asks_to_see_is_kept():
-    sweep = UNWORN.changed(fidelity=Fidelity(temperature_interval=5))
-    assert choose_fidelity(sweep, 0.1).fidelity.temperature_interval == 5
-
-
 @pytest.mark.parametrize(
     ("sweep", "points"),
     [(UNWORN, (Point(300.0, 1.5),)), (UNWORN.changed(velocities=(1.0, 2.0)), None)],
@@ -167,10 +162,6 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     stricter = begun.about.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
         at_accuracy(grown, stricter, store=out)
-    # What the scene asks to see is its own, and not to be taken from the store.
-    more = grown.changed(fidelity=replace(grown.scene.fidelity, temperature_interval=2))
-    with pytest.raises(pipeline.StoreMismatchError, match="temperature_interval"):
-        pipeline.run_sweep(at_accuracy(more, 0.1, store=out), out, workers=1)
 
 
 def test_at_rest_there_is_nothing_to_be_accurate_about():

@@ -78,12 +78,10 @@ def test_the_hottest_state_under_full_load_is_read(ramps):
 def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
     asked, _ = ramps
     points = [Point(600.0, 1.0), Point(300.0, 2.0), Point(300.0, 1.0)]
-    changed = replace(SWEEP.scene.fidelity, temperature_interval=2, heat_tolerance=1e-3)
+    changed = replace(SWEEP.scene.fidelity, heat_tolerance=1e-3)
     result = probe(SWEEP, changed, points)
     assert [(load, velocity) for _, load, velocity, _ in asked] == [(300, 1), (600, 1), (300, 2)]
-    assert {arguments[0].fidelity for arguments in asked} == {
-        replace(changed, temperature_interval=0)
-    }
+    assert {arguments[0].fidelity for arguments in asked} == {changed}
     assert result.fidelity == changed
     assert [reading.rise for reading in result.readings] == [600.0, 600.0, 300.0]
     assert {reading.contact_nodes for reading in result.readings} == {NODES}

@@ -27,7 +27,7 @@ def ball():
 
 
 FAMILY = {
-    "swept": small_scene("swept", temperature_interval=2),
+    "swept": small_scene("swept"),
     "local": small_scene("local"),
     "coarse history": small_scene("swept", history_coarsening=2, wear_scheme="sdirk2"),
     "few elements": small_scene("swept", pixels_per_element=4, fewest_elements=500),
@@ -81,17 +81,17 @@ def test_without_wear_the_contact_at_a_load_is_solved_once_for_all_velocities_an
         return solved[-1]
 
     monkeypatch.setattr(loading_step, "solve_contact", counted)
-    scene = small_scene(wear=False, temperature_interval=4, pixels_per_element=2)
+    scene = small_scene(wear=False, pixels_per_element=2)
     insulating = replace(scene, disk=replace(scene.disk, thermal_conductivity=20.0))
     forget_kernels()
-    first = list(simulate(scene, 750.0, 0.5))
+    first = list(simulate(scene, 750.0, 0.5, asked=(4, 8)))
     count = len(solved)
     assert count == len(first) == 3
     for system, velocity in ((scene, 1.0), (scene, -2.0), (insulating, 0.5)):
-        shared = list(simulate(system, 750.0, velocity))
+        shared = list(simulate(system, 750.0, velocity, asked=(4, 8)))
         assert len(solved) == count
         forget_contacts()
-        for one, alone in zip(shared, simulate(system, 750.0, velocity), strict=True):
+        for one, alone in zip(shared, simulate(system, 750.0, velocity, asked=(4, 8)), strict=True):
             assert np.array_equal(one.heat.rise, alone.heat.rise)
             assert one.sliding_distance == alone.sliding_distance
         count = len(solved)

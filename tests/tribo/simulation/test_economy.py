@@ -58,14 +58,14 @@ def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
     assert decisive[1] == pytest.approx(decisive[0], rel=0.01)
 
 
-@pytest.mark.parametrize("interval", [0, 2])
-def test_where_few_elements_touch_the_history_is_on_their_own_grid(interval):
-    scene = rough_scene(temperature_interval=interval)
+@pytest.mark.parametrize("asked", [(), range(0, 100, 2)])
+def test_where_few_elements_touch_the_history_is_on_their_own_grid(asked):
+    scene = rough_scene()
     heavily_worn = replace(scene, wear=Wear(1e-13, "swept"), pixels=Grid((96, 24), (4e-6, 4e-6)))
     fidelity = replace(heavily_worn.fidelity, history_coarsening=2, fewest_elements=400)
     coarse = replace(heavily_worn, fidelity=fidelity)
-    alone = list(simulate(coarse, 300.0, 1.25))
-    on_own_grid = list(simulate(heavily_worn, 300.0, 1.25))
+    alone = list(simulate(coarse, 300.0, 1.25, asked=asked))
+    on_own_grid = list(simulate(heavily_worn, 300.0, 1.25, asked=asked))
     assert alone[0].pressure.shape != alone[-1].pressure.shape
     for state, exact in zip(alone, on_own_grid, strict=True):
         if state.heat:
@@ -145,17 +145,17 @@ def test_without_wear_a_point_is_one_step(wear):
 
 
 def test_without_wear_the_steps_are_those_that_are_asked_for():
-    scene = small_scene(wear=False, temperature_interval=3)
-    alone = list(simulate(scene, 600.0, 1.25))
+    scene = small_scene(wear=False)
+    alone = list(simulate(scene, 600.0, 1.25, asked=(3, 6)))
     assert [state.normal_load for state in alone] == [225.0, 450.0, 600.0]
     assert all(state.heat is not None for state in alone)
 
 
 @pytest.mark.parametrize("interval", [1, 3])
 def test_without_wear_a_temperature_on_the_way_changes_no_other(interval):
-    alone, on_the_way = (
-        last(small_scene(wear=False, contact_tolerance=0.1, **asked), 600.0, 1.25)
-        for asked in ({}, {"temperature_interval": interval})
+    scene = small_scene(wear=False, contact_tolerance=0.1)
+    (*_, alone), (*_, on_the_way) = (
+        simulate(scene, 600.0, 1.25, asked=asked) for asked in ((), range(0, 9, interval))
     )
     assert np.array_equal(alone.pressure, on_the_way.pressure)
     assert np.array_equal(alone.heat.rise, on_the_way.heat.rise)

@@ -49,15 +49,13 @@ def over_equal_surfaces(ds, count):
 def held():
     """The load is held for eight steps more; one part of the contact warms, another cools."""
     ds = one()
-    last = ds.sizes["step"]
-    ds = ds.reindex(step=np.arange(last + 8))
-    ramp = ds["time"].notnull().sum("step")
-    quantile = xr.DataArray(np.array(QUANTILES), dims="quantile")
+    ds = ds.assign_coords(step=ds["step"] - 8).reindex(step=np.arange(1 - ds.sizes["step"] - 8, 1))
+    quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
     for k in range(8):
-        here = ds["step"] == ramp + k
-        rise = ds["rise_quantile"].isel(step=(ramp - 1).clip(min=0))
+        here = ds["step"] == k - 7
+        rise = ds["rise_quantile"].sel(step=-8)
         later = rise * (1 + 0.05 * np.sin(2 * k) + 0.02 * k * (quantile - 0.6))
-        done = ramp > 0
+        done = ds["time"].sel(step=-8).notnull()
         ds["rise_quantile"] = xr.where(here & done, later, ds["rise_quantile"])
         ds["normal_load"] = xr.where(here & done, ds["load"], ds["normal_load"])
         ds["time"] = xr.where(here & done, 10.0 + k, ds["time"])
@@ -67,7 +65,7 @@ def held():
 def along_boundary(seed=0, left_out=()):
     """Points about the boundary alone, each load at velocities of its own on both sides of it."""
     ds = one(status={}, rise=uneven(seed))
-    severe = ds["rise_quantile"].isel(quantile=22).max("step") > synthetic.limit()
+    severe = ds["rise_quantile"].isel(cooler_share=22).max("step") > synthetic.limit()
     chosen = [
         (float(load), float(velocity))
         for i, load in enumerate(ds["load"].values)
@@ -115,9 +113,9 @@ def of_two_bulks():
     """Bodies of unequal bulk temperatures, the disk the warmer one."""
     ds = one()
     ratio = xr.DataArray(np.array(BULK_RATIOS), dims="bulk_ratio")
-    quantile = xr.DataArray(np.array(QUANTILES), dims="quantile")
+    quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
     response = xr.where(ratio > 0, 0.3 + 0.4 * quantile, 0.7 - 0.4 * quantile**2)
-    at_ratio = (ds["rise_quantile"] + ratio * response).transpose(..., "bulk_ratio", "quantile")
+    at_ratio = (ds["rise_quantile"] + ratio * response).transpose(..., "bulk_ratio", "cooler_share")
     ds = ds.assign_coords(bulk_ratio=ratio).assign(
         bulk_rise_quantile=at_ratio, mean_bulk_response=0.5 + 0 * ds["mean_rise"]
     )

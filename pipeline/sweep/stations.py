@@ -1,0 +1,135 @@
+"""Stations of a point: the moments on its way that are kept besides those that decide.
+
+On a ramp they are lower loads, and each is the end of a point at that load, bit for bit. On the
+way of a recorded load, or while a load is held, they are steps of the point's own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from pipeline.sweep.model import Sweep
+from tribo import MeasuredLoad, Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Stations:
+    """Stations of all points of a sweep, by the word of its scene.
+
+    Attributes
+    ----------
+    steps : str or int
+        The word: ``"loads"``, ``"all"``, ``"end"`` or a number.
+    loads : tuple of float
+        Loads of which each is a station of the points at higher loads, ascending [N].
+    interval : float or None
+        Time between steps that are kept of a recorded load, or of a load that is held [s]; 0 for
+        every step, None for those alone that decide.
+    """
+
+    steps: str | int = "end"
+    loads: tuple[float, ...] = ()
+    interval: float | None = None
+
+    @classmethod
+    def of(cls, sweep: Sweep) -> Self:
+        """Stations of a sweep at its present loads.
+
+        Examples
+        --------
+        >>> import pipeline
+        >>> sweep = pipeline.load_scene("workflows/first_try.toml")
+        >>> Stations.of(sweep).below(600.0)
+        (200.0, 400.0)
+        >>> len(Stations.of(sweep.changed(steps=4)).below(750.0))
+        4
+        """
+        if sweep.record.stations:
+            return cls.from_dict(sweep.record.stations)
+        steps = sweep.record.steps or _usual(sweep)
+        if steps == "end":
+            return cls(steps)
+        if steps == "loads":
+            return cls(steps, sweep.plane.loads)
+        scene, highest = sweep.variant(sweep.variants.names[0]).scene, max(sweep.plane.loads)
+        way = list(scene.loading.stations(highest, scene.fidelity.increments))
+        interval = 0.0 if steps == "all" else way[-1].time / (int(steps) + 1)
+        if isinstance(scene.loading, MeasuredLoad):
+            return cls(steps, interval=interval)
+        loads = set[float]()
+        for load in sweep.plane.loads if steps == "all" else (highest,):
+            trunk = [
+                station
+                for station in scene.loading.stations(load, scene.fidelity.increments)
+                if station.on_trunk and station.normal_load < highest
+            ]
+            times, values = ([s.time for s in trunk], [s.normal_load for s in trunk])
+            loads |= {values[number] for number in _even(times, interval, way[-1].time)}
+        return cls(steps, tuple(sorted(loads)), interval)
+
+    @classmethod
+    def from_dict(cls, parts: dict[str, Any]) -> Self:
+        """Stations as `as_dict` gives them."""
+        return cls(parts["steps"], tuple(parts["loads"]), parts["interval"])
+
+    def as_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {"steps": self.steps, "loads": list(self.loads), "interval": self.interval}
+
+    def below(self, load: float) -> tuple[float, ...]:
+        """Loads that are stations of the points at a load [N]."""
+        return tuple(station for station in self.loads if station < load)
+
+    def asked(self, scene: Scene, load: float) -> frozenset[int]:
+        """Indices of the steps on the point's own way at which a temperature is asked for."""
+        if self.interval is None:
+            return frozenset()
+        is_record = isinstance(scene.loading, MeasuredLoad)
+        way = [
+            station
+            for station in scene.loading.stations(load, scene.fidelity.increments)
+            if is_record or station.holding
+        ]
+        if not way:
+            return frozenset()
+        times = [station.time for station in way]
+        return frozenset(way[number].index for number in _even(times, self.interval, times[-1]))
+
+    def count(self, scene: Scene, load: float) -> int:
+        """Most stations that a point at a load may have, its end included."""
+        asked = self.asked(scene, load)
+        steps = list(scene.stations(load, asked=asked))
+        keeps_heat = scene.remembers_heat and not scene.fidelity.fewest_elements
+        own = sum(
+            step is steps[-1]
+            or step.index in asked
+            or (step.normal_load >= load and (not step.holding or keeps_heat))
+            for step in steps
+        )
+        return len(self.below(load)) + own
+
+
+def _usual(sweep: Sweep) -> str:
+    """The word of a scene that gives none: loads of a plane on one ramp, else the end."""
+    loading, plane = sweep.scene.loading, sweep.plane
+    is_ramp = not isinstance(loading, MeasuredLoad) and not loading.hold
+    is_plane = plane.chosen is None and not plane.independent and sweep.variants.has_plane
+    return "loads" if is_ramp and is_plane else "end"
+
+
+def _even(times: list[float], interval: float, end: float) -> list[int]:
+    """Places of the times nearest to whole multiples of an interval before an end [s]; 0 for all.
+
+    Examples
+    --------
+    >>> _even([0.5, 1.0, 1.5, 2.0, 2.5], 0.9, 2.7)
+    [1, 3]
+    """
+    if interval == 0 or not times:
+        return list(range(len(times)))
+    first = max(1, np.ceil(times[0] / interval - 0.5))
+    moments = interval * np.arange(first, np.ceil(end / interval - 1e-9))
+    return sorted({int(np.argmin(np.abs(np.array(times) - moment))) for moment in moments})
