@@ -11,7 +11,7 @@ import xarray as xr
 
 _ENCODED = "json_attributes"
 _decoded = functools.lru_cache(maxsize=64)(json.loads)  # each surface has the attributes of all
-_INTERNAL = ("axes", "root_hash", "points_per_chunk", "steps_per_chunk")
+_INTERNAL = ("axes", "root_hash", "points_per_chunk", "generation")
 
 
 def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:

@@ -37,9 +37,9 @@ from pipeline.run.work import Report, compute_points
 from pipeline.run.writer import Writer
 from pipeline.store.schema import FAILED
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.variants import Variant
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
+from pipeline.sweep.variants import Variant
 
 _AHEAD = 2  # points for each thread: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there

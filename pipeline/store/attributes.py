@@ -147,15 +147,16 @@ def _differing(values: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str,
 
 
 def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[Any]]:
-    """Values along each dimension: those of a store, in their order, then what a sweep adds."""
+    """Values along each dimension: those of a store, and what a sweep adds, ascending."""
     chosen, plane, table = sweep.plane.chosen or (), sweep.plane, sweep.variants
     scenes = [sweep.variant(name).scene for name in table.given]
     stations = Stations.of(sweep)
     steps = max(stations.count(scene, load) for scene in scenes for load in plane.loads)
 
     def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
-        present = axes.get(name, [])
-        return list(dict.fromkeys([*present, *wanted]))
+        values = list(dict.fromkeys([*axes.get(name, []), *wanted]))
+        is_text = any(isinstance(value, str) for value in values)
+        return values if is_text else sorted(values)
 
     leading = {name: widened(name, values) for name, values in table.axes.items()}
     velocities = plane.velocities if plane.chosen is None else sorted({p.velocity for p in chosen})

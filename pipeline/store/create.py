@@ -5,19 +5,20 @@ A new store is no store until its root is there, which is written last.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 from pipeline.store.attributes import grown_axes, root_attributes
 from pipeline.store.files import PARTIAL, sync
+from pipeline.store.grow import goes_on, remove_unfinished, replace_by_larger
 from pipeline.store.identity import describe, differences
 from pipeline.store.layout import (
-    arrays_of,
     block_of,
     bytes_of_a_point,
     documents,
-    fill_new_steps,
 )
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
@@ -32,6 +33,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.root import MOST_POINTS, Root, find_root, read_root, root_document
 from pipeline.store.schema import variables_of
+from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Sweep, named
 from tribo import QUANTILES
@@ -56,22 +58,26 @@ def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
     with held(place) as lock:
         with writes(place):
             _remove_partial(place)
+            if isinstance(place, Folder):
+                remove_unfinished(place.path)
         yield grown(place, sweep, lock)
 
 
 def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = find_root(place)
+    if root:
+        sweep = sweep.changed(stations=root.attributes["stations"])
     if root and (fault := next(_mismatches(root, sweep), None)):
         raise StoreMismatchError(f"{place} {fault}")
     with writes(place):
-        root = _with_room(place, root, sweep)
+        root = _with_room(place, root, sweep, lock)
     store = Store(place, root, lock)
     store.ask(store.asked_by(sweep))
     return store
 
 
-def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
+def _with_room(place: Place, before: Root | None, sweep: Sweep, lock: Lock | None) -> Root:
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
     with_fields = "pressure" in before.arrays if before else sweep.record.fields
     wanted = variables_of(sweep, with_fields)
@@ -84,17 +90,17 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
             "fewer loads or velocities"
         )
     attributes = root_attributes(sweep, before.attributes if before else None) | {"axes": axes}
-    if not before:
+    if before and attributes == before.attributes:
+        return before
+    if not before or not goes_on(before.axes, axes):
         sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
         attributes["points_per_chunk"] = block_of(sizes, bytes_of_a_point(wanted, axes))
-        attributes["steps_per_chunk"] = len(axes["step"])
-    elif attributes == before.attributes:
-        return before
-    block = attributes["points_per_chunk"] | {"step": attributes["steps_per_chunk"]}
-    contents, metadata = documents(wanted, axes, block)
+        attributes["generation"] = before.attributes["generation"] + 1 if before else 0
+    contents, metadata = documents(wanted, axes, attributes["points_per_chunk"])
+    if before and not goes_on(before.axes, axes):
+        _replace_by_larger(place, before, lock, (attributes, contents, metadata))
+        return read_root(place)
     place.put({k: new for k, new in contents.items() if not before or new != place.read(k)})
-    if before:
-        fill_new_steps(arrays_of(place, metadata, read_only=False), len(before.axes["step"]))
     place.put({ROOT: root_document(attributes, metadata)})
     if not before and isinstance(place, Folder):
         # Their names may come from a process that was killed before it synced them.
@@ -102,6 +108,20 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
             with suppress(PermissionError):
                 sync(folder)
     return read_root(place)
+
+
+def _replace_by_larger(place: Place, before: Root, lock: Lock | None, larger: Any) -> None:
+    """Put a larger store in the place of one; first repair this if it cannot be read."""
+    if not isinstance(place, Folder):
+        raise StoreError(
+            f"{place} cannot take values between its own, or stations before them, since objects "
+            "cannot be renamed; write to another store"
+        )
+    try:
+        replace_by_larger(Store(place, before, lock), *larger)
+    except StoreError:
+        examined(Store(place, before, lock, is_damaged=True), repair=True)
+        replace_by_larger(Store(place, before, lock), *larger)
 
 
 def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
@@ -124,6 +144,12 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     ]
     if different:
         yield "\n  ".join(["belongs to another scene; write to another store", *different])
+    steps, stored_steps = sweep.record.steps, root.attributes["stations"]["steps"]
+    if steps is not None and steps != stored_steps:
+        yield (
+            f"has sweep.steps = {json.dumps(stored_steps)}, and the scene {json.dumps(steps)}; "
+            "they stay what they were at its creation: leave them out, or write to another store"
+        )
     if sweep.record.fields and "pressure" not in root.arrays:
         yield (
             "has no fields, since its scene did not ask for them when it was created; leave out "

@@ -70,7 +70,7 @@ def documents(
     """Documents and coordinates of a store by key, as Zarr writes them, and metadata by array.
 
     ``axes`` has the values along each dimension and of each input, ``block`` the points in a chunk
-    along each dimension that tells points apart, and the steps in one.
+    along each dimension that tells points apart.
     """
     memory: dict[str, Any] = {}
     group = zarr.open_group(MemoryStore(memory), mode="w")
@@ -78,7 +78,7 @@ def documents(
         shape = [len(axes[dim]) for dim in variable.dims]
         chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
         if is_coordinate(name):
-            chunks |= {dim: _GROWING for dim in variable.dims if dim == "step" or is_of_points(dim)}
+            chunks |= {dim: _GROWING for dim in variable.dims if is_of_points(dim)}
         elif name in AT_END:
             chunks |= {dim: 1 for dim in variable.dims if is_of_points(dim)}
         is_real = variable.dtype.startswith("float")
@@ -111,16 +111,6 @@ def arrays_of(place: Place, metadata: Mapping[str, Any], read_only: bool) -> dic
         for name, array in metadata.items()
     }
     return {name: zarr.Array(array) for name, array in opened.items()}
-
-
-def fill_new_steps(arrays: Mapping[str, Any], steps: int) -> None:
-    """Write the chunks beyond so many steps, empty, as a lost chunk is one that is missing."""
-    for name, array in arrays.items():
-        if name in STEPPED:
-            axis = array.metadata.dimension_names.index("step")
-            begin = -(-steps // array.chunks[axis]) * array.chunks[axis]
-            if begin < array.shape[axis]:
-                array[(*[slice(None)] * axis, slice(begin, None))] = np.nan
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pipeline.store.files import PARTIAL, make_folder, replace_files
 from pipeline.store.schema import is_coordinate
@@ -27,11 +28,14 @@ if TYPE_CHECKING:
     from zarr.abc.store import Store
 
 PathLike = str | os.PathLike[str]
+Mark = tuple[int, ...] | None
+T = TypeVar("T")
 ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
 """Key of the lock of a store: within it, where no other path misses it."""
 SCHEME = "s3://"
+_TRIES, _PAUSE = 10, 0.02  # [s]: a growth renames in less
 
 
 class StoreError(TriboError):
@@ -115,6 +119,13 @@ class Folder:
         except FileNotFoundError:
             return 0.0
 
+    def mark(self) -> Mark:
+        """What differs between the root and another one that replaced it; None if there is none."""
+        with suppress(OSError):
+            state = (self.path / ROOT).stat()
+            return state.st_ino, state.st_mtime_ns, state.st_size
+        return None
+
     def keys(self) -> set[str]:
         """Names of all files in the folder and in those in it, but not of pipes."""
         names: set[str] = set()
@@ -151,6 +162,10 @@ class Bucket:
         except FileNotFoundError:
             return None
         return content
+
+    def mark(self) -> Mark:
+        """None: points keep their places in an object store."""
+        return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace objects, side by side."""
@@ -229,7 +244,38 @@ def place_of(path: PathLike) -> Place:
         ) from None
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
+    # A growth that was killed, or goes on, between its two renames.
+    with suppress(OSError):
+        if not folder.exists() and (larger(folder) / ROOT).exists():
+            larger(folder).rename(folder)
     return Folder(folder)
+
+
+def steadily(path: PathLike, read: Callable[[Place], T]) -> T:
+    """What is read of a place; read again if a larger store took the place meanwhile."""
+    for left in reversed(range(_TRIES)):
+        place = place_of(path)
+        before = place.mark()
+        try:
+            result = read(place)
+        except StoreError:
+            if not left or place.mark() == before:
+                raise
+        else:
+            if not left or place.mark() == before:
+                return result
+        time.sleep(_PAUSE)
+    raise AssertionError
+
+
+def larger(path: Path) -> Path:
+    """Folder in which a larger store is made, beside the one that it replaces."""
+    return path.with_name(f".{path.name}.larger")
+
+
+def smaller(path: Path) -> Path:
+    """Folder to which a store is moved that a larger one replaces."""
+    return path.with_name(f".{path.name}.smaller")
 
 
 def is_beginning(key: str) -> bool:

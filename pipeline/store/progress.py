@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeline.store.lock import holder_of
-from pipeline.store.place import PathLike, place_of
+from pipeline.store.place import PathLike, Place, steadily
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
@@ -109,7 +109,10 @@ def summary(path: PathLike) -> Summary:
     >>> summary.done, summary.pending, summary.failed
     (24, 0, ())
     """
-    place = place_of(path)
+    return steadily(path, _summary)
+
+
+def _summary(place: Place) -> Summary:
     store = Store(place, read_root(place))
     warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
     return replace(

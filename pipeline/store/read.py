@@ -10,7 +10,17 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.place import PathLike, StoreError, damaged, place_of, reaches, reads
+from pipeline.store.place import (
+    Mark,
+    PathLike,
+    Place,
+    StoreError,
+    damaged,
+    place_of,
+    reaches,
+    reads,
+    steadily,
+)
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, PENDING, RECORDS, is_coordinate
 from pipeline.store.sound import Reader
@@ -32,8 +42,12 @@ class _Backend(BackendEntrypoint):
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store; no variable may be dropped."""
-        place = place_of(filename_or_obj)
-        store = Store(place, read_root(place))  # statuses first: a point that was done stays whole
+        return steadily(filename_or_obj, self._opened)
+
+    def _opened(self, place: Place) -> xr.Dataset:
+        mark, root = place.mark(), read_root(place)
+        seen = _Generation(place, mark, root.attributes["generation"])
+        store = Store(place, root)  # statuses first: a point that was done stays whole
         done = store.flags == DONE
         with reaches(place):
             keys = place.keys()
@@ -47,7 +61,7 @@ class _Backend(BackendEntrypoint):
                 present[name] = np.array(store.axes[name], array.dtype)
             elif name not in present:
                 mask = store.flags != PENDING if name in RECORDS else done
-                present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask))
+                present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask, seen))
             dims, attributes = array.metadata.dimension_names, array.metadata.attributes
             variables[name] = xr.Variable(dims, present[name], attributes)
         variables["status"].encoding["reader"] = Reader(store)
@@ -55,11 +69,29 @@ class _Backend(BackendEntrypoint):
         return xr.Dataset(variables, coords, store.attributes)
 
 
+class _Generation:
+    """The generation of a store, in which each point has its place in the arrays."""
+
+    def __init__(self, place: Place, mark: Mark, generation: int) -> None:
+        self._place, self._mark, self._generation = place, mark, generation
+
+    def __deepcopy__(self, _: Any) -> _Generation:
+        return self
+
+    def require(self) -> None:
+        """Raise a `StoreError` if points have other places now, so that others' data were read."""
+        if (mark := self._place.mark()) == self._mark:
+            return
+        if read_root(self._place).attributes["generation"] != self._generation:
+            raise StoreError(f"{self._place} has grown since it was opened; open it again")
+        self._mark = mark
+
+
 class _Masked(BackendArray):
     """A variable of which the entries of some points alone are shown."""
 
-    def __init__(self, store: Store, name: str, mask: Mask) -> None:
-        self._place, self._name, self._mask = store.place, name, mask
+    def __init__(self, store: Store, name: str, mask: Mask, seen: _Generation) -> None:
+        self._place, self._name, self._mask, self._seen = store.place, name, mask, seen
         self._array = store.arrays[name]
         self.shape, self.dtype = self._array.shape, self._array.dtype
         if self.dtype.kind == "T":  # text as Python's, since xarray writes no other to netCDF
@@ -72,8 +104,11 @@ class _Masked(BackendArray):
 
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part that is given by an orthogonal index."""
-        with reads(self._place, self._name):
-            values = np.array(self._array.oindex[key], self.dtype)
+        try:
+            with reads(self._place, self._name):
+                values = np.array(self._array.oindex[key], self.dtype)
+        finally:
+            self._seen.require()
         mask = xr.Variable(self._array.metadata.dimension_names[: self._mask.ndim], self._mask)
         values[~mask[key[: self._mask.ndim]].values] = self._array.fill_value
         return values

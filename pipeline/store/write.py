@@ -29,8 +29,8 @@ from pipeline.store.place import (
     PathLike,
     Place,
     StoreError,
-    place_of,
     reads,
+    steadily,
     writes,
 )
 from pipeline.store.root import Root, read_root, root_document
@@ -144,6 +144,11 @@ class Store:
         with reads(self.place, name):
             return self.arrays[name][key]
 
+    def read_at(self, name: str, places: tuple[Any, ...]) -> Any:
+        """Read a variable at places along each dimension; raise as `read` does."""
+        with reads(self.place, name):
+            return self.arrays[name].oindex[places]
+
     def pending(self) -> list[Point]:
         """Points that the last run asked for, and that are neither done nor failed."""
         return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
@@ -246,8 +251,7 @@ class Store:
 
 def opened(path: PathLike) -> Store:
     """A store, open to be read."""
-    place = place_of(path)
-    return Store(place, read_root(place))
+    return steadily(path, lambda place: Store(place, read_root(place)))
 
 
 @contextmanager

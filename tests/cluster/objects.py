@@ -20,7 +20,7 @@ from tests.helpers.s3 import RUNNING
 ROOT = Path(__file__).parents[2]
 _MOST = {"a_point": 3, "with_nothing_to_do": 30}  # requests
 _LOADS, _VELOCITIES = 12, 30
-_OF_A_RUN = ["wall_time", "finished_at"]
+_OF_A_RUN = ["wall_time"]
 _PATIENCE = 900.0  # [s]
 
 

@@ -32,16 +32,23 @@ class Killed(BaseException):
 
 
 @functools.cache
-def record(point):
-    """Record of a point of the full tiny sweep, at whatever loads and velocities that has."""
+def record(point, loads=tiny.LOADS):
+    """Record of a point of the full tiny sweep, with these loads as stations."""
+    stations = {"steps": "loads", "loads": list(loads), "interval": None}
     with np.errstate(all="raise", under="ignore"):
-        return run_point(tiny.full(), *point).record(with_fields=True)
+        return run_point(tiny.full(stations=stations), *point).record(with_fields=True)
+
+
+def stations_of(path):
+    """Loads that are stations of the points of a store."""
+    return tuple(read_root(place_of(path)).attributes["stations"]["loads"])
 
 
 def commit(path, sweep, chosen=None):
     """Make the store of a full tiny sweep, or go on with it, and commit points to it."""
     with writing(path, sweep) as store:
-        store.commit([record(point) for point in (points(sweep) if chosen is None else chosen)])
+        wanted = points(sweep) if chosen is None else chosen
+        store.commit([record(point, stations_of(path)) for point in wanted])
 
 
 def fail(path, sweep, point, message):
@@ -82,10 +89,10 @@ def assert_is_as_computed(path, expected):
     for point in expected:
         stored = ds.sel(load=point.load, velocity=point.velocity)
         assert stored["message"].item() == record(point).message
-        for name, values in record(point).data.items():
+        for name, values in record(point, stations_of(path)).data.items():
             present = stored[name].values
-            assert present[: len(values)].tobytes() == values.tobytes(), (point, name)
-            assert np.isnan(present[len(values) :]).all(), (point, name)
+            assert present[-len(values) :].tobytes() == values.tobytes(), (point, name)
+            assert np.isnan(present[: -len(values)]).all(), (point, name)
 
 
 @contextmanager

@@ -38,7 +38,7 @@ def alone_file(folder):
 
 
 def same(one, other):
-    for name in set(other.data_vars) - {"wall_time", "finished_at"}:
+    for name in set(other.data_vars) - {"wall_time"}:
         np.testing.assert_array_equal(one[name].values, other[name].values, name)
 
 
@@ -214,10 +214,10 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
     assert "failed: 600 N, 4 m/s, pin.radius 4 mm, surface 3: it left the window" in said
     (failed,) = irg("status", tmp_path / "out.zarr", "--json", code=1)["failed"]
     assert (failed["pin.radius"], failed["realization"]) == (0.004, 3)
-    for chunk in (tmp_path / "out.zarr" / "record_checksum").glob("c.*"):
+    for chunk in (tmp_path / "out.zarr" / "message").glob("c.*"):
         chunk.unlink()
     said = irg("verify", tmp_path / "out.zarr", code=1)
-    assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: record_checksum cannot be read" in said
+    assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: message cannot be read" in said
 
 
 def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeypatch):
