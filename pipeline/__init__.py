@@ -9,8 +9,8 @@ From a scene to its boundary, in a script under ``if __name__ == "__main__":``::
     pipeline.end_of_point("results/first_try.zarr")["contact_width"]
 
 A scene is given by its path, by the name of a shipped one, or read; a store by its path or opened
-by `open_sweep`; a quantity in SI or as text with a unit, such as ``"400 N"``. Points end at steps
-of their own, so `end_of_point` takes each at its end.
+by `open_sweep`; a quantity in SI or as text with a unit, such as ``"400 N"``. The end of
+each point stands at step 0, which `end_of_point` takes.
 
 The public names stand in ``__init__.pyi``. Each is loaded when it is first used, so that importing
 the package costs next to nothing.

@@ -1,30 +1,54 @@
-"""Reference of the dataset, written from the variables themselves.
+"""Reference of the dataset, written from the table of its variables.
 
 ``python -m pipeline.store.reference`` prints the page.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from pipeline.store.schema import (
+    AT_END,
     BULK_COLUMNS,
     BULK_FIELDS,
-    COLUMNS,
-    COORDINATES,
-    FIELDS,
     RATE_COLUMNS,
-    RECORDS,
-    Variable,
+    STEPPED,
+    VARIABLES,
+    is_coordinate,
 )
 
 _HEAD = """\
 # The dataset
 
 `xarray.open_zarr(OUT)` reads a store, and so does any program that knows Zarr;
-`pipeline.open_sweep` gives the same with a check of its parts. All is in SI. Points that are not
-done, and steps beyond a point's own, are NaN. This page is made from the variables by
-`make reference`.
+`pipeline.open_sweep` gives the same with a check of its parts. All is in SI. This page is made from
+the variables by `make reference`.
+
+```python
+import xarray as xr
+
+ds = xr.open_zarr("results/irg_transition.zarr", chunks=None)
+ds["max_rise"].sel(step=0)  # K at friction 1, at the end of every point
+ds["rise_quantile"].sel(load=600, velocity=1.5, cooler_share=0.9)  # along the way to one point
+ds["wear_depth_max"].sel(step=0).interp(load=500, velocity=1.8)
+```
+
+## Stations
+
+`step` counts the stations of a point back from its end: 0 is the end of every point, −1 the station
+before. At each station every variable is finite. Before a point's first station all are NaN, and so
+are points that are not done; `steps` counts a point's own stations.
+
+| `[sweep] steps` | stations besides those that decide | cost |
+|---|---|---|
+| `"loads"`, the default of a ramp | the lower loads when the store was made | none |
+| a number | so many, even in time | four take 1.25 times as long, eight 1.6 to 2.0 |
+| `"all"` | each step of the ramp, of a record or of a hold | a temperature for each |
+| `"end"`, the default of samples, records, holds and searches of the boundary | none | none |
+
+The moment at which the load is reached decides, and so does the end of a hold. On a ramp a station
+is the end of the point at that load, bit for bit; a load that failed is no station. `irg check`
+counts the cost.
+
+## Temperatures
 
 No variable holds a temperature. The rise above bulk is stored for a coefficient of friction of 1,
 so that any friction and bulk temperature can be judged afterwards:
@@ -32,44 +56,49 @@ so that any friction and bulk temperature can be judged afterwards:
     temperature = bulk temperature + friction × rise
 
 `max_rise` is the highest rise in the contact, `mean_rise` the mean, and `rise_quantile` the one
-that a share of the contact stays below: at `quantile` 0.9 the one that 10 % of the contact exceeds,
-which decides about severe wear unless the scene says otherwise. `pipeline.temperatures` gives them
-as temperatures, also for bodies of unequal bulk temperature.
+that a share of the contact stays below: at `cooler_share` 0.9 the one that 10 % of the contact
+exceeds, which decides about severe wear unless the scene says otherwise. `pipeline.temperatures`
+gives them as temperatures, also for bodies of unequal bulk temperature.
 
-```python
-import xarray as xr
+## Axes
 
-ds = xr.open_zarr("results/irg_transition.zarr", chunks=None)
-ds["rise_quantile"].sel(load=600, velocity=1.5)  # K at friction 1, by step and quantile
-```
+Loads, velocities and other numbers ascend, also while a store grows: values between those that are
+there make a larger store, which takes the place of the old one. A dataset of `open_sweep` that was
+opened before says so and asks to be opened again. With plain xarray open the store again where the
+attribute `generation` has changed. An object store cannot be replaced so: there values can be added
+at the ends alone.
 
-Write `ds["load"]` and `ds["quantile"]`: `ds.load` and `ds.quantile` are methods of xarray's. The
-last step of a point below the highest load is not the last of the dimension:
-`pipeline.end_of_point` takes each point's own. The scene, its hash, the versions and the preset are
-attributes of the dataset. A sweep over `realizations` or `samples` has that dimension in front;
-`over` gives a dimension for each of its entries, by its path.
+Write `ds["load"]`: `ds.load` is a method of xarray's. The scene, its hash, the versions and the
+preset are attributes of the dataset. A sweep over `realizations` or `samples` has that dimension in
+front; `over` gives a dimension for each of its entries, by its path.
 """
-_TABLES: dict[str, Mapping[str, Variable]] = {
-    "Coordinates": COORDINATES,
-    "Variables of each point": RECORDS,
-    "Variables at each step": COLUMNS,
-    "Fields at the end of each point": FIELDS,
-    "Variables of bodies that differ in bulk temperature": BULK_COLUMNS | BULK_FIELDS,
-    "Variables of sweeps with `wear_rates`": RATE_COLUMNS,
+_WITH = {
+    "Variables of bodies that differ in bulk temperature": BULK_COLUMNS.keys() | BULK_FIELDS,
+    "Variables of sweeps with `wear_rates`": set(RATE_COLUMNS),
 }
+_OTHERS = "Fields at the end of each point", "Variables at each station", "Variables of each point"
+
+
+def _title(name: str) -> str:
+    """Title of the table that a variable stands in."""
+    if is_coordinate(name):
+        return "Coordinates"
+    special = (title for title, names in _WITH.items() if name in names)
+    fields, stations, points = _OTHERS
+    usual = fields if name in AT_END else stations if name in STEPPED else points
+    return next(special, usual)
 
 
 def page() -> str:
-    """Text of the page, in Markdown."""
-    parts = [_HEAD]
-    for title, variables in _TABLES.items():
-        parts.append(
-            f"\n## {title}\n\n| variable | dimensions | unit | meaning |\n|---|---|---|---|\n"
-        )
-        for name, variable in variables.items():
-            dims, units = ", ".join(variable.dims), variable.units or ""
-            parts.append(f"| `{name}` | {dims} | {units} | {variable.long_name} |\n")
-    return "".join(parts)
+    """Text of the page, in Markdown: every variable of `VARIABLES`, each in one table."""
+    tables: dict[str, list[str]] = {}
+    for name, variable in VARIABLES.items():
+        dims, units = ", ".join(variable.dims), variable.units or ""
+        row = f"| `{name}` | {dims} | {units} | {variable.long_name} |\n"
+        tables.setdefault(_title(name), []).append(row)
+    head = "| variable | dimensions | unit | meaning |\n|---|---|---|---|\n"
+    parts = (f"\n## {title}\n\n{head}{''.join(rows)}" for title, rows in tables.items())
+    return _HEAD + "".join(parts)
 
 
 if __name__ == "__main__":

@@ -68,10 +68,10 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
     alone = sweep.changed(
         variants=Variants(), wear=dataclasses.replace(sweep.scene.wear, specific_wear_rate=rate)
     )
-    expected = run_point(alone, 600.0, velocity).columns
+    expected = run_point(alone.changed(steps="end"), 600.0, velocity).columns
     point = next(p for p in points(sweep) if p[::2] == (600.0, (("sample", number),)))
     for name in ("max_rise", "wear_volume", "sliding_distance", "contact_width"):
-        stored = stored_values(folder / "out.zarr", point, name)[: len(expected[name])]
+        stored = stored_values(folder / "out.zarr", point, name)[-len(expected[name]) :]
         # k and V of the others give k V to rounding alone.
         np.testing.assert_allclose(stored, expected[name], rtol=1e-9)
     again = run_point(sweep, *point).columns["max_rise"]

@@ -20,6 +20,7 @@ from pipeline.run.source import ExecutionError, Source, unheard
 from pipeline.run.suspects import STARTS, TRIALS
 from pipeline.run.writer import Writer
 from pipeline.store.create import writing
+from pipeline.store.identity import Simulated, describe
 from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
 from pipeline.sweep.plan import chains, points, run_point, run_points
@@ -27,6 +28,7 @@ from tests.helpers import tiny
 from tests.helpers.local_client import Ended, LocalClient
 
 SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 8).tolist()))
+SIMULATED = Simulated.of({"scene": describe(SWEEP)})
 
 
 @pytest.fixture
@@ -46,21 +48,22 @@ def compute_sweep(tmp_path, monkeypatch):
 
 
 def failing_at(bad):
-    def run(sweep, places, trunk=None):
+    def run(sweep, places, trunk=None, failed=()):
         if bad in places:
             raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return run_points(sweep, places, trunk)
+        return run_points(sweep, places, trunk, failed=failed)
 
     return run
 
 
-def assert_is_as_computed_alone(store, place):
-    expected = run_point(SWEEP, *place).columns
+def assert_is_as_computed_alone(store, place, failed=()):
+    expected = run_points(SWEEP, [place], failed=failed)[0].columns
     with xr.open_zarr(store.place.path, chunks=None) as ds:
         point = ds.sel(load=place.load, velocity=place.velocity)
         for name in COLUMNS:
-            stored = point[name].values[: len(expected[name])]
+            stored = point[name].values[-len(expected[name]) :]
             assert stored.tobytes() == expected[name].tobytes()
+        assert point["steps"] == len(expected["time"])
 
 
 def test_each_point_is_a_task_whatever_it_takes(compute_sweep):
@@ -81,13 +84,13 @@ def test_a_point_that_fails_costs_no_other_of_its_ramp(compute_sweep, monkeypatc
     assert (failed.load, failed.velocity) == bad[:2]
     assert failed.message == "ConvergenceError: the contact did not converge"
     for place in (points(SWEEP)[9], points(SWEEP)[11]):
-        assert_is_as_computed_alone(store, place)
+        assert_is_as_computed_alone(store, place, [bad])
 
 
 @pytest.mark.parametrize("number", [0, 1, 2])
 def test_a_trunk_from_any_lower_load_gives_the_same_numbers(number):
     """As when Dask computes a trunk again that was lost, or none is left."""
-    parcel, (first, second, third) = pickle.dumps((SWEEP, False)), points(SWEEP)[:3]
+    parcel, (first, second, third) = pickle.dumps((SWEEP, False, SIMULATED)), points(SWEEP)[:3]
     below = None
     for place in (first, second)[:number]:
         below = pickle.loads(pickle.dumps(work.compute_points("", parcel, (place,), below)))
@@ -105,13 +108,15 @@ def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(co
     alone = [task for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
     assert Counter(alone) == {(place,): TRIALS for place in deadly}
     for place in points(SWEEP)[:3:2]:
-        assert_is_as_computed_alone(store, place)
+        assert_is_as_computed_alone(store, place, deadly)
 
 
 def test_workers_that_are_killed_from_outside_cost_no_point(compute_sweep):
     client = LocalClient(workers=2, is_hit=lambda number: number % 3 == 0)
-    _, ended = compute_sweep(client=client)
+    store, ended = compute_sweep(client=client)
     assert ended == {"done": 24}
+    for place in points(SWEEP):
+        assert_is_as_computed_alone(store, place)
 
 
 def test_the_packages_of_workers_that_differ_are_stored(compute_sweep, monkeypatch):
@@ -195,9 +200,9 @@ class Retiring(LocalClient):
     def nthreads(self, **_):
         return {f"worker {self.generation}": 1}
 
-    def submit(self, function, name, parcel, points, below, **options):
+    def submit(self, function, name, parcel, points, below, failed, **options):
         if self._bad not in points:
-            return super().submit(function, name, parcel, points, below, **options)
+            return super().submit(function, name, parcel, points, below, failed, **options)
         ended = Ended()
         self.endless = ended.key = name
         return ended
@@ -218,4 +223,4 @@ def test_a_point_that_is_begun_on_workers_that_all_leave_fails_and_others_go_on(
     assert (failed.load, failed.velocity) == bad[:2]
     assert failed.message.startswith(f"begun on {STARTS} workers, each of which left before")
     assert [future.key for future in client.cancelled] == [client.endless]
-    assert_is_as_computed_alone(store, points(SWEEP)[10])
+    assert_is_as_computed_alone(store, points(SWEEP)[10], [bad])
