@@ -69,9 +69,8 @@ def test_the_rate_of_the_scene_is_one_of_them(store):
 def test_rises_are_known_from_when_the_load_is_reached_on():
     held = SWEEP.changed(loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=2))
     columns = run_point(held, 600.0, 1.25).columns
-    finite = np.isfinite(columns["mean_rise_at_wear_rate"])
-    assert finite.all(axis=1).tolist() == finite.any(axis=1).tolist()
-    assert finite.any(axis=1).tolist() == [False] * 4 + [True, False, True]
+    assert columns["time"].tolist() == [4.0, 6.0]
+    assert np.isfinite(columns["mean_rise_at_wear_rate"]).all()
 
 
 def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
@@ -119,7 +118,7 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
     rates = 'wear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
     scene.write_text(SCENE.replace("[sweep]", f"[sweep]\n{rates}"))
     sweep = pipeline.load_scene(scene)
-    assert sweep.variants.wear_rates == pytest.approx((1e-15, 2e-15))
+    assert sweep.record.wear_rates == pytest.approx((1e-15, 2e-15))
     cost = pipeline.estimate(sweep, workers=1)
     assert cost.temperatures == 3 * len(sweep.plane.loads) * len(sweep.velocities)
     assert "own wear rate alone" in irg(

@@ -15,6 +15,7 @@ from pipeline.sweep.plan import chains, points, run_point, run_points
 from pipeline.sweep.stations import Stations
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
+from tribo.simulation import contacts
 
 SWEEP = tiny.sweep()
 
@@ -144,7 +145,7 @@ def test_loads_that_were_computed_before_cost_no_further_step(monkeypatch):
     counted = []
 
     def counting(*arguments):
-        for state in tribo.contacts(*arguments):
+        for state in contacts(*arguments):
             counted.append(state.normal_load)
             yield state
 

@@ -11,7 +11,8 @@ from pipeline.tradeoff.forecast import _Timed, estimate
 from pipeline.tradeoff.savings import savings
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
-from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, contacts, simulate
+from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, simulate
+from tribo.simulation import contacts
 
 SWEEP = PAPER.changed(loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
 
