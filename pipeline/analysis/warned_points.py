@@ -15,11 +15,10 @@ from pipeline.analysis.scenes import scenes, stacked, value_text
 from pipeline.analysis.slow_rise import WORDS, slow_rise
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
-from pipeline.sweep import molten
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.warned import NO_WARNING, Warned
+from pipeline.sweep.warned import MELTS, MOLTEN, NO_WARNING, Warned
 from tribo import Criterion, WarningKind
 from tribo.types import Array, Mask
 
@@ -76,7 +75,7 @@ def _molten(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
     # Of a criterion that is code nothing runs here; the share serves as well.
     asked = conditions | {"criterion": "share"}
     parts = [
-        contact_temperature(decisive_rise(scene, judged), judged) > molten.MELTS
+        contact_temperature(decisive_rise(scene, judged), judged) > MELTS
         for scene in scenes(ds)
         for judged in [conditions_of(scene, **asked)]
     ]
@@ -123,7 +122,7 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
         point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
         flag = flags.values[tuple(place)]
         slow = WORDS if flag & WarningKind.SLOW_RISE else ""
-        melted = molten.WORDS if flag & WarningKind.MOLTEN else ""
+        melted = MOLTEN if flag & WarningKind.MOLTEN else ""
         if message := str(point["message"].item()) or slow or melted:
             names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
             values = tuple((name, value_text(ds[name], point[name].item())) for name in names)

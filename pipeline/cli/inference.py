@@ -19,12 +19,12 @@ from pipeline.cli.progress import run_line, working
 from pipeline.cli.scenes import PLACE, conditions_in, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
-from pipeline.sweep import molten
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.turns import note_on_turns
+from pipeline.sweep.warned import MELTS, MOLTEN
 from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def point(options: argparse.Namespace) -> Result:
         "verdict": judged,
         "temperature_error": error.total,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
-        "molten": verdict.decisive_temperature > molten.MELTS,
+        "molten": verdict.decisive_temperature > MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
         "wall_time": result.wall_time,
         "next": commands,
@@ -115,8 +115,8 @@ def _on_point(
         yield "  note: the velocity is negative, so the disk slides towards −x"
     yield from (f"  note: {note}" for note in sweep.about.notes)
     yield from (f"  warning: {text}" for _, text in result.warnings)
-    if verdict.decisive_temperature > molten.MELTS:
-        yield f"  warning: {molten.WORDS}"
+    if verdict.decisive_temperature > MELTS:
+        yield f"  warning: {MOLTEN}"
     if cold := note_on_turns(sweep, load, velocity):
         yield f"  warning: {cold}"
 

@@ -1,12 +1,15 @@
-"""Progress of a run, and the time to go."""
+"""Progress of a run, and the time to go; in a notebook, a line below the cell."""
 
 from __future__ import annotations
 
 import re
+import sys
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -174,3 +177,32 @@ def expected_durations(durations: Array, velocities: Iterable[float]) -> Array:
         if present.size:
             expected[load] = np.interp(axis, axis[present], means[load][present])
     return np.broadcast_to(expected, durations.shape)
+
+
+def in_notebook() -> bool:
+    """True in a kernel of Jupyter."""
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
+
+
+@contextmanager
+def reported(
+    progress: Callable[[Any], None] | None,
+) -> Iterator[Callable[[Any], None] | None]:
+    """Give the callable that was given; in a notebook without one, a line below the cell.
+
+    The line is replaced, not added to: a notebook kept with its output has one line of a run.
+    """
+    if progress is not None or not in_notebook():
+        yield progress
+        return
+    from IPython.display import display
+
+    line = display(  # type: ignore[no-untyped-call]
+        {"text/plain": "starting workers"}, raw=True, display_id=True
+    )
+
+    def show(progress: Any) -> None:
+        line.update({"text/plain": str(progress)}, raw=True)
+
+    yield show

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,21 +16,23 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.run.follow import follow_boundary
-from pipeline.run.physics import Effect, physics_of
 from pipeline.run.tally import Progress
 from pipeline.scene.over import note_of
-from pipeline.scene.scenefile import load_scene
+from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.scene.unknown import differing_inputs
-from pipeline.scene.variants import absolute
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened, stored
 from pipeline.sweep.model import PART_OF, Sweep
+from pipeline.sweep.physics import Effect, physics_of
 from pipeline.sweep.variants import Label, rows
 from pipeline.sweep.warned import NO_WARNING, Warned
+from tribo import InputError
 from tribo.types import Array
 
 _ROW = "variation"  # dimension of the scenes
+_RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
+_QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,7 +215,7 @@ def vary(
     others = {
         (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, own_laws)
         for key, values in over.items()
-        for value in absolute(scene, key, values, overrides)
+        for value in _absolute(scene, key, values, overrides)
     }
     effects = physics_of(sweep) if physics else ()
     others |= {effect.key: effect.scene for effect in effects if effect.scene}
@@ -258,3 +261,36 @@ def _varied(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterabl
         for label, scene in zip(words, scenes, strict=True)
     }
     return sweep.changed(variants=rows(_ROW, changes))
+
+
+def _absolute(
+    scene: PathLike,
+    key: str,
+    values: Iterable[Any],
+    overrides: Mapping[str, Any] | None = None,
+) -> Iterator[Any]:
+    """Values of an entry, those such as ``"+20%"`` as the scene's own value changed by so much.
+
+    Examples
+    --------
+    >>> list(_absolute("first_try", "pin.radius", ["1 mm", "+20%"]))
+    ['1 mm', '2.4 mm']
+    """
+    for value in values:
+        relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
+        if relative is None:
+            yield value
+            continue
+        present = scene_entry(scene, key, overrides)
+        factor = 1 + float(relative[1]) / 100
+        if isinstance(present, int | float) and not isinstance(present, bool):
+            yield float(f"{present * factor:.12g}")
+        elif isinstance(present, str) and (parts := _QUANTITY.fullmatch(present)):
+            if parts[2].startswith(("deg", "°", "C")):
+                raise InputError(
+                    f"{key}={value}: the scene gives {present}, and a percentage of a temperature "
+                    "depends on its scale; give a value such as 150 degC"
+                )
+            yield f"{float(parts[1]) * factor:.12g} {parts[2]}"
+        else:
+            raise InputError(f"{key}={value}: the scene gives no number there; give a value")

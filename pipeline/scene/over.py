@@ -1,4 +1,4 @@
-"""Entries with several values: ``[sweep] over``, by the paths of entries.
+"""Entries with several values: ``[sweep] over``, by the paths of entries, and ``wear_rates``.
 
 Every combination is read as if its values stood in the file, or were given by ``--set``.
 """
@@ -6,23 +6,26 @@ Every combination is read as if its values stood in the file, or were given by `
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from typing import Any
 
 from pipeline.scene.document import Document, Layer
 from pipeline.scene.faults import Faults, quoted, with_value
+from pipeline.scene.quantities import display
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, Variants, combinations
-from tribo import InputError
+from tribo import InputError, Wear
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = (
     "loads", "velocities", "variants", "wear_rates", "unequal_bulks", "independent", "steps",
 )  # fmt: skip
 _MOST = 10_000  # combinations, each of which is read as a scene
+_RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
 
 
 def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Make) -> Variants:
@@ -127,3 +130,37 @@ def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
             "common; leave out sweep.fields, or give an entry that keeps the grid"
         )
     return scene
+
+
+def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
+    """Add velocities at which contacts are as worn as at other rates and the scene's velocities.
+
+    A contact at the velocity V and the scene's own rate k is that at V' and another rate k' where
+    kV = k'V'. So the scene's velocities are covered at every rate where they are from k₁/k times
+    the lowest to k₂/k times the highest; a note names the velocities that are added.
+    """
+    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
+    wear = sweep.scene.wear
+    if not isinstance(wear, Wear) or sweep.record.wear_rates is None or not moving:
+        return sweep
+    rate, (low, high) = wear.specific_wear_rate, sweep.record.wear_rates
+    further = [*_beyond(moving[0], low / rate), *_beyond(moving[-1], high / rate)]
+    if further:
+        ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))
+        notes.append(
+            f"sweep.wear_rates: {len(further)} velocities down and up to {ends} are added, so that "
+            "every wear rate has the scene's velocities"
+        )
+    return sweep.changed(velocities=tuple(sorted({*sweep.plane.velocities, *further})))
+
+
+def _beyond(velocity: float, factor: float) -> list[float]:
+    """Velocities from one, without it, to a multiple of it [m/s].
+
+    Examples
+    --------
+    >>> _beyond(4.0, 2.0), _beyond(1.0, 0.9), _beyond(1.0, 1.0)
+    ([5.04, 6.35, 8.0], [0.9], [])
+    """
+    count = math.ceil(abs(math.log(factor)) / math.log(_RATIO) - 1e-9)
+    return [float(f"{velocity * factor ** (n / count):.4g}") for n in range(1, count + 1)]

@@ -19,7 +19,7 @@ from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
-from pipeline.scene.over import over_of, with_first_values
+from pipeline.scene.over import over_of, with_first_values, with_velocities_for_rates
 from pipeline.scene.parts import (
     corrections_of,
     loading_of,
@@ -33,7 +33,6 @@ from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.unknown import fixed_paths, samples_of
-from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Plane, Record, Sweep

@@ -7,6 +7,14 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
+MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
+
+MOLTEN = (
+    f"the deciding temperature is above {MELTS - 273.15:.0f} °C, where steel melts: the model's "
+    "bodies stay solid and keep their properties, so that it says no more than that wear is "
+    "severe; check the load, the velocity and the units if this is where tests were"
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Warned:

@@ -9,8 +9,8 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.run.physics import physics_of
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.physics import physics_of
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib import image
 
 import pipeline
-from pipeline.run.notebook import reported
 from pipeline.run.sweep import Progress
+from pipeline.run.tally import reported
 from tests.helpers import synthetic, tiny
 from tribo import MeasuredRoughness
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.scene.wear_rates import with_velocities_for_rates
+from pipeline.scene.over import with_velocities_for_rates
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.sweep.criterion import worst_rises
