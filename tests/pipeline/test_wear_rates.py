@@ -120,7 +120,7 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
     sweep = pipeline.load_scene(scene)
     assert sweep.record.wear_rates == pytest.approx((1e-15, 2e-15))
     cost = pipeline.estimate(sweep, workers=1)
-    assert cost.temperatures == 3 * len(sweep.plane.loads) * len(sweep.velocities)
+    assert cost.temperatures == 3 * len(sweep.plane.loads) * len(sweep.plane.velocities)
     assert "own wear rate alone" in irg(
         "run", scene, "-o", tmp_path / "a.zarr", "--boundary-only", code=2
     )

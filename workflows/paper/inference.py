@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep.model import Sweep
 from tribo import InputError, Ramp, Wear, rig_heating, specific_wear_rate
 from tribo.types import Array
 from workflows.paper.publication import (

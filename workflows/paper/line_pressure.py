@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
-from pipeline.sweep.model import Sweep
 from tribo import Cylinder, Grid, InputError, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array

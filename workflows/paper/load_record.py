@@ -7,8 +7,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
-from pipeline.sweep.model import Sweep
 from tribo import InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE

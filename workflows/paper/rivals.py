@@ -11,9 +11,8 @@ from typing import Any, cast
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline import Conditions, Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Sweep
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep.model import Sweep
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4

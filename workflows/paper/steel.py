@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline import Sweep, vary
 from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.run.vary import vary
-from pipeline.sweep.model import Sweep
 from tribo.simulation import contacts, heated
 from tribo.types import Array
 from workflows.paper.report import Report, Table, agree, line

@@ -9,12 +9,10 @@ from typing import TypeVar
 
 import xarray as xr
 
-from pipeline.analysis.dataset import open_sweep
+from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.progress import run_line
-from pipeline.run.sweep import Outcome, run_sweep
-from pipeline.scene.scenefile import load_scene
+from pipeline.run.sweep import Outcome
 from pipeline.scene.shipped import WORKFLOWS
-from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import staged
 
 T = TypeVar("T")

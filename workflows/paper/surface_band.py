@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline.analysis.boundary import boundary
+from pipeline import boundary
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.variants import surfaces
 from tribo import InputError

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline import Conditions, Sweep
 from pipeline.figures.style import GREY, celsius, in_house_style
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.model import Sweep
 from tribo.thermal import Criterion
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4
 from workflows.paper.report import Report, Table, agree, line, mean

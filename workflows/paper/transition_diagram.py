@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.boundary import boundary
+from pipeline import boundary
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import GREEN
 from workflows.paper.report import Report, Table
