@@ -43,7 +43,9 @@ def test_every_command_shown_is_one_that_could_be_typed(page, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()  # where a user's sweep is by then
     text = (ROOT / page).read_text(encoding="utf-8")
-    commands = re.findall(r"^irg .*$", text, flags=re.MULTILINE)
+    in_blocks = re.findall(r"^irg .*$", text, flags=re.MULTILINE)
+    in_tables = re.findall(r"^\| `(irg \w+ [^`]+)`", text, flags=re.MULTILINE)
+    commands = in_blocks + in_tables
     for command in commands:
         parse(shlex.split(command, comments=True)[1:])
     if page == "README.md":
