@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -98,12 +99,24 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
         prefix = "" if attribute == "scene" else attribute
         for path, value in _flat(attributes.get(attribute), prefix):
             entry = _in_scene(path)
-            if not (entry.startswith(_NOT_SHOWN) or path.endswith(_TYPES)):
+            if entry.startswith(_NOT_SHOWN) or path.endswith(_TYPES):
+                continue
+            if path == "pixels.periodic":
+                repeated = [axis for axis, repeats in zip("xy", value, strict=True) if repeats]
+                entries[entry] = f"along {' and '.join(repeated)}" if repeated else "no"
+            elif path.startswith("roughness.") and _is_digest(value):
+                continue  # its words stand beside
+            else:
                 entries[entry] = in_usual_unit(path, value)
     for data in attributes.get("unknown") or []:
         path, _, distribution = str(Unknown.from_dict(data)).partition(": ")
         entries[f'unknown."{path}"'] = distribution
     return entries
+
+
+def _is_digest(value: Any) -> bool:
+    """True of the hash of an array, which says nothing to a reader."""
+    return isinstance(value, str) and re.fullmatch(r"(sha256:)?[0-9a-f]{32,64}", value) is not None
 
 
 def in_usual_unit(path: str, value: Any) -> str:
@@ -138,6 +151,8 @@ def _in_scene(path: str) -> str:
 
 def _text(value: Any, unit: str) -> str:
     """Value with its unit."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if isinstance(value, list):
         items = [_text(item, unit).removesuffix(f" {unit}") for item in value]
         return f"{', '.join(items)} {unit}".rstrip()

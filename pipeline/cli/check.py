@@ -17,13 +17,11 @@ from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.stages import duration
-from pipeline.sweep.surface import SurfaceFacts
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 from pipeline.tradeoff.savings import savings
 from tribo import lubrication_regime
 
 _COUNTED = {"realization": "surfaces", "sample": "samples"}
-_LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
 
 
 def check(options: argparse.Namespace) -> Result:
@@ -81,7 +79,7 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
         f"{_text(facts.contact_width, 1e6)} µm wide at the end"
     )
     yield f"  window   {1e6 * x:.4g} × {1e6 * y:.4g} µm, {_share(facts)}"
-    surface = _surface(facts.surface) if facts.surface else "smooth"
+    surface = facts.surface.words if facts.surface else "smooth"
     is_own = "roughness" in own_laws(sweep.scene)
     yield f"  surface  {surface.replace('measured', 'own law') if is_own else surface}"
     yield (
@@ -153,22 +151,6 @@ def _share(facts: Facts) -> str:
         return "elastic at any load"
     kilonewtons = 1e-3 * facts.greatest_load
     return f"carries at most {kilonewtons:.3g} kN on the pin, all of it at the hardness"
-
-
-def _surface(surface: SurfaceFacts) -> str:
-    """Roughness, lay and level of a surface."""
-    lay = "no lay" if surface.lay is None else f"grooves at {surface.lay:.0f}° to sliding"
-    heights = f"Ra {1e6 * surface.ra:.3g} µm, Rq {1e6 * surface.rq:.3g} µm, {lay}"
-    if not surface.measured:
-        return f"random: {heights}"
-    places = (surface.mean_height, *surface.rise)
-    if all(abs(place) < _LEVEL * surface.rq for place in places):
-        return f"measured: {heights}; level"
-    mean, x, y = (1e6 * place for place in places)
-    return (
-        f"measured: {heights}; mean plane at {mean:.3g} µm, rising by "
-        f"{x:.3g} µm along x and {y:.3g} µm along y over the window"
-    )
 
 
 def _text(span: Span, factor: float = 1.0) -> str:

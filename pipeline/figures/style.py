@@ -77,6 +77,15 @@ def png_of(figure: Figure, dpi: float | None = None) -> bytes:
     return written.getvalue()
 
 
+def svg_of(figure: Figure) -> str:
+    """A figure as an element of HTML, drawn with vectors, whose letters need no font."""
+    written = io.StringIO()
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "irg"}):
+        figure.savefig(written, format="svg", metadata={"Date": None})
+    text = written.getvalue()
+    return text[text.index("<svg") :]
+
+
 def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
     """A figure and axes to draw on: those of the caller, or new ones of a size [in]."""
     if ax is None:

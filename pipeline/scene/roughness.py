@@ -69,6 +69,8 @@ def roughness_of(
             return None
         surface = oriented(surface, table["transpose"], table["flip"])
         heights = _fitted_heights(surface, table, tables["window"], faults)
+        levelled_words = ", levelled" if table["level"] else ""
+        faults.notes.append(f"disk.roughness.file: {Path(table['file']).name}{levelled_words}")
         return None if heights is None else tribo.MeasuredRoughness(heights)
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)

@@ -14,6 +14,7 @@ from pipeline.store.schema import FORMAT, stored_columns
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import Stations
+from pipeline.sweep.surface import surface_facts
 from pipeline.sweep.variants import Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES
 
@@ -84,6 +85,7 @@ def _present(sweep: Sweep) -> dict[str, Any]:
         "preset": sweep.about.preset,
         "conditions": sweep.conditions.as_dict(),
         "friction_band": list(sweep.about.friction_band) if sweep.about.friction_band else None,
+        "surface": _surface(sweep),
         "same_rig": sweep.about.same_rig,
         "measured": [measurement.as_dict() for measurement in sweep.about.measured],
         "tested": [measurement.as_dict() for measurement in sweep.about.tested],
@@ -92,6 +94,13 @@ def _present(sweep: Sweep) -> dict[str, Any]:
         "velocities": list(sweep.plane.velocities),
     }
     return picked | oiled | of_scene
+
+
+def _surface(sweep: Sweep) -> str | None:
+    """The disk's surface in words, with what was done to a scan; None if it is smooth."""
+    facts = surface_facts(sweep)
+    done = [note for note in sweep.about.notes if note.startswith("disk.roughness")]
+    return None if facts is None else "; ".join([facts.words, *done])
 
 
 def _of_table(sweep: Sweep) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # of heights distributed normally
+_IS_LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
 _LAY = 2.0  # slopes across the grooves, in those along them, from which a surface has a lay
 
 
@@ -28,6 +29,29 @@ class SurfaceFacts:
     mean_height: float = 0.0  # [m]
     rise: tuple[float, float] = (0.0, 0.0)  # of the mean plane over the window, along x and y [m]
     lay: float | None = None  # from grooves to the sliding direction [°]; None without grooves
+    slope: float | None = None  # root mean square along x; None of one that is not made
+
+    @property
+    def words(self) -> str:
+        """Roughness, slope, lay and level.
+
+        Examples
+        --------
+        >>> SurfaceFacts(False, 0.3e-6, 0.4e-6).words
+        'random: Ra 0.3 µm, Rq 0.4 µm, no lay'
+        """
+        lay = "no lay" if self.lay is None else f"grooves at {self.lay:.0f}° to sliding"
+        slope = "" if self.slope is None else f"rms slope {self.slope:.2g}, "
+        heights = f"Ra {1e6 * self.ra:.3g} µm, Rq {1e6 * self.rq:.3g} µm, {slope}{lay}"
+        if not self.measured:
+            return f"random: {heights}"
+        if all(abs(place) < _IS_LEVEL * self.rq for place in (self.mean_height, *self.rise)):
+            return f"measured: {heights}; level"
+        mean, x, y = (1e6 * place for place in (self.mean_height, *self.rise))
+        return (
+            f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
+            f"{y:.3g} µm along y over the window"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit."""
@@ -74,6 +98,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         mean_height=float(heights.mean()),
         rise=rise,
         lay=_lay(level, pixels.spacing),
+        slope=_slope(level, pixels.spacing[0]),
     )
 
 
@@ -90,6 +115,13 @@ def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
         level = level - slope * (place[:, None] if axis == 0 else place)
         rises.append(slope * count)
     return level, (rises[0], rises[1])
+
+
+def _slope(heights: Array, spacing: float) -> float | None:
+    """Root mean square slope along sliding; None of a single row."""
+    if len(heights) < 2:
+        return None
+    return float(np.sqrt(np.mean((np.diff(heights, axis=0) / spacing) ** 2)))
 
 
 def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
@@ -27,7 +26,7 @@ from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fit import fitted
 from pipeline.figures.report.citation import citation
-from pipeline.figures.style import criterion, heating, png_of
+from pipeline.figures.style import criterion, heating, svg_of
 from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.description import on_plane
@@ -38,7 +37,6 @@ from tribo import InputError
 Part = str | Table | Figure
 """A paragraph, a table or a picture of a section."""
 
-_DPI = 200
 _LONG = {
     "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
 }  # fmt: skip
@@ -96,8 +94,7 @@ def _html(part: Part) -> str:
         return part.html()
     if isinstance(part, str):
         return f"<p>{html.escape(part)}</p>"
-    encoded = base64.b64encode(png_of(part, _DPI)).decode()
-    return f'<p><img src="data:image/png;base64,{encoded}" alt="Transition diagram"></p>'
+    return f'<figure role="img" aria-label="Transition diagram">{svg_of(part)}</figure>'
 
 
 def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
@@ -191,6 +188,8 @@ def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
 
 def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Entries of the scene with their units, and the sources of those of the library."""
+    if surface := attributes.get("surface"):
+        yield f"Surface of the disk: {surface}."
     rows = tuple(
         (path, text, _meaning(path))
         for path, text in entries_of(attributes).items()

@@ -20,7 +20,7 @@ _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; max-width: 50rem;
        margin: 2rem auto; padding: 0 1rem; overflow-wrap: break-word; }
 h1 { font-size: 1.6rem; line-height: 1.2; } h2 { font-size: 1.15rem; margin-top: 2rem; }
-img { width: 100%; height: auto; }
+figure { margin: 0; } svg { width: 100%; height: auto; }
 table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem; display: block;
         overflow-x: auto; }
 th, td { text-align: left; padding: 0.25rem 0.8rem 0.25rem 0; vertical-align: top;
@@ -29,9 +29,11 @@ th { border-bottom: 2px solid #777; width: auto; }
 @page { size: A4; margin: 16mm 18mm;
         @bottom-center { content: counter(page) " / " counter(pages); font: 8pt sans-serif; } }
 @media print {
-  body { font-size: 9pt; max-width: none; margin: 0; padding: 0; }
-  h1, h2 { break-after: avoid; } tr, img { break-inside: avoid; }
-  img { max-height: 24cm; object-fit: contain; }
+  body { font-size: 9pt; line-height: 1.35; max-width: none; margin: 0; padding: 0; }
+  h2 { margin: 5mm 0 1mm; } p, table { margin: 1.5mm 0; }
+  th, td { padding: 0.5mm 3mm 0.5mm 0; }
+  h1, h2 { break-after: avoid; } tr, figure { break-inside: avoid; }
+  svg { max-height: 16cm; }
   table { display: table; width: 100%; font-size: 7.5pt; } thead { display: table-header-group; }
 }
 """

@@ -25,7 +25,7 @@ def test_meaning_comes_before_cost(capsys, monkeypatch):
     said = capsys.readouterr().out
     for words in (
         "Hertz: 1.04 to 2.01 GPa, half-width 36 to 69.8 µm",
-        "Ra 0.27 µm, Rq 0.338 µm, no lay",
+        "Ra 0.27 µm, Rq 0.338 µm, rms slope 0.15, no lay",
         "1.33 to 5 s and 1.33 to 20 m",
         "0.616 to 9.81 µm deep",
         "Péclet number 1.47 to 11.4",

@@ -181,7 +181,7 @@ def test_a_scene_takes_a_patch_levelled_and_filled(read, library):
     patch = holed((10, 12), (20, 20)).filled(np.nan)[4:44, 6:38]
     expected = levelled(filled(patch))
     np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
-    (note,) = sweep.about.notes
+    note, _ = sweep.about.notes
     assert "2 of 1280 heights (0.16 %) are missing and were filled" in note
 
 
@@ -195,7 +195,7 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library, how):
     np.testing.assert_array_equal(kept, HEIGHTS[2:])
     again = HEIGHTS[2:][::-1] if how == "mirror" else HEIGHTS[2:]
     np.testing.assert_array_equal(second[: rows - 2], again)
-    (note,) = sweep.about.notes
+    note, _ = sweep.about.notes
     assert (
         f"{rows - 2} × {columns} heights were {'mirrored' if how == 'mirror' else 'tiled'}" in note
     )
