@@ -114,7 +114,8 @@ def advance(
         wear_depth=wear_depth,
         normal_load=station.normal_load,
         time=station.time,
-        sliding_distance=state.sliding_distance + distance,
+        # Not the sum of its steps, whose last bits would depend on the way: others have other steps.
+        sliding_distance=abs(velocity) * station.time,
         impulse=station.impulse,
         on_trunk=station.on_trunk,
         index=station.index,

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import pipeline
 import tribo
 from pipeline.store.schema import COLUMNS
 from pipeline.sweep import plan
@@ -165,6 +166,19 @@ def test_a_load_that_failed_is_no_station():
     sweep = tiny.sweep(loading=loading)
     told = run_points(sweep, [Point(600.0, 1.0)], failed=[Point(250.0, 1.0)])[0]
     assert told.columns["normal_load"].tolist() == [150.0, 600.0]
+
+
+def test_the_distance_slid_does_not_show_on_which_elements_the_lower_loads_were():
+    """Contacts of few elements are computed once more on smaller ones, in steps of their own."""
+    sweep = pipeline.load_scene("first_try")
+    velocity = 3.8495  # at which the sum of the steps has another last bit than their whole
+    trunk = None
+    for load in sweep.plane.loads:
+        result = run_point(sweep, load, velocity, trunk=trunk)
+        trunk = result.trunk
+    alone = run_point(sweep, load, velocity)
+    distances = [one.columns["sliding_distance"].tobytes() for one in (result, alone)]
+    assert distances[0] == distances[1]
 
 
 def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
