@@ -89,7 +89,7 @@ class Folder:
             raise OSError(f"{key} is not a file")
         try:
             return file.read_bytes()
-        except FileNotFoundError:  # perhaps by now
+        except (FileNotFoundError, NotADirectoryError):  # perhaps by now
             return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:

@@ -16,7 +16,7 @@ def test_workers_begin_with_their_settings_which_are_not_those_of_this_process(m
     before = dict(os.environ)
     forkserver.start()
     assert dict(os.environ) == before
-    with connected(1, None, "") as link:
+    with connected(None, 1) as link:
         (environment,) = link.client.run(_environment).values()
     for name, value in forkserver.WORKER_ENVIRONMENT.items():
         assert f"{name}={value}" in environment

@@ -93,7 +93,7 @@ def test_materials_are_named_after_their_body_where_they_differ():
 
 @pytest.mark.parametrize(("length", "is_doubted"), [(0.019, True), (0.34, False)])
 def test_a_track_is_the_way_around_a_plausible_disk(length, is_doubted):
-    track = tribo.Track.under(SMOOTH.pin, STEEL, length)
+    track = tribo.Track.under(SMOOTH.scene.pin, STEEL, length)
     conditions = replace(SMOOTH.conditions, corrections=tribo.Corrections(track=track))
     said = said_of(replace(SMOOTH, conditions=conditions))
     assert any("the disk's track is 19 mm" in doubt for doubt in said) is is_doubted

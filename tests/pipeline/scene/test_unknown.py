@@ -359,9 +359,9 @@ def test_an_input_given_by_a_setting_is_fixed_in_the_draw_too(tmp_path):
         one.path for one in fixed.variants.draw.unknown
     ]
     assert fixed.variant((("sample", 5),)).scene.roughness.correlation_length == (15e-6, 15e-6)
-    assert any("is fixed at 15 µm" in note for note in fixed.notes)
+    assert any("is fixed at 15 µm" in note for note in fixed.about.notes)
     assert scene_hash(describe(fixed)) != scene_hash(describe(drawn))
-    assert drawn.samples.fixed == ()
+    assert drawn.variants.draw.fixed == ()
 
 
 def test_a_scene_that_extends_another_fixes_what_it_gives(tmp_path):
