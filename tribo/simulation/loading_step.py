@@ -114,7 +114,7 @@ def advance(
         wear_depth=wear_depth,
         normal_load=station.normal_load,
         time=station.time,
-        # Not the sum of its steps, whose last bits would depend on the way: others have other steps.
+        # Not the sum of the steps, whose last bits would depend on which steps led here.
         sliding_distance=abs(velocity) * station.time,
         impulse=station.impulse,
         on_trunk=station.on_trunk,
