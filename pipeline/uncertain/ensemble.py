@@ -24,9 +24,10 @@ from scipy.special import ndtr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import end_of_point, require_one_scene, values_of
+from pipeline.analysis.dataset import dataset_of, end_of_point, require_one_scene, values_of
 from pipeline.analysis.scenes import taken
 from pipeline.analysis.soundness import require_sound
+from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import worst_rises
@@ -145,14 +146,17 @@ class Ensemble:
 
     @classmethod
     def of(
-        cls, ds: xr.Dataset, at: Mapping[str, float | str] | None = None, **changed: Any
+        cls,
+        ds: xr.Dataset | PathLike,
+        at: Mapping[str, float | str] | None = None,
+        **changed: Any,
     ) -> Ensemble:
-        """Read the samples of an opened sweep.
+        """Read the samples of a sweep.
 
         Parameters
         ----------
-        ds : Dataset
-            Dataset of `pipeline.open_sweep`.
+        ds : Dataset, str or path
+            Dataset of `pipeline.open_sweep`, or the path of a store.
         at : mapping of str to float or str, optional
             Values [SI], or text with a unit, by their paths: of entries with several, which the
             samples are to have, and of unknown inputs to fix.
@@ -166,6 +170,7 @@ class Ensemble:
             If the sweep has no samples, too few of them are done, a condition lies outside its
             range, or a value to fix an input at lies outside the samples.
         """
+        ds = dataset_of(ds)
         if "sample" not in ds.dims:
             raise InputError(
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "

@@ -51,7 +51,7 @@ def test_the_posterior_is_that_of_rejection(tmp_path, count, of_mean, of_spread)
     smooth = ENTRIES | {"without": ["disk.roughness"]}
     sweep = pipeline.load_scene(path, overrides=smooth)
     pipeline.run_sweep(sweep, tmp_path / "out.zarr", workers=1)
-    ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "out.zarr"))
+    ensemble = pipeline.Ensemble.of(tmp_path / "out.zarr")
     posterior = pipeline.posterior(replace(ensemble, tests=tuple(TESTS)), 0.05)
 
     def scene_with(entries):
