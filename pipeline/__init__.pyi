@@ -45,10 +45,10 @@ from .uncertain.answers import probabilities as probabilities
 from .uncertain.design import Goal as Goal
 from .uncertain.design import design as design
 from .uncertain.ensemble import Ensemble as Ensemble
-from .uncertain.plan import candidates as candidates
-from .uncertain.plan import plan_tests as plan_tests
-from .uncertain.points import margin_intervals as margin_intervals
-from .uncertain.points import risk as risk
-from .uncertain.points import risk_table as risk_table
+from .uncertain.next_tests import candidates as candidates
+from .uncertain.next_tests import plan_tests as plan_tests
+from .uncertain.risks import margin_intervals as margin_intervals
+from .uncertain.risks import risk as risk
+from .uncertain.risks import risk_table as risk_table
 from .uncertain.sensitivity import sensitivity as sensitivity
 from .uncertain.weigh import posterior as posterior

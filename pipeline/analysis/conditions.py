@@ -14,8 +14,8 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.scene.faults import quoted
 from pipeline.scene.quantities import in_si, share_of
 from pipeline.sweep.conditions import Conditions, changes_of
+from pipeline.sweep.criterion import require_bulks
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.rises import require_bulks
 from tribo import InputError
 
 Bulk = float | str | Mapping[str, float | str]

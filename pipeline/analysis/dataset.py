@@ -12,8 +12,8 @@ from pipeline.analysis.attributes import attributes_of, portable, with_changes
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import COORDINATES, LEADING
-from pipeline.sweep import rises
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import RISES, at_bulks, columns_needed, corrected
 from tribo import InputError
 from tribo.types import Array
 
@@ -170,19 +170,19 @@ def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """
     if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds
-    return _with_rises(ds, conditions, rises.at_bulks)
+    return _with_rises(ds, conditions, at_bulks)
 
 
 def corrected_sweep(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take the rises of a sweep with the corrections of some conditions, at all bulk ratios."""
-    return _with_rises(ds, conditions, rises.corrected) if conditions.corrections else ds
+    return _with_rises(ds, conditions, corrected) if conditions.corrections else ds
 
 
 def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> Array:
     """Rise over the window at the end of a point with corrections, shape of `rise` [K]."""
-    columns = {name: point[name].values for name in rises.columns_needed(conditions)}
+    columns = {name: point[name].values for name in columns_needed(conditions)}
     line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-    zero, one = rises.corrected(columns | line, conditions)["rise_quantile"][-1]
+    zero, one = corrected(columns | line, conditions)["rise_quantile"][-1]
     field: Array = zero + (one - zero) * rise
     return field
 
@@ -193,8 +193,8 @@ def _with_rises(
     judged: Callable[[Mapping[str, Any], Conditions], Mapping[str, Any]],
 ) -> xr.Dataset:
     """The sweep with rises under some conditions in place of its own."""
-    names = [name for name in (*rises.RISES, "bulk_rise_quantile") if name in ds]
-    needed = ("bulk_rise_quantile", "mean_bulk_response", *rises.columns_needed(conditions))
+    names = [name for name in (*RISES, "bulk_rise_quantile") if name in ds]
+    needed = ("bulk_rise_quantile", "mean_bulk_response", *columns_needed(conditions))
     columns = {name: values_of(ds, name) for name in dict.fromkeys((*names, *needed)) if name in ds}
     changed = judged(columns, conditions)
     order = [name for name in (variant_of(ds), *_ORDER) if name]

@@ -10,8 +10,7 @@ from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.soundness import deciding, require_sound
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import rise_limit, worst_rises
-from pipeline.sweep.rises import columns_needed
+from pipeline.sweep.criterion import columns_needed, rise_limit, worst_rises
 from tribo import InputError
 from tribo.types import Array
 

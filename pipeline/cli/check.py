@@ -17,8 +17,7 @@ from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.stages import duration
-from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
-from pipeline.tradeoff.savings import savings
+from pipeline.tradeoff.forecast import Estimate, machine_bytes, savings, worker_bytes
 from tribo import lubrication_regime
 
 _COUNTED = {"realization": "surfaces", "sample": "samples"}

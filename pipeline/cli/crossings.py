@@ -20,10 +20,10 @@ from pipeline.analysis.boundary_tables import (
     readable,
     tables_of,
 )
+from pipeline.analysis.cold_tracks import turns_left_out
 from pipeline.analysis.compared import compared, lines_of
 from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes
-from pipeline.analysis.turns import turns_left_out
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result
 from pipeline.cli.scenes import conditions_in, opened

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.points import MarginIntervals, Risk
+    from pipeline.uncertain.risks import MarginIntervals, Risk
     from pipeline.uncertain.sensitivity import Sensitivity
     from pipeline.uncertain.weigh import Posterior
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.store.disks import is_local
 from pipeline.store.files import make_folder
 from pipeline.store.heartbeat import (
     Heartbeat,
@@ -36,6 +36,9 @@ except ImportError:  # not a POSIX system: stores can be read, but not written
 # A pipe in place of the file must not wait for a reader, nor a link lead to a file of others.
 _AS_IT_IS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
+_LOCAL = {"tmpfs", "ramfs", "overlay", "zfs", "bcachefs"}
+"""File systems without a device of blocks of which no other machine writes the files."""
+
 _TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
 
 
@@ -153,3 +156,50 @@ def _is_locked(file: Path) -> bool:
     except OSError as error:
         return isinstance(error, BlockingIOError)
     return False
+
+
+def is_local(folder: Path) -> bool:
+    """True for a folder on a disk of this machine, where a `flock` reaches all who write to it.
+
+    Elsewhere, as on NFS, FUSE or the folders of a virtual machine's host, locks may reach one
+    machine alone, or nobody. Systems without ``/proc`` are taken for local.
+
+    Examples
+    --------
+    >>> is_local(Path("/"))
+    True
+    """
+    try:
+        mounts, kinds = (
+            Path("/proc/self/mounts").read_bytes(),
+            Path("/proc/filesystems").read_text(),
+        )
+    except OSError:
+        return True
+    kind = filesystem_of(folder, mounts.decode(errors="surrogateescape"))
+    return kind in _LOCAL | _of_blocks(kinds)
+
+
+def filesystem_of(folder: Path, mounts: str) -> str:
+    r"""Name of the file system of an absolute path, by the kernel's table of mounts.
+
+    Examples
+    --------
+    >>> mounts = "/dev/sda / ext4 rw 0 0\nhost:/home /home/my\\040group nfs4 rw 0 0\n"
+    >>> [filesystem_of(Path(name), mounts) for name in ("/home/my group/sweep.zarr", "/home/mine")]
+    ['nfs4', 'ext4']
+    """
+    found, length = "", -1
+    for line in mounts.splitlines():
+        _, point, kind, *_ = line.split(" ")
+        point = re.sub(r"\\([0-7]{3})", lambda code: chr(int(code[1], 8)), point)
+        above = Path(point)
+        if len(above.parts) >= length and folder.is_relative_to(above):  # the last one lies on top
+            found, length = kind, len(above.parts)
+    return found
+
+
+def _of_blocks(kinds: str) -> set[str]:
+    """File systems on devices of blocks, by the kernel's table."""
+    rows = (line.partition("\t") for line in kinds.splitlines())
+    return {kind for nodev, _, kind in rows if not nodev}

@@ -5,7 +5,8 @@ kept at friction 1. With r the rise that decides (`tribo.Criterion`), wear is se
 
     bulk + µ r > critical,  that is  r > (critical − bulk)/µ.
 
-Where the bulk temperatures differ, bulk is that of the colder body (`pipeline.sweep.rises`).
+Where the disk's bulk is Δ warmer than the pin's, rises count from the colder body, at the ratio Δ/µ
+(`tribo.thermal.quantiles`), so that they are never negative.
 
 A point counts by its worst moment: where the load is held, r is the highest one from when the
 load is reached on.
@@ -14,20 +15,24 @@ load is reached on.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.rises import at_bulks
-from tribo import Criterion, Scene, State, failed_share
+from pipeline.sweep.conditions import Conditions, in_celsius
+from tribo import Criterion, InputError, Scene, State, failed_share
 from tribo.simulation import moment_of
+from tribo.simulation.corrections import NEEDED
+from tribo.thermal import with_bulk_ratio
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:
     import xarray as xr
+
+RISES = ("max_rise", "mean_rise", "rise_quantile")
+"""Columns that depend on the bulk temperatures where these differ."""
 
 Rise = TypeVar("Rise", float, Array, "xr.DataArray")
 
@@ -163,3 +168,48 @@ def boundary_velocity_error(rise: float, expected: float, exponent: float) -> fl
     '-0.1736'
     """
     return math.expm1(-math.log(rise / expected) / exponent)
+
+
+def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
+    """Rises of the contact above the colder body, for each unit of `Conditions.rise_factor` [K].
+
+    Columns are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the
+    pin's bulk at friction 1 [K], and `columns_needed`; all come back, those of `RISES` changed.
+    """
+    columns = corrected(columns, conditions)
+    ratio = conditions.bulk_ratio
+    if ratio == 0:
+        return columns
+    require_bulks(columns, conditions)
+    return above_colder(columns, ratio)
+
+
+def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
+    """Columns with rises at friction 1 above the colder body, at a bulk ratio [K]."""
+    above_pin = with_bulk_ratio(columns, bulk_ratio)
+    pin = max(0.0, -bulk_ratio)
+    return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
+
+
+def columns_needed(conditions: Conditions) -> tuple[str, ...]:
+    """Columns that `at_bulks` needs besides the deciding ones of some conditions."""
+    unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
+    return unequal + (NEEDED if conditions.corrections else ())
+
+
+def corrected(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
+    """Columns whose rises have the corrections of some conditions, at all bulk ratios."""
+    return conditions.corrections.applied(columns) if conditions.corrections else columns
+
+
+def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
+    """Refuse unequal bulk temperatures where nothing is kept for them."""
+    kept = "bulk_rise_quantile" in columns or "mean_bulk_response" in columns
+    if conditions.disk_temperature is None or kept:
+        return
+    raise InputError(
+        f"bulk_temperature is {in_celsius(conditions.bulk_temperature)} of the pin and "
+        f"{in_celsius(conditions.disk_temperature)} of the disk; the sweep was computed for "
+        "bodies of one bulk temperature: give one, or run the scene into another store with "
+        "bulk = { pin = ..., disk = ... } under [temperature]"
+    )

@@ -54,7 +54,7 @@ ROOMS = {
         files_of(f"{TRIBO}/*", "thermal simulation/test_point.py"),
     ),
     "criterion": (
-        files_of("pipeline/sweep/*.py", "conditions criterion rises"),
+        files_of("pipeline/sweep/*.py", "conditions criterion"),
         ["pipeline/sweep", *files_of(f"{PIPELINE}/*", "sweep analysis")],
     ),
     "analysis": (

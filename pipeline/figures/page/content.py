@@ -37,9 +37,8 @@ from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
 from pipeline.figures.page.fine import along, between, bridged, error_of_lines, pieces_of
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import rise_limit, worst_moment
+from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
 from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.rises import above_colder
 from pipeline.sweep.selection import Selection
 from tribo import Criterion
 from tribo.types import Array, Mask

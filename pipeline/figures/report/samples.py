@@ -13,7 +13,7 @@ from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Table
 from pipeline.uncertain.answers import table_of_lines
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.points import risk_table
+from pipeline.uncertain.risks import risk_table
 
 
 def sections(

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.store import heartbeat, lock
 from pipeline.store.create import writing
-from pipeline.store.disks import filesystem_of
+from pipeline.store.lock import filesystem_of
 from pipeline.store.place import LOCK, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store

@@ -8,6 +8,7 @@ import pytest
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import (
+    at_bulks,
     boundary_velocity_error,
     contact_temperature,
     failed_fraction,
@@ -18,7 +19,6 @@ from pipeline.sweep.criterion import (
     worst_rises,
 )
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.rises import at_bulks
 from tests.helpers import tiny
 from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp, critical_temperature
 

@@ -7,8 +7,7 @@ import pytest
 from pipeline.sweep import plan
 from pipeline.sweep.plan import chains, points, run_point
 from pipeline.tradeoff import forecast
-from pipeline.tradeoff.forecast import _Timed, estimate
-from pipeline.tradeoff.savings import savings
+from pipeline.tradeoff.forecast import _Timed, estimate, savings
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, simulate
