@@ -24,7 +24,7 @@ from workflows.paper.publication import (
 from workflows.paper.report import Report, Table, agree, line, mean, spread
 from workflows.paper.study import Study
 from workflows.paper.transitions import (
-    Transition,
+    Tested,
     celsius_of,
     end_of,
     ensemble,
@@ -107,7 +107,7 @@ def inverse(study: Study) -> Report:
     )
 
 
-def _critical(study: Study, transitions: Sequence[Transition]) -> Array:
+def _critical(study: Study, transitions: Sequence[Tested]) -> Array:
     """Critical temperature [°C] by transition and surface."""
     ends = ensemble(study, ("swept",), transitions)["swept"]
     return celsius_of(ends, transitions[0][0].conditions.decisive)
@@ -160,7 +160,7 @@ def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
     }
 
 
-def _of_oil_a(rates: Sequence[float], transitions: Sequence[Transition]) -> dict[str, Any]:
+def _of_oil_a(rates: Sequence[float], transitions: Sequence[Tested]) -> dict[str, Any]:
     """Specific wear rates of oil A from contact widths and in its scenes [1e-6 mm³/(N m)]."""
     cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
@@ -182,7 +182,7 @@ def _of_oil_a(rates: Sequence[float], transitions: Sequence[Transition]) -> dict
 
 
 def _temperatures(
-    tests: dict[str, list[Transition]], critical: dict[str, Array], printed: float
+    tests: dict[str, list[Tested]], critical: dict[str, Array], printed: float
 ) -> Iterator[tuple[str, ...]]:
     """Rows with the critical temperature from each transition."""
     for oil, transitions in tests.items():

@@ -32,7 +32,7 @@ Wear = WearPattern | Literal["unworn"]
 Ends = Mapping[str, Any]
 """Quantities at the ends of tests, as `end_at` names them; numbers, or (transition, surface)."""
 
-Transition = tuple[Sweep, Any]
+Tested = tuple[Sweep, Any]
 """A scene, and a transition of a printed table."""
 
 _SURFACES = 8
@@ -45,13 +45,13 @@ _LOOKS = {
 }
 
 
-def white_oil(study: Study) -> list[Transition]:
+def white_oil(study: Study) -> list[Tested]:
     """The transitions of Table 4, in their scene."""
     scene = study.scene("table4")
     return [(scene, row) for row in TABLE_4]
 
 
-def oil_a(study: Study) -> list[Transition]:
+def oil_a(study: Study) -> list[Tested]:
     """The transitions of Table 6, in the scene of their bulk temperature."""
     cold, hot = study.scene("oil_a"), study.scene("oil_a_hot")
     return [(cold if row.bulk_celsius == ROOM_CELSIUS else hot, row) for row in TABLE_6]
@@ -99,7 +99,7 @@ def beside_boundary(sweep: Sweep, test: Any, step: float | None = None) -> Ends:
 
 
 def on_surfaces(
-    transitions: Sequence[Transition],
+    transitions: Sequence[Tested],
     seeds: Iterable[int],
     end: Callable[[Sweep, Any], Ends] = end_of,
 ) -> Ends:
@@ -111,9 +111,7 @@ def on_surfaces(
     return _stacked(surfaces, axis=1)
 
 
-def ensemble(
-    study: Study, wears: Sequence[Wear], transitions: Sequence[Transition]
-) -> dict[str, Ends]:
+def ensemble(study: Study, wears: Sequence[Wear], transitions: Sequence[Tested]) -> dict[str, Ends]:
     """Simulate transitions with each kind of wear on each of eight surfaces."""
     ends: dict[str, Ends] = {}
     for wear in wears:
