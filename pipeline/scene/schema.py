@@ -86,9 +86,17 @@ class Range(Kind):
         first, last, step = (exact_si(value[key], like=self.of.example) for key in ends)
         steps = (last - first) / step
         if not 0 <= steps <= _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
+            fitting = ""
+            if 0 <= steps <= _MOST_STEPS:
+                low = int(steps)
+                unit = str(value["to"]).lstrip("+-.0123456789eE ")
+                one = exact_si(f"1 {unit}", like=self.of.example)
+                zero = exact_si(f"0 {unit}", like=self.of.example)
+                lower, upper = ((first + n * step - zero) / (one - zero) for n in (low, low + 1))
+                fitting = f"; to {lower:.6g} {unit} or {upper:.6g} {unit} they fit"
             raise UnfitError(
                 f"from {quoted(value['from'])} to {quoted(value['to'])} there are {steps:.6g} "
-                f"steps of {quoted(value['step'])}, not a whole number up to {_MOST_STEPS}"
+                f"steps of {quoted(value['step'])}, not a whole number up to {_MOST_STEPS}{fitting}"
             )
         return tuple(float(first + i * step) for i in range(round(steps) + 1))
 

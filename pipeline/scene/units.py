@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import pint
 
 _LONGEST = 80
+_GRAVITY = 9.80665  # [m/s²], of weights
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
@@ -87,7 +88,7 @@ class UnitError(TriboError, ValueError):
     ...     pipeline.to_si("7 kg", like="750 N")
     ... except UnitError as error:
     ...     print(error)
-    "7 kg" cannot be converted to N
+    "7 kg" cannot be converted to N; its weight is 68.65 N
     """
 
 
@@ -112,7 +113,8 @@ def exact_si(text: str, like: str) -> Decimal:
         if (meant := _DEGREES.get(unit)) and needed in ("K", "degC"):
             what = f"{unit} is the unit {quantity.units}"
             raise UnitError(f"{_quoted(text)}: {what}; write {number} {meant}")
-        raise UnitError(f"{_quoted(text)} cannot be converted to {needed}")
+        hint = _what_to_give(quantity, needed)
+        raise UnitError(f"{_quoted(text)} cannot be converted to {needed}{hint}")
     try:
         value: Decimal = quantity.to_base_units().magnitude
     except Exception as error:  # pint raises more than its own
@@ -142,7 +144,7 @@ def to_si(text: str, like: str) -> float:
     >>> to_si("7 kg", like="750 N")
     Traceback (most recent call last):
         ...
-    pipeline.scene.units.UnitError: "7 kg" cannot be converted to N
+    pipeline.scene.units.UnitError: "7 kg" cannot be converted to N; its weight is 68.65 N
     """
     return float(exact_si(text, like))
 
@@ -216,6 +218,19 @@ def _parsed(text: str) -> pint.Quantity[Decimal]:
         raise UnitError(f"{_quoted(text)} has an unknown unit: {error}{hint}") from error
     except Exception as error:  # pint raises more than its own
         raise UnitError(f"{_quoted(text)} has a unit that cannot be read") from error
+
+
+def _what_to_give(quantity: pint.Quantity[Decimal], needed: str) -> str:
+    """What a mass stands for where a force is due, or rotation where a speed is."""
+    if needed in ("N", "kN") and quantity.check("[mass]"):
+        weight = float(quantity.to("kg").magnitude) * _GRAVITY
+        return f"; its weight is {weight:.4g} N"
+    if needed == "m/s" and quantity.check("1/[time]"):
+        turns = float((quantity / quantity.units).magnitude)
+        per_second = turns * float((1 * quantity.units).to("revolution/s").magnitude)
+        speed = 3.141593 * 0.06 * per_second
+        return f"; give pi times the diameter of the track times it: on 60 mm it is {speed:.4g} m/s"
+    return ""
 
 
 def _quoted(text: str) -> str:
