@@ -15,6 +15,7 @@ from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import sweep_of
 from pipeline.store.place import PathLike, place_of
+from pipeline.store.restore import restore_root
 from pipeline.store.root import find_root
 from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store
@@ -103,6 +104,7 @@ def follow_boundary(
         return sweep.changed(chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)
+    restore_root(out, sweep)
     root = find_root(place)
     store = Store(place, root) if root else None
     begun = further(store, retry_failed)

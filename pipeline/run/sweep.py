@@ -32,8 +32,10 @@ from pipeline.store.create import grown, writing
 from pipeline.store.identity import differences
 from pipeline.store.place import Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
+from pipeline.store.restore import restore_root
 from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED
+from pipeline.store.seen import changed_chunks, note_files
 from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
@@ -143,15 +145,15 @@ def run_sweep(
     _require_cluster(client, dashboard)
     sweep = sweep_of(sweep, own_laws)
     began = time.monotonic()
+    is_restored = restore_root(out, sweep)
     before = read_attributes(out)
+    restored = [f"the root of {out} was lost, and is made again"] if is_restored else []
+    tell = tell or unheard
     with writing(out, sweep) as store, reported(progress) as report:
-        # A bucket's servers look after their objects, and each is a request.
-        is_bucket = isinstance(store.place, Bucket)
-        damaged = 0 if is_bucket else len(examined(store, repair=True).damaged)
+        checked = [*_repaired(store)] if before else []
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
-        tell = tell or unheard
-        for note in _notes(store, before or {}, damaged):
+        for note in (*restored, *checked, *_notes(store, before or {})):
             tell(note)
         tally = Tally(store, report, began)
         rounds = _rounds(store, sweep, further)
@@ -165,6 +167,7 @@ def run_sweep(
                     with Writer(store) as writer:
                         compute(link, asked, writer, waiting, tally.note)
         summary = summarized(store)
+        note_files(store)
     return Outcome(
         total=summary.total,
         done=summary.done,
@@ -207,7 +210,26 @@ def _rounds(
             store = grown(store.place, asked, store.lock)
 
 
-def _notes(store: Store, before: Mapping[str, Any], damaged: int) -> Iterator[str]:
+def _repaired(store: Store) -> Iterator[str]:
+    """Make damaged points of a store pending, reading what differs from what the last run left.
+
+    An object store is not read: its servers look after their objects, and each is a request.
+    """
+    if isinstance(store.place, Bucket):
+        return
+    changed = changed_chunks(store)
+    if changed is None:
+        yield f"all points of {store.place} are checked: no run has ended well since it was changed"
+    elif changed:
+        yield (
+            f"{len(changed)} chunks of points of {store.place} are checked, whose files differ "
+            "from those that the last run left; irg verify checks all"
+        )
+    if damaged := len(examined(store, repair=True, chunks=changed).damaged):
+        yield f"{damaged} damaged points of {store.place} are computed again"
+
+
+def _notes(store: Store, before: Mapping[str, Any]) -> Iterator[str]:
     """Notes on a store that is resumed, which had these attributes before."""
     present = store.attributes["conditions"]
     changed = [*differences(before.get("conditions", present), present, "conditions")]
@@ -216,8 +238,6 @@ def _notes(store: Store, before: Mapping[str, Any], damaged: int) -> Iterator[st
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"
         )
-    if damaged:
-        yield f"{damaged} damaged points of {store.place} are computed again"
     for name, version in versions().items():
         if (first := store.attributes["versions"][name]) != version:
             yield (

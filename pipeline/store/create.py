@@ -36,6 +36,7 @@ from pipeline.store.schema import variables_of
 from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Sweep, named
+from pipeline.sweep.stations import Stations
 from tribo import QUANTILES
 
 
@@ -81,6 +82,8 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep, lock: Lock | Non
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
     with_fields = "pressure" in before.arrays if before else sweep.record.fields
     wanted = variables_of(sweep, with_fields)
+    stations = {"stations": json.dumps(Stations.of(sweep).as_dict())}
+    wanted["step"] = wanted["step"]._replace(attributes=stations)
     axes = grown_axes(before.axes if before else {}, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
     points = math.prod(len(axes[dim]) for dim in wanted["status"].dims)

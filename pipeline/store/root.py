@@ -31,7 +31,14 @@ MOST_POINTS = 10_000_000
 _LARGEST = 2**28  # bytes of a root
 _HASH = "root_hash"
 _CONSOLIDATED = "consolidated_metadata"
-_ELSEWHERE = "restore it from a backup, or write to another store"
+_ELSEWHERE = (
+    "irg run with the scene that made it makes it again; or restore it from a backup, or write to "
+    "another store"
+)
+
+
+class LostRootError(StoreError):
+    """The root of a store of which points are there is lost or damaged."""
 
 
 class Root(NamedTuple):
@@ -73,8 +80,8 @@ def find_root(place: Place) -> Root | None:
         keys = place.keys() if content is None else set()
     if content is not None:
         return _parsed(place, content)
-    if any(key.startswith("status/c.") for key in keys):
-        raise StoreError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
+    if _has_points(keys):
+        raise LostRootError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
     if not all(map(is_beginning, keys)):
         raise _no_store(place)
     return None
@@ -108,20 +115,21 @@ def _parsed(place: Place, content: bytes) -> Root:
         attributes, arrays = root["attributes"], root[_CONSOLIDATED]["metadata"]
         version, expected = attributes["format"], attributes.pop(_HASH, None)
         is_as_written = _hash(root) == expected
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        if _has_points(place.keys()):
+            raise LostRootError(f"{place}: {ROOT} is damaged; {_ELSEWHERE}") from None
         raise StoreError(
-            f"{place} is not the store of a sweep, or its {ROOT} is damaged; give a folder that "
-            f"irg run made, or {_ELSEWHERE}"
+            f"{place} is not the store of a sweep; give a folder that irg run made"
         ) from None
-    if isinstance(version, int) and version != FORMAT:
+    if is_as_written and version != FORMAT:
         raise StoreError(
             f"{place} has format {version}, and this program reads format {FORMAT}; make it anew: "
             "irg run its scene into another folder with -o, or after moving this one away"
         )
     if not is_as_written:
-        raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
+        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
     root = Root(attributes, arrays)
-    _require_likely(place, root)
+    require_likely(place, root)
     return root
 
 
@@ -134,7 +142,7 @@ def _require_small(file: Path) -> None:
         )
 
 
-def _require_likely(place: Place, root: Root) -> None:
+def require_likely(place: Place, root: Root) -> None:
     """Refuse a root of more points than a store has, or of arrays that do not fit its axes.
 
     The arrays are made as large as it says, before a chunk of them is read. And codecs of Zarr 2
@@ -160,6 +168,11 @@ def _require_likely(place: Place, root: Root) -> None:
             f"{place}: {ROOT} tells of {points:.4g} points, and a store has at most "
             f"{MOST_POINTS:.0e}; {_ELSEWHERE}"
         )
+
+
+def _has_points(keys: set[str]) -> bool:
+    """True if a store has any status, by its keys."""
+    return any(key.startswith("status/c.") for key in keys)
 
 
 def _hash(document: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import Any
@@ -120,21 +120,28 @@ def verify_store(
 
 
 def examined(
-    store: Store, repair: bool, progress: Callable[[int, int], None] | None = None
+    store: Store,
+    repair: bool,
+    progress: Callable[[int, int], None] | None = None,
+    chunks: Container[tuple[int, ...]] | None = None,
 ) -> Verification:
-    """Read all of an open store; see `verify_store`."""
+    """Read all of an open store, or only these chunks of points; see `verify_store`."""
     with writes(store.place) if repair else reaches(store.place):
-        return _examined(store, repair, progress)
+        return _examined(store, repair, progress, chunks)
 
 
 def _examined(
-    store: Store, repair: bool, progress: Callable[[int, int], None] | None
+    store: Store,
+    repair: bool,
+    progress: Callable[[int, int], None] | None,
+    chunks: Container[tuple[int, ...]] | None,
 ) -> Verification:
     shared, keys = [*_shared_faults(store, repair)], store.place.keys()
     begun = [
         (numbers, block)
         for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
         if any(chunk_key(name, numbers) in keys for name in RECORDS)
+        and (chunks is None or numbers in chunks)
     ]
     unknown, lost = _read_marks(store, begun, keys, shared)
     keys = store.place.keys()  # again: a writer may have finished points meanwhile

@@ -26,6 +26,7 @@ from pipeline.store.layout import arrays_of
 from pipeline.store.lock import held
 from pipeline.store.place import StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
+from pipeline.store.root import read_root, root_document
 from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
@@ -372,8 +373,9 @@ def with_half_a_root(path):
 
 def of_another_format(path):
     commit(path, SWEEP, [POINT])
-    root = (path / "zarr.json").read_text()
-    (path / "zarr.json").write_text(root.replace('"format": 2', '"format": 99'))
+    root = read_root(place_of(path))
+    document = root_document(root.attributes | {"format": 99}, root.arrays)
+    (path / "zarr.json").write_bytes(document)
 
 
 @pytest.mark.parametrize(
@@ -383,10 +385,10 @@ def of_another_format(path):
         (a_folder, "is not a store: there is no zarr.json; give a folder"),
         (a_folder_named_like_a_variable, "is not a store"),
         (a_group_of_somebody_else, "is not the store of a sweep"),
-        (without_root, "has lost its zarr.json; restore it from a backup"),
+        (without_root, "has lost its zarr.json; irg run with the scene that made it"),
         (without_root_and_status, "is not a store: there is no zarr.json"),
         (with_half_a_root, "is damaged"),
-        (of_another_format, "has format 99, and this program reads format 2"),
+        (of_another_format, "has format 99, and this program reads format 2; make it anew"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):

@@ -1,0 +1,142 @@
+"""Roots that are made again, and resumed runs that read what differs alone."""
+
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+import tribo
+from pipeline.run.sweep import run_sweep
+from pipeline.store.place import StoreError, StoreMismatchError
+from pipeline.store.restore import restore_root
+from pipeline.store.schema import DONE
+from pipeline.store.seen import changed_chunks, note_files
+from pipeline.store.verify import verify_store
+from pipeline.sweep.plan import points
+from tests.helpers import tiny
+from tests.helpers.stores import assert_is_as_computed, contents, make, opened
+
+SWEEP = tiny.full()
+
+
+def flip(file, place):
+    content = bytearray(file.read_bytes())
+    content[int(place * (len(content) - 1))] ^= 1
+    file.write_bytes(content)
+
+
+HARMS = {
+    "flip": flip,
+    "cut": lambda file, place: file.write_bytes(file.read_bytes()[: int(place * 1000)]),
+    "empty": lambda file, _: file.write_bytes(b""),
+    "delete": lambda file, _: file.unlink(),
+}
+
+
+@pytest.mark.parametrize("place", [0.1, 0.4, 0.6, 0.9])
+@pytest.mark.parametrize("harm", HARMS.values(), ids=HARMS)
+def test_a_root_is_made_again_by_the_scene_that_made_it(copy, harm, place):
+    before = opened(copy).root
+    harm(copy / "zarr.json", place)
+    with pytest.raises(StoreError, match="irg run with the scene that made it makes it again"):
+        opened(copy)
+    assert restore_root(copy, SWEEP)
+    assert not restore_root(copy, SWEEP)
+    after = opened(copy).root
+    assert after.arrays == before.arrays
+    changed = {"generation", "later_versions"}
+    assert {k: v for k, v in after.attributes.items() if k not in changed} == {
+        k: v for k, v in before.attributes.items() if k not in changed
+    }
+    assert verify_store(copy).is_clean
+    assert_is_as_computed(copy, points(SWEEP))
+
+
+def test_a_run_makes_a_root_again_and_says_so(copy):
+    (copy / "zarr.json").unlink()
+    messages = []
+    outcome = run_sweep(SWEEP, copy, workers=1, tell=messages.append)
+    assert (outcome.computed, outcome.done) == (0, 9)
+    assert "the root of" in messages[0]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        tiny.full(pin=tribo.Cylinder(9e-3, 3.375e-3, SWEEP.scene.disk)),
+        tiny.full(increments=7),
+        tiny.full(wear=tribo.Wear(1.3e-15)),
+    ],
+    ids=["pin", "increments", "wear"],
+)
+def test_another_scene_on_the_same_axes_is_refused_and_nothing_written(copy, other):
+    (copy / "zarr.json").unlink()
+    before = contents(copy)
+    with pytest.raises(StoreMismatchError, match="its points are not those of this scene"):
+        run_sweep(other, copy, workers=1)
+    assert contents(copy) == before
+
+
+def test_a_root_of_a_store_that_has_grown_keeps_its_stations(copy):
+    larger = tiny.full(loads=(200.0, 600.0), velocities=(0.75,))
+    make(copy, larger)
+    stations = opened(copy).attributes["stations"]
+    (copy / "zarr.json").unlink()
+    assert restore_root(copy, larger)
+    assert opened(copy).attributes["stations"] == stations
+    assert set(np.argwhere(opened(copy).flags == DONE).shape) == {9, 2}
+
+
+# What a resumed run reads
+
+
+def noted(path):
+    store = make(path, SWEEP)
+    note_files(store)
+    return store
+
+
+def test_a_store_as_it_was_left_is_not_read_again(copy):
+    store = noted(copy)
+    assert changed_chunks(store) == set()
+    messages = []
+    run_sweep(SWEEP, copy, workers=1, tell=messages.append)
+    assert messages == []
+
+
+def older(file):
+    content, state = file.read_bytes(), file.stat()
+    flip(file, 0.5)
+    os.utime(file, ns=(state.st_atime_ns, state.st_mtime_ns - 10**12))
+    assert file.stat().st_size == len(content)
+
+
+@pytest.mark.parametrize("harm", [older, lambda file: flip(file, 0.5), lambda file: file.unlink()])
+@pytest.mark.parametrize("name", ["time/c.0.0.0", "rise/c.1.1.0.0"])
+def test_a_file_that_differs_in_name_size_or_time_is_read_again(copy, harm, name):
+    noted(copy)
+    harm(copy / name)
+    messages = []
+    outcome = run_sweep(SWEEP, copy, workers=1, tell=messages.append)
+    assert "1 chunks of points" in messages[0]
+    assert "whose files differ" in messages[0]
+    assert outcome.computed == (9 if name.startswith("time") else 1)
+    assert_is_as_computed(copy, points(SWEEP))
+
+
+def test_any_of_many_mutations_of_files_is_mended_or_named(alone, tmp_path):
+    rng, count = np.random.default_rng(1), 60
+    names = sorted(name for name in contents(alone) if name != "status/seen")
+    for number in range(count):
+        path = shutil.copytree(alone, tmp_path / f"{number}.zarr")
+        harm, name = rng.choice([*HARMS]), str(rng.choice(names))
+        HARMS[harm](path / name, rng.uniform())
+        restore_root(path, SWEEP)
+        named = verify_store(path, repair=True)
+        make(path, SWEEP)
+        done = [point for point in points(SWEEP) if opened(path).flags[opened(path).index(point)]]
+        lost = {(damage.load, damage.velocity) for damage in named.damaged}
+        assert {point[:2] for point in points(SWEEP)} - lost <= {point[:2] for point in done}
+        assert_is_as_computed(path, done)
+        shutil.rmtree(path)
