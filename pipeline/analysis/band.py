@@ -1,10 +1,9 @@
 """The band of a boundary over several random surfaces: quantiles, mean and spread.
 
-Where a surface has no transition within the sweep, its transition lies above all of the sweep's
-velocities (or loads) if wear is mild throughout, and below them if it is severe throughout.
-Quantiles count it there, and are known as long as they fall within the sweep and do not depend on
-where transitions beyond computed points lie. A mean is given only
-where every surface crosses: the mean of those that do would be biased towards the sweep's middle.
+A surface may have no transition within the sweep. If wear is mild throughout, its transition lies
+above all velocities (or loads); if severe throughout, below. Quantiles count it there. They are
+known where they fall within the sweep and do not depend on where such transitions lie. A mean is
+given only if every surface has a transition: else it would be biased towards the sweep's middle.
 """
 
 from __future__ import annotations

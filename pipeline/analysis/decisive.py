@@ -61,8 +61,8 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
     """Interpolate a decisive rise [K] onto so many loads and velocities, evenly spaced.
 
     The surface passes through the boundary that `boundary` finds for each load and each velocity.
-    NaN beyond the outermost points that are done; but with a limit, above which wear is severe
-    [K], it goes on at each load below mild points and above severe ones, as a power of velocity.
+    It is NaN beyond the outermost points that are done. With a limit, above which wear is severe
+    [K], it is extrapolated as a power of velocity: below mild points and above severe ones.
     """
     loads, velocities = rise["load"].values, rise["velocity"].values
     axes = {

@@ -1,11 +1,11 @@
 """Distance of an operating point from severe wear: in temperature, in velocity and in load.
 
-Between the points of a sweep the decisive rise is interpolated as everywhere
-(`pipeline.analysis.interpolation`): along the velocity at each load, then along the load. Its error
-has three parts (`pipeline.analysis.margin_error`): interpolation, preset and warned points. What
-interpolation may be off by is told by the points next to the place: how far it misses them when
-they are left out. That is over twice the distance, and so mostly more than the error: the rise was
-within it at 54 of 60 random places of `workflows/first_try.toml`.
+The decisive rise is interpolated along the velocity at each load, then along the load
+(`pipeline.analysis.interpolation`). Its error has three parts (`pipeline.analysis.margin_error`):
+interpolation, preset and warned points. The interpolation error is estimated by leaving out the
+points next to the place, and asking how far interpolation misses them. That spans twice the
+distance, so it is mostly too large: it held at 54 of 60 random places of
+`workflows/first_try.toml`.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ NOT_DECIDED = "not decided"
 class Margin:
     """The distance of an operating point from severe wear.
 
-    Beyond the velocities computed at a load, such as in a sweep that has points about its boundary
-    alone, the rise is continued as a power of the velocity; the boundary is not.
+    Beyond the velocities computed at a load the rise is extrapolated as a power of the velocity,
+    such as in a sweep of the boundary alone. The boundary is not extrapolated.
 
     Attributes
     ----------

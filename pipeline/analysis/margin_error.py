@@ -1,8 +1,10 @@
 """Error of the deciding rise at a place of a sweep, in three parts that belong together.
 
-Interpolation, 0 only where that very point is done; the preset, whose promised error of the
-boundary velocity becomes one of the rise through the exponent n of rise ∝ Vⁿ; and warnings of the
-points that the rise rests on. A part that nothing tells is None, and so is the whole.
+- Interpolation: 0 only where that very point is done.
+- Preset: its promised error of the boundary velocity, times the exponent n of rise ∝ Vⁿ.
+- Warnings: those of the points that the rise rests on.
+
+A part that is not known is None, and so is the sum.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Points about which the rise grows so slowly with the velocity that its errors count severalfold.
 
 The error of a boundary velocity is that of the rise over the exponent n of rise ∝ Vⁿ. Presets were
-tried down to n = 0.3; below, as under smooth and heavily worn balls, `standard` was 5 to 8 % off in
-velocity in place of 3, and `draft` 11 to 21 % in place of 8.
+tried down to n = 0.3. Below it, as under smooth and heavily worn balls, `standard` was 5 to 8 % off
+in velocity, beyond its 3 %, and `draft` 11 to 21 %, beyond its 8 %.
 
-One point does not know n: wear makes the contact wider at a higher velocity, which a second look at
-the same contact misses. So its neighbours along the velocity tell it, where a sweep is read.
+One point is not enough to know n, since wear widens the contact at a higher velocity. So n follows
+from its neighbours along the velocity, where a sweep is read.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Damage of a store is told where a result would be read from it, not passed over in silence."""
+"""Refusal to read results from damaged points of a store."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The transition to severe wear along a line of points, and as much of it as was computed.
 
-Wear is mild or severe throughout only where the outermost points of the sweep's own range say so.
-Where these are not done, or were never asked for, the transition lies beyond what was computed.
+Wear is mild (or severe) throughout only if the outermost points of the sweep's own range are. If
+these are not done, or were never asked for, the transition lies beyond what was computed.
 """
 
 from __future__ import annotations
