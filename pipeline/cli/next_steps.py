@@ -7,13 +7,13 @@ import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import asked
 from pipeline.analysis.transition import ENTRIES
 from pipeline.store.schema import DONE, FAILED
+from pipeline.sweep.model import Point
 from pipeline.sweep.selection import velocity_error
 
 if TYPE_CHECKING:
@@ -49,7 +49,9 @@ def commands_that_decide(
     A point that was asked for and is not done is run. Any other place that is not computed is
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
-    attributes = attributes_of(ds)
+    attributes, undecided = attributes_of(ds), list(undecided)
+    if any(_words_of(attributes, margin.entries) is None for margin in undecided):
+        return [*dict.fromkeys(map(_in_python, undecided))]
     commands, sharpest, bound = dict[str, None](), math.inf, velocity_error(attributes)
     for margin in undecided:
         interpolation = margin.error.interpolation
@@ -63,8 +65,8 @@ def commands_that_decide(
             alone = None if bound is None else bound * _rise_of(margin, judged)
             accuracy = _accuracy_for(bound, margin.distance, alone)
             place = margin.load, margin.velocity, accuracy
-            surface, entries = margin.realization, margin.entries
-            commands[_point(attributes, *place, judged, surface, entries)] = None
+            words = {"arguments": _words_of(attributes, margin.entries)}
+            commands[_point(attributes | words, *place, judged, margin.realization)] = None
     if math.isfinite(sharpest):
         commands[_more_accurate(attributes, store, sharpest)] = None
     return list(commands)
@@ -201,17 +203,34 @@ def _point(
     accuracy: float | None,
     judged: Mapping[str, Any],
     realization: int | None = None,
-    values: Mapping[str, float | str] = MappingProxyType({}),
 ) -> str:
     """Command that computes an operating point by itself."""
-    entries = [f"--set={path}={value}" for path, value in values.items()]
     surface = [] if realization is None else [f"--realization={realization}"]
     place = [f"--load={load:.6g} N", f"--velocity={velocity:.6g} m/s"]
     settings = _settings(attributes.get("conditions") or {}, judged)
     scene = _scene_of(attributes)
     if accuracy is not None:
         scene, place = _without_preset(scene), [*place, f"--accuracy={100 * accuracy:g}%"]
-    return shlex.join(["irg", "point", *scene, *entries, *surface, *place, *settings])
+    return shlex.join(["irg", "point", *scene, *surface, *place, *settings])
+
+
+def _words_of(
+    attributes: Mapping[str, Any], entries: Mapping[str, float | str]
+) -> list[str] | None:
+    """Arguments that read the scene of a row of a table; None where none do, as of one by hand."""
+    rows, own = attributes.get("scenes") or (), dict[str, Any]()
+    for row in rows:
+        if row["values"] == [*entries.values()]:
+            own = row["attributes"]
+    words = _scene_of({**attributes, **own})
+    is_set = (any(word.startswith(f"--set={path}=") for word in words) for path in entries)
+    return words if all(is_set) else None
+
+
+def _in_python(margin: Margin) -> str:
+    """What decides at a row that no scene file has."""
+    place = Point(margin.load, margin.velocity, tuple(margin.entries.items()))
+    return f"{place}, more accurately, in Python: a scene file has no such row"
 
 
 def _scene_of(attributes: Mapping[str, Any]) -> list[str]:

@@ -195,7 +195,9 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     irg("boundary", swept, "-o", folder / "b.csv")
     assert (folder / "b.csv").read_text().startswith("pin.radius [mm],friction,load [N]")
     place = ("--load", "500 N", "--velocity", "1.5 m/s")
-    assert "pin.radius 4 mm:" in irg("margin", swept, *place)
+    said = irg("margin", swept, *place)
+    assert "pin.radius 4 mm:" in said
+    assert "'--set=pin.radius=4 mm' '--load=500 N'" in said.split("not decided; next:")[-1]
     (one, other) = irg("margin", swept, *place, "--json")["scenes"]
     assert (one["pin.radius"], other["pin.radius"]) == (0.002, 0.004)
     assert one["distance"] < other["distance"]
