@@ -11,7 +11,7 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import entry_dims, plane_of
+from pipeline.analysis.dataset import entry_dims, has_plane, plane_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin, judge_of
 from pipeline.analysis.margin_table import notes_of
 from pipeline.analysis.scenes import columns_of, joined, scenes
@@ -58,7 +58,7 @@ def compared(ds: xr.Dataset, **conditions: Any) -> Table | None:
     each if it gives none, or if the place is not decided. None if the scene has no tests.
     """
     tests = laboratory_tests(ds)
-    if not tests or "sample" in ds.dims:
+    if not (tests and has_plane(ds)):
         return None
     names = entry_dims(ds)
     parts = (

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of, portable, with_changes
@@ -14,11 +15,13 @@ from pipeline.store.read import open_store
 from pipeline.store.schema import COORDINATES, LEADING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import RISES, at_bulks, columns_needed, corrected
+from pipeline.sweep.variants import Variant
 from tribo import InputError
 from tribo.types import Array
 
 _USUAL = {*COORDINATES, "friction"}
-_ORDER = ("load", "velocity", "step", "bulk_ratio", "wear_rate", "cooler_share")
+PLANE = ("load", "velocity")
+_ORDER = (*PLANE, "step", "bulk_ratio", "wear_rate", "cooler_share")
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -138,20 +141,34 @@ def variant_of(ds: xr.Dataset | xr.DataArray) -> str | None:
 
 
 def values_of(ds: xr.Dataset, name: str) -> Any:
-    """Values of a variable, its dimensions in the usual order, surfaces or samples first."""
-    return ds[name].transpose(variant_of(ds) or ..., *_ORDER, missing_dims="ignore").values
+    """Values of a variable, its dimensions in the usual order, those of the rows first."""
+    return _in_order(ds[name]).values
+
+
+def _in_order(array: xr.DataArray) -> xr.DataArray:
+    return array.transpose(..., *_ORDER, missing_dims="ignore")
 
 
 def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     """Take the sweep on one of its surfaces by its seed, the first if not given."""
-    ds = plane_of(ds)
-    seeds = ds["realization"].values.tolist() if "realization" in ds.dims else []
+    ds = at_surface(plane_of(ds), realization)
+    return ds.isel({name: 0 for name in LEADING if name in ds.dims})
+
+
+def at_surface(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
+    """Take the sweep on one of its surfaces by its seed, on all of them if not given."""
     if realization is None:
-        return ds.sel(realization=seeds[0]) if seeds else ds
+        return ds
+    seeds = ds.indexes.get("realization", pd.Index([]))
     if realization not in seeds:
-        held = f"it holds {', '.join(map(str, seeds))}" if seeds else "its scene gives no others"
+        held = f"it holds {', '.join(map(str, seeds))}" if len(seeds) else "its scene has no others"
         raise InputError(f"realization is {realization}, which the sweep does not hold; {held}")
     return ds.sel(realization=realization)
+
+
+def drawn_row(ds: xr.Dataset) -> Variant:
+    """Seed of the surface, or number of the sample, at which a sweep was taken."""
+    return tuple((name, ds[name].item()) for name in LEADING if name in ds.coords.keys() - ds.dims)
 
 
 def asked(ds: xr.Dataset) -> xr.DataArray:
@@ -197,12 +214,8 @@ def _with_rises(
     needed = ("bulk_rise_quantile", "mean_bulk_response", *columns_needed(conditions))
     columns = {name: values_of(ds, name) for name in dict.fromkeys((*names, *needed)) if name in ds}
     changed = judged(columns, conditions)
-    order = [name for name in (variant_of(ds), *_ORDER) if name]
     return ds.assign(
-        {
-            name: ([dim for dim in order if dim in ds[name].dims], changed[name], ds[name].attrs)
-            for name in names
-        }
+        {name: (_in_order(ds[name]).dims, changed[name], ds[name].attrs) for name in names}
     )
 
 

@@ -26,7 +26,7 @@ from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result
-from pipeline.cli.scenes import conditions_in, opened
+from pipeline.cli.scenes import by_samples, conditions_in, opened
 from pipeline.cli.unknowns import boundary_of_samples
 from tribo import lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
@@ -37,7 +37,7 @@ SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads."""
     ds, conditions = opened(options), conditions_in(options)
-    if "sample" in ds.dims:
+    if by_samples(options, ds):
         return boundary_of_samples(options, ds, conditions)
     crossings = pipeline.boundary(ds, **conditions)
     command = _command(crossings, options.store, ds)

@@ -20,7 +20,7 @@ from pipeline.analysis.scenes import words
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, in_words, outcomes
 from pipeline.cli.next_steps import commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
-from pipeline.cli.scenes import conditions_in, flags_of, opened, values_in
+from pipeline.cli.scenes import by_samples, conditions_in, flags_of, opened, values_in
 from pipeline.cli.unknowns import about, notes, on_risk, samples_of, table_of_intervals
 from tribo import InputError
 
@@ -45,7 +45,7 @@ def margin(options: argparse.Namespace) -> Result:
     if options.points is not None and place:
         raise InputError(f"--points has each load and velocity; leave out {flags_of([*place])}")
     ds, conditions = opened(options), conditions_in(options)
-    if "sample" in ds.dims:
+    if by_samples(options, ds):
         return _of_samples(options, ds, conditions)
     if options.points is None:
         return _of_one(options, ds, conditions)

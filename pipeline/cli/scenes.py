@@ -12,7 +12,7 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import has_plane
 from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
-from pipeline.scene.over import note_of
+from pipeline.scene.over import notes_of
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
@@ -66,8 +66,8 @@ def scene_of(
 def one_scene_of(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
     """The scene, for a command that takes one value of each entry; a note says if it has more."""
     sweep = scene_of(options, points)
-    if sweep.variants.chosen:
-        tell(f"note: {note_of(sweep.variants)}")
+    for note in notes_of(sweep.variants):
+        tell(note)
     return sweep
 
 
@@ -91,11 +91,6 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
     """The store, or another one, at the entries and the wear rate that the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
     tell_of_another_law(options, ds)
-    if "sample" not in ds.dims and (weighed := weighing(options)):
-        raise InputError(
-            f"samples of unknown inputs are needed by {flags_of(weighed)}: give [unknown] and "
-            "sweep.samples in the scene"
-        )
     wanted = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
     if has_plane(ds):
         ds = pipeline.at_entries(ds, wanted)
@@ -107,8 +102,7 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
                 f"irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
                 "into another store"
             )
-    wear_rate = getattr(options, "wear_rate", None)
-    return ds if wear_rate is None else pipeline.at_wear_rate(ds, wear_rate)
+    return pipeline.at_wear_rate(ds, getattr(options, "wear_rate", None))
 
 
 def at_in(options: argparse.Namespace) -> dict[str, Any]:
@@ -162,6 +156,11 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
         for name, value in values.items()
         if not (value is None or value is False or value == [])
     }
+
+
+def by_samples(options: argparse.Namespace, ds: xr.Dataset) -> bool:
+    """True if the answer is one of samples: the sweep has no plane, or they are asked for."""
+    return not has_plane(ds) or bool(weighing(options))
 
 
 def weighing(options: argparse.Namespace) -> list[str]:

@@ -21,7 +21,14 @@ from pipeline.analysis.band import BAND
 from pipeline.analysis.boundary import boundary_under
 from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import asked, entry_dims, on_surface, variant_of
+from pipeline.analysis.dataset import (
+    PLANE,
+    asked,
+    at_surface,
+    drawn_row,
+    entry_dims,
+    has_plane,
+)
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, CROSSES, Crossing, range_of
@@ -53,6 +60,7 @@ from pipeline.figures.style import (
 from pipeline.store.schema import PENDING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.model import named
 from tribo import Criterion, InputError
 from tribo.types import Mask
 
@@ -88,23 +96,22 @@ def diagram(
     enclose a shaded area; where it has measured transitions or tests, they are marked; where its
     scene gives an oil, lines show where mixed lubrication and the full film begin.
     """
-    if variant_of(ds) == "sample" or given_measured or scatter is not None:
+    if not has_plane(ds) or given_measured or scatter is not None:
         judged = {k: changed.pop(k) for k in ("criterion", "own_laws") if k in changed}
         others = (friction, realization, ax, *changed.values())
         if any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log, **judged)
+    ds = at_surface(ds, realization)
     if entry_dims(ds):
         if isinstance(friction, Sequence):
             raise InputError(_ONE_LINE_EACH.format(entry_dims(ds)[0]))
-        return _of_scenes(ds, {"friction": friction, **changed}, realization, log, ax)
+        return _of_scenes(ds, {"friction": friction, **changed}, log, ax)
     band = attributes_of(ds).get("friction_band")
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
         friction = float(np.median(friction))
     conditions = conditions_of(ds, friction, **changed)
-    if realization is not None:
-        ds = on_surface(ds, realization)
     beyond = _beyond(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
@@ -130,7 +137,7 @@ def diagram(
     if is_plane:
         legend += at_own_conditions(axes, plane, tests, conditions)
     legend += beyond_figure
-    _frame(axes, ds, realization, log)
+    _frame(axes, ds, log)
     if is_plane:
         name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
     severe = f"severe wear: {criterion(conditions)}; {heating(conditions)}"
@@ -145,22 +152,20 @@ def _tests(axes: Axes, tests: Sequence[Mapping[str, Any]]) -> list[Artist]:
     return [*measured_transitions(axes, measured), *tested_points(axes, tested)]
 
 
-def _frame(axes: Axes, ds: xr.Dataset, realization: int | None, log: bool) -> None:
+def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
     """Set the scales, margins, labels and title of a diagram."""
     axes.use_sticky_edges = False  # those of the regions would leave no margin
     axes.margins(0.04)
     if log:
         axes.set(xscale="log", yscale="log")
         plain_numbers(axes)
-    surface = "" if realization is None else f", surface {realization}"
-    axes.set_title(title_of(ds) + surface, pad=10)
+    axes.set_title(", ".join([title_of(ds), *named(drawn_row(ds))]), pad=10)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
 def _of_scenes(
     ds: xr.Dataset,
     changed: Mapping[str, Any],
-    realization: int | None,
     log: bool,
     ax: Axes | None,
 ) -> Figure:
@@ -174,8 +179,7 @@ def _of_scenes(
     legend: list[Artist] = []
     several = [(scene, conditions_of(scene, **changed)) for scene in scenes(ds)]
     for number, (scene, judged) in enumerate(several):
-        one = scene if realization is None else on_surface(scene, realization)
-        plane = _quantile(_planes(one.sel(velocity=one["velocity"] > 0), judged), 0.5)
+        plane = _quantile(_planes(scene.sel(velocity=scene["velocity"] > 0), judged), 0.5)
         name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))
         colour = _COLOURS(0.85 * number / max(len(several) - 1, 1))
         is_drawn = isoline(
@@ -186,7 +190,7 @@ def _of_scenes(
         legend.append(Line2D([], [], lw=width, color=colour, label=name + outside))
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
     legend += [*_tests(axes, tests), *beyond_figure]
-    _frame(axes, ds, realization, log)
+    _frame(axes, ds, log)
     title = f"transition to severe wear, by {' and '.join(entry_dims(ds))}"
     if len({judged for _, judged in several}) == 1:
         title += f"; severe: {criterion(judged)}; {heating(judged)}"
@@ -215,15 +219,19 @@ def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     # A sweep that only follows the boundary knows the plane elsewhere as mild or severe alone.
     limit = None if asked(ds).all() else rise_limit(conditions)
     planes = refined(decisive_rise(ds, conditions), _RESOLUTION, limit)
-    if "realization" not in planes.dims:
-        return planes.expand_dims("realization")
-    finite_planes = planes.dropna("realization", how="all")
+    rows = planes.transpose(..., *PLANE)
+    planes = xr.DataArray(
+        rows.values.reshape(-1, *rows.shape[-2:]),
+        coords={name: rows[name] for name in PLANE},
+        dims=("row", *PLANE),
+    )
+    finite_planes = planes.dropna("row", how="all")
     return finite_planes if finite_planes.size else planes
 
 
 def _quantile(planes: xr.DataArray, share: float) -> xr.DataArray:
     """The plane of the median surface, or of one that a share of the others stays below."""
-    return planes.quantile(share, "realization", skipna=False)
+    return planes.quantile(share, "row", skipna=False)
 
 
 def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
@@ -343,7 +351,7 @@ def _far_from_others(hot: Mask, cold: Mask) -> Mask:
 
 def _on_any(holds: xr.DataArray) -> xr.DataArray:
     """Loads, or points by load and velocity, at which something holds on any surface."""
-    return holds.any("realization") if "realization" in holds.dims else holds
+    return holds.any([dim for dim in holds.dims if dim not in PLANE])
 
 
 def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.dataset import drawn_row
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.scene.quantities import in_si
 from pipeline.sweep.conditions import Conditions
@@ -89,5 +90,4 @@ def _index(ds: xr.Dataset, axis: str, unit: str, value: float) -> int:
 
 def point_name(ds: xr.Dataset, point: tuple[int, int]) -> str:
     """Name a point by its load, its velocity and its surface, from its indices."""
-    surface = (("realization", int(ds["realization"])),) if "realization" in ds.coords else ()
-    return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], surface))
+    return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], drawn_row(ds)))

@@ -57,9 +57,9 @@ def draw_trade(trade: Trade) -> Figure:
         drawstyle="steps-post", color=BLUE, lw=1.2, zorder=2, gid="front",
         label="no other choice is both faster and nearer",
     )  # fmt: skip
-    for label, chosen, look in _kinds(trade, choices):
-        if chosen:
-            x, y = zip(*map(_place, chosen), strict=True)
+    for label, of_kind, look in _kinds(trade, choices):
+        if of_kind:
+            x, y = zip(*map(_place, of_kind), strict=True)
             axes.plot(x, y, ls="none", label=label, gid=label, **look)
     work = [choice.saving for choice in choices]
     axes.set_xlim(max(work) * 2.0, min(work) / 2.0)

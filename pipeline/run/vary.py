@@ -17,7 +17,7 @@ from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.run.follow import follow_boundary
 from pipeline.run.tally import Progress
-from pipeline.scene.over import note_of
+from pipeline.scene.over import notes_of
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.scene.unknown import differing_inputs
 from pipeline.store.place import PathLike
@@ -210,8 +210,9 @@ def vary(
     """
     overrides = overrides or {}
     sweep = load_scene(scene, preset, overrides, own_laws)
-    if sweep.variants.chosen and tell:
-        tell(f"note: {note_of(sweep.variants)}")
+    if tell:
+        for note in notes_of(sweep.variants):
+            tell(note)
     others = {
         (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, own_laws)
         for key, values in over.items()

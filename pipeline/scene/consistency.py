@@ -230,9 +230,9 @@ def _of_steps(sound: Sound, increments: int) -> Misfits:
     for name, tests in (("measured", measured), ("tested", tested)):
         for number, test in enumerate(tests or ()):
             holds.append((f"{name}[{number}].hold", test["hold"] or 0.0, test["load"], None))
-    for key, hold, load, chosen in holds:
+    for key, hold, load, steps in holds:
         step = ramp.increment(load, increments) / ramp.rate
-        if not chosen and hold > MOST_STEPS * step:
+        if not steps and hold > MOST_STEPS * step:
             cure = ", or loading.hold_steps" * (key == "loading.hold")
             yield (
                 key,

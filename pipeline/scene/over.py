@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pipeline.scene.document import Document, Layer
@@ -59,13 +59,13 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
     return Variants(columns, parts, given=dict(zip(names, parts, strict=True)))
 
 
-def note_of(table: Variants) -> str:
-    """Note that a command prints which computes one value of each entry alone."""
-    return "sweep.over is set aside; " + ", ".join(
-        f'{column.name} is the scene\'s own or the first listed: --set "{column.name}=..." '
-        "takes another"
-        for column in table.chosen
-    )
+def notes_of(table: Variants) -> Iterator[str]:
+    """Notes that a command prints which computes one value of each entry alone."""
+    for column in table.chosen:
+        yield (
+            f"note: sweep.over is set aside; {column.name} is the scene's own or the first listed: "
+            f'--set "{column.name}=..." takes another'
+        )
 
 
 def with_first_values(document: Document) -> Document:

@@ -73,15 +73,15 @@ def read_rows(
         raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
     filled = [row for row in lines if any(row.cells)]
     plain = [Row(row.number, _uncommented(row.cells)) for row in filled]
-    chosen = next((row for row in plain if is_heading(row.cells)), None)
-    if chosen is None:
+    heading = next((row for row in plain if is_heading(row.cells)), None)
+    if heading is None:
         shortlist = [row for row in filled if not row.cells[0].startswith("#")]
-        chosen = next(iter(shortlist or plain), Row(0, []))
-    heads = _without_empty_end(chosen.cells)
+        heading = next(iter(shortlist or plain), Row(0, []))
+    heads = _without_empty_end(heading.cells)
     below = [
         Row(row.number, _without_empty_end(row.cells, len(heads)))
         for row in filled
-        if row.number > chosen.number and not row.cells[0].startswith("#")
+        if row.number > heading.number and not row.cells[0].startswith("#")
     ]
     faults = [
         f"row {number}: {len(cells)} cells below {len(heads)} headings"

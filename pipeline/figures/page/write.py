@@ -15,7 +15,7 @@ from typing import Any
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, variant_of
+from pipeline.analysis.dataset import dataset_of, has_plane
 from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import Column, Table, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content
@@ -134,7 +134,7 @@ def explore(
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     ds = dataset_of(ds)
     parts, judged = [*scenes(ds)], {"criterion": criterion, "own_laws": own_laws}
-    if variant_of(ds) == "sample":
+    if not has_plane(ds):
         from pipeline.figures.page.samples import content_of_samples  # with its libraries
 
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
