@@ -69,21 +69,24 @@ class Simulated:
     ----------
     hashes : mapping of tuple to str
         SHA-256 of the scene by the values of the entries that have several, in order.
+    entries : tuple of str
+        Their names.
     """
 
     hashes: Mapping[tuple[Any, ...], str]
+    entries: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, attributes: Mapping[str, Any]) -> Self:
         """Hashes by the attributes of a store."""
         scene = attributes["scene"]
         entries = attributes.get("scenes", [{"values": [], "scene": {}}])
-        return cls({tuple(one["values"]): scene_hash(scene | one["scene"]) for one in entries})
+        hashes = {tuple(one["values"]): scene_hash(scene | one["scene"]) for one in entries}
+        return cls(hashes, tuple(attributes.get("over", ())))
 
     def at(self, point: Point) -> str:
         """Hash of what is simulated at a point."""
-        values = tuple(value for _, value in point.variant)
-        return self.hashes[values[: len(next(iter(self.hashes)))]]
+        return self.hashes[tuple(value for name, value in point.variant if name in self.entries)]
 
 
 def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> np.uint64:
