@@ -48,8 +48,6 @@ def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test(tmp_path
 
 @pytest.mark.parametrize("name", SHORT)
 def test_a_short_notebook_keeps_its_assertions(name, tmp_path):
-    if name == "stations.ipynb":
-        pytest.importorskip("bokeh")  # the dashboard
     shutil.copytree(WORKFLOWS, tmp_path / "workflows", ignore=shutil.ignore_patterns("*.png"))
     notebook = nbformat.read(WORKFLOWS / name, as_version=4)
     assert sum("assert " in cell.source for cell in notebook.cells) >= 2
