@@ -23,6 +23,7 @@ from pipeline.store.layout import (
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
     ROOT,
+    Bucket,
     Folder,
     PathLike,
     Place,
@@ -86,6 +87,9 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep, lock: Lock | Non
     wanted["step"] = wanted["step"]._replace(attributes=stations)
     axes = grown_axes(before.axes if before else {}, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
+    if not before and isinstance(place, Bucket):  # whose steps cannot be added to
+        room = len(Stations.of(sweep).loads)
+        axes["step"] = list(range(min(axes["step"][0], -room), 1))
     points = math.prod(len(axes[dim]) for dim in wanted["status"].dims)
     if points > MOST_POINTS:
         raise StoreError(

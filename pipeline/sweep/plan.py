@@ -320,7 +320,7 @@ def _simulated(
     asked = stations.asked(lead, load) if stations else frozenset[int]()
     goes_on = leads_to(lead, trunk.state, load)
     state = trunk.state if goes_on else start(lead)
-    steps = sum(1 for _ in lead.stations(load, asked=asked)) if progress else 0
+    steps = sum(1 for _ in lead.stations(load, state.normal_load, asked)) if progress else 0
     runs = [_Run(variant.scene, [], []) for variant in variants]
     ways = contacts(lead, load, first, state, asked)
     for number_of_step, contact in enumerate(ways, 1):

@@ -88,15 +88,14 @@ class Stations:
         if self.interval is None:
             return frozenset()
         is_record = isinstance(scene.loading, MeasuredLoad)
-        way = [
-            station
-            for station in scene.loading.stations(load, scene.fidelity.increments)
-            if is_record or station.holding
-        ]
-        if not way:
+        way = list(scene.loading.stations(load, scene.fidelity.increments))
+        own = [step for step in way if is_record or step.holding]
+        if not own:
             return frozenset()
-        times = [station.time for station in way]
-        return frozenset(way[number].index for number in _even(times, self.interval, times[-1]))
+        reached = [step.index for step in way if step.normal_load == load and not step.holding]
+        times = [step.time for step in own]
+        even = _even(times, self.interval, times[-1])
+        return frozenset([*reached, *(own[number].index for number in even)])
 
     def count(self, scene: Scene, load: float) -> int:
         """Most stations that a point at a load may have, its end included."""

@@ -74,6 +74,16 @@ def test_a_sweep_runs_resumes_and_grows(address):
         commit(address, tiny.full(increments=7), ())
 
 
+LATER = tiny.full(loads=(1500.0,), velocities=(1.0, 2.0))
+
+
+def test_values_between_those_of_an_object_store_are_refused(address):
+    commit(address, SWEEP, [POINT])
+    with pytest.raises(StoreError, match="objects cannot be renamed; write to another store"):
+        commit(address, tiny.full(loads=(150.0, 250.0), velocities=(1.0,)), ())
+    assert_is_as_computed(address, [POINT])
+
+
 def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
     left, written = [], Bucket.put
 
@@ -83,7 +93,7 @@ def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
         left[0] -= 1
         written(self, contents)
 
-    for sweep, point in ((SWEEP, POINT), (tiny.full(loads=(1500.0,)), Point(1500.0, 0.5))):
+    for sweep, point in ((SWEEP, POINT), (LATER, Point(1500.0, 2.0))):
         left[:] = [1]
         with monkeypatch.context() as patch:
             patch.setattr(Bucket, "put", killed)
@@ -127,7 +137,7 @@ def test_a_commit_and_a_run_with_nothing_to_do_take_few_requests(address, reques
     with writing(address, SWEEP) as store:
         store.commit([record(POINT)])
         requests.clear()
-        store.commit([record(OTHER)])
+        store.commit([record(OTHER, SWEEP.plane.loads)])
         assert len(requests) <= 60
     requests.clear()
     assert run_sweep(SWEEP, address).computed == 0
@@ -253,5 +263,5 @@ def test_a_server_that_is_gone_is_an_error_in_a_line(address, monkeypatch, serve
         with monkeypatch.context() as patch:
             patch.setattr(s3fs.S3FileSystem, "_pipe_file", gone)
             with pytest.raises(StoreError, match="cannot be written: Connect call failed"):
-                store.commit([record(OTHER)])
+                store.commit([record(OTHER, SWEEP.plane.loads)])
     assert set(done_points(address)) == {POINT}
