@@ -139,9 +139,17 @@ def failed_percent(ends: Ends, critical: float, friction: float | None = None) -
 def history(
     sweep: Sweep, load: float, velocity: float, criterion: Criterion
 ) -> tuple[Array, Array, State]:
-    """Simulate a point: times [s] with the temperatures that decide [°C], and its last state."""
+    """Simulate a point: times [s] with the temperatures that decide [°C], and its last state.
+
+    Of its steps so many have a temperature as the scene asks for, and the one that reaches the load.
+    """
+    way = list(sweep.scene.loading.stations(load, sweep.scene.fidelity.increments))
+    number = sweep.record.steps if isinstance(sweep.record.steps, int) else len(way)
+    every = max(1, round(len(way) / (number + 1)))
+    asked = {step.index for step in way if step.index % every == 0 or step.normal_load == load}
+    asked -= {step.index for step in way if step.holding and step.index % every}
     times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, sweep.conditions)))]
-    for state in simulate(sweep.scene, load, velocity):
+    for state in simulate(sweep.scene, load, velocity, asked=asked):
         if state.heat is not None:
             times.append(state.time)
             temperatures.append(float(celsius_of(end_at(sweep, state), criterion)))
