@@ -141,7 +141,7 @@ def history(
 ) -> tuple[Array, Array, State]:
     """Simulate a point: times [s] with the temperatures that decide [°C], and its last state.
 
-    Of its steps so many have a temperature as the scene asks for, and the one that reaches the load.
+    As many of its steps have a temperature as the scene asks for, and so has the full load.
     """
     way = list(sweep.scene.loading.stations(load, sweep.scene.fidelity.increments))
     number = sweep.record.steps if isinstance(sweep.record.steps, int) else len(way)
