@@ -315,6 +315,7 @@ OF_PLOT = (
     _quantity("--width", "W", "8.5 cm", "width of the figure, whose words stay readable"),
     _flag("--no-title", "draw no title, where a caption gives it"),
     _flag("--log", "scale both axes of the diagram by the logarithm"),
+    Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),
 )  # fmt: skip
 OF_EXPLORE = (
     output("PAGE.html", "file of the page; default: beside the store"),

@@ -77,8 +77,7 @@ def plot(
           highest if not given; of a ramp several.
         - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
           the one nearest to the transition at that load.
-        - ramp: the temperature is known at the ends of points, and between where the scene asked
-          for it.
+        - ramp: ``show``, name of a variable at each step, in place of contact and wear.
         - fields: ``stacked``, True for panels below each other.
         - diagram, temperature: ``ax``, axes of matplotlib to draw on; not of samples.
 

@@ -28,7 +28,7 @@ from pipeline.figures.style import (
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature
-from tribo import Criterion
+from tribo import Criterion, InputError
 from tribo.types import Array
 
 
@@ -38,13 +38,14 @@ def ramp(
     load: float | str | Iterable[float | str] | None = None,
     velocity: float | str | Iterable[float | str] | None = None,
     realization: int | None = None,
+    show: str | None = None,
     **changed: Any,
 ) -> Figure:
     """Draw what happens while the load grows.
 
-    The temperature is known at the end of each point, and between where the scene asked for it.
-    The ends of lower loads at the same velocity lie on the same ramp and are drawn too, and where
-    the way was taken on larger elements, width and share of the contact are known there alone.
+    All is known at the stations of each point. The ends of lower loads at the same velocity that
+    lie on the same ramp are drawn too. With `show` any stored variable at each station is drawn in
+    place of contact and wear.
     """
     conditions = conditions_of(ds, **changed)
     ds = on_surface(ds, realization)
@@ -52,14 +53,17 @@ def ramp(
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
     depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
-    is_worn = any(np.nanmax(volume[point]) > 0 for point in points)
+    is_worn = show is None and any(np.nanmax(volume[point]) > 0 for point in points)
     figure = Picture(figsize=(7.2, 7.8 if is_worn else 5.8))
     ratios = (1.4, 1, 1) if is_worn else (1.4, 1)
     temperature, contact, *wear = figure.subplots(len(ratios), sharex=True, height_ratios=ratios)
     _temperatures(temperature, ds, points, conditions)
+    if show is not None:
+        _shown(contact, ds, points, show)
     width, fraction = 1e6 * ds["contact_width"].values, 100 * ds["contact_fraction"].values
     in_contact = ("contact width [µm]", width), ("in contact [% of window]", fraction)
-    _pair(contact, ds, points, *in_contact)
+    if show is None:
+        _pair(contact, ds, points, *in_contact)
     for axes in wear:
         power = _power_of_thousand(max(np.nanmax(volume[point]) for point in points))
         unit = f"$10^{{{round(math.log10(power))}}}$ mm³" if power != 1 else "mm³"
@@ -162,6 +166,18 @@ def _pair(
         axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
         key.append(Line2D([], [], color=BLACK, ls=style, label=label.partition(" [")[0]))
     left.legend(handles=key, loc="upper left", ncols=2)
+
+
+def _shown(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], name: str) -> None:
+    """Draw a stored variable at each station against time, in its unit."""
+    usual = ("load", "velocity", "step")
+    names = sorted(str(one) for one in ds.data_vars if ds[one].dims == usual)
+    if name not in names:
+        raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
+    for number, point in enumerate(points):
+        time, values = _along_ramp(ds, ds[name].values, point)
+        axes.plot(time, values, color=f"C{number}", marker="o", zorder=_order(point))
+    axes.set_ylabel(f"{name} [{ds[name].attrs.get('units', '1')}]")
 
 
 def _load_axis(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]]) -> None:

@@ -424,3 +424,12 @@ def test_options_that_do_not_go_with_samples_are_refused(unknown, sweep):
 def test_the_fields_of_a_column_fit_a_page():
     figure = plot(synthetic.sweep(fields=True), "fields", width="8.5 cm")
     assert figure.get_size_inches()[1] < 24.5 / 2.54
+
+
+def test_a_ramp_shows_any_stored_variable_and_names_them(alone):
+    axes = pipeline.plot(alone, "ramp", load=600.0, velocity=1.0, show="wear_volume").axes[1]
+    with pipeline.open_sweep(alone) as ds:
+        expected = ds["wear_volume"].sel(load=600, velocity=1).values
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), expected)
+    with pytest.raises(InputError, match="stored at each step are contact_fraction, "):
+        pipeline.plot(alone, "ramp", show="nothing")
