@@ -308,10 +308,10 @@ def test_a_page_judges_by_the_criterion_of_the_user(strangers, done):
     assert own["critical_velocity"].equals(mean["critical_velocity"])
     pages = [
         pipeline.explore(store, f"{name}.html", criterion=criterion, own_laws=True).path.read_text()
-        for name, criterion in (("own", "payload:rule"), ("mean", "mean"))
+        for name, criterion in (("own", "payload:rule"), ("mean", "mean"), ("high", "highest"))
     ]
-    decisive = [page.split('"decisive":')[1].split(",")[0] for page in pages]
-    assert decisive[0] == decisive[1]
+    own, mean, highest = (page.split('"lines":')[1].split("}")[0] for page in pages)
+    assert own == mean != highest
 
 
 def test_a_file_is_hashed_before_it_runs_and_again_where_it_arrives(strangers, ran):
