@@ -122,7 +122,8 @@ def test_fields_take_room_only_where_they_are_asked_for():
     without, with_fields = (
         estimate(tiny.sweep(fields=fields, pixels=grid)).disk_bytes for fields in (False, True)
     )
-    assert with_fields - without == len(points(tiny.sweep())) * 3 * 8 * 64 * 32
+    of_fields = len(points(tiny.sweep())) * 3 * 4 * 64 * 32
+    assert 0.3 * of_fields < with_fields - without < 0.7 * of_fields  # single, and compressed
 
 
 @pytest.mark.parametrize(
