@@ -276,20 +276,19 @@ class Scene:
     ) -> Iterator[Station]:
         """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
-        All steps beyond a station on the trunk if a state depends on those before, else only that
-        at which the load is reached, the last, and those whose indices are asked for.
+        All steps beyond a station on the trunk if a state depends on those before, else only the
+        last, and those whose indices are asked for.
         """
         fidelity = self.fidelity
         stations = self.loading.stations(normal_load, fidelity.increments, after)
         if self.remembers_steps:
             yield from stations
             return
-        *way, last = stations
-        for station in way:
-            is_reached = station.normal_load >= normal_load and not station.holding
-            if is_reached or station.index in asked:
+        for station in stations:
+            if station.index in asked:
                 yield station
-        yield last if last.index in asked else replace(last, on_trunk=False)
+        if station.index not in asked:
+            yield replace(station, on_trunk=False)
 
     def trunk(self, normal_load: float) -> float:
         """Increment of the trunk that leads to a load [N]; loads of one increment share it."""
