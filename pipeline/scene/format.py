@@ -107,7 +107,7 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
 
 def _ends_along_y(shape: object) -> bool:
     """True for a known shape of a pin whose contact ends along y, too."""
-    return shape in tribo.PINS and "length" not in sizes_of(str(shape))
+    return isinstance(shape, str) and shape in tribo.PINS and "length" not in sizes_of(shape)
 
 
 _ROUND = {
