@@ -47,7 +47,7 @@ class Expected:
 
 def record_of(records, sweep, point):
     """Record of a point, which fails in the first stage if it is that one."""
-    if point == FAILING and sweep.plane.loads == STAGES[0].loads:
+    if point == FAILING and sweep.plane.loads == STAGES[0].plane.loads:
         return PointRecord(point, None, REASON)
     return records[point]
 

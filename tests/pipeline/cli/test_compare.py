@@ -51,7 +51,7 @@ def test_the_status_of_a_folder_tells_scenes_stores_and_damage_apart(tmp_path, c
     kinds = dict(zip(document["name"], document["kind"], strict=True))
     assert kinds == {"deep/small.toml": "scene", "lost.zarr": "store"}
     states = dict(zip(document["name"], document["state"], strict=True))
-    assert "damaged" in states["lost.zarr"]
+    assert states["lost.zarr"].startswith("unreadable: ")
 
 
 def test_the_status_of_a_folder_runs_no_code_that_a_scene_names(tmp_path, capsys):
