@@ -192,7 +192,7 @@ def write_tables(tables: Sequence[Table], out: Path) -> Path:
         lines.insert(1, "|---" * len(heads) + "|")
         return write_text("\n".join([*lines, ""]), out)
     file = io.StringIO()
-    csv.writer(file, lineterminator="\n").writerows(cells)
+    csv.writer(file, lineterminator="\n").writerows([*map(_harmless, line)] for line in cells)
     return write_text(file.getvalue(), out)
 
 
@@ -228,6 +228,11 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 def is_table(out: str | Path | None) -> bool:
     """True if a file is to hold a table, by its suffix."""
     return out is not None and Path(out).suffix.lower() in TABLES
+
+
+def _harmless(cell: str) -> str:
+    """A cell that a spreadsheet takes for text where it would compute it, as ``=1+1``."""
+    return f"'{cell}" if cell.startswith(("=", "@")) else cell
 
 
 def _written(value: Any) -> str:

@@ -15,7 +15,8 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import chdir, suppress
+from pathlib import Path
 from typing import Any
 
 import pipeline
@@ -37,6 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
+    if Path("matplotlibrc").exists():  # which may name programs to run, and others may have written
+        with chdir(Path(__file__).parent):
+            import matplotlib  # noqa: F401
     try:
         options = parse(arguments)
         if (reason := _too_little_memory()) is not None:

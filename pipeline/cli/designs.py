@@ -46,7 +46,7 @@ def design(options: argparse.Namespace) -> Result:
     with working("seeking the limit") as progress:
         limits = list(_limits(ensemble, goal, first, last, draws, progress))
     at, limit = _middle(limits)
-    direct, reason = _checked(options, ds, ensemble, limit, at, draws)
+    direct, reason = _checked(ds, ensemble, limit, at, draws)
     document = {
         "given_measured": weighed is not None,
         **about(ensemble),
@@ -107,15 +107,15 @@ def _middle(limits: list[tuple[Any, Limit]]) -> tuple[dict[str, float], Limit]:
 
 
 def _checked(
-    options: argparse.Namespace, ds: xr.Dataset, ensemble: Ensemble, limit: Limit,
-    at: Mapping[str, float], draws: Draws | None,
+    ds: xr.Dataset, ensemble: Ensemble, limit: Limit, at: Mapping[str, float],
+    draws: Draws | None,
 ) -> tuple[Direct | None, str]:  # fmt: skip
     """Direct simulations at a limit; or why there are none."""
     if limit.value is None:
         return None, ""
     values = {**at, limit.entry.path: limit.value}
     try:
-        scene_with = _scene_of(options, ds)
+        scene_with = _scene_of(ds)
         with working("simulating draws near the limit") as progress:
             check = confirmed(
                 ensemble, limit.goal, limit.binding, values, scene_with, draws, progress
@@ -125,14 +125,16 @@ def _checked(
     return check, ""
 
 
-def _scene_of(options: argparse.Namespace, ds: xr.Dataset) -> Callable[[Mapping[str, Any]], Sweep]:
+def _scene_of(ds: xr.Dataset) -> Callable[[Mapping[str, Any]], Sweep]:
     """Reader of the scene of a store with other entries, if its file is still the same."""
     attributes = attributes_of(ds)
     path, *words = attributes.get("arguments") or [""]
     given = [setting(word.removeprefix("--set=")) for word in words if word.startswith("--set=")]
     presets = [word.removeprefix("--preset=") for word in words if word.startswith("--preset=")]
     settings, preset = dict(given), presets[0] if presets else None
-    read = partial(pipeline.load_scene, path, preset, own_laws=options.own_laws)
+    if any("hash" in part for part in attributes["scene"].values() if isinstance(part, dict)):
+        raise InputError("it has laws of its own, and no code runs because a store names it")
+    read = partial(pipeline.load_scene, path, preset)  # also without the user's own laws
     if not path or scene_hash(describe(read(settings))) != attributes["scene_hash"]:
         raise InputError(f"{path or 'the scene'} is not the scene of the store any more")
     left_out = settings.pop("without", [])

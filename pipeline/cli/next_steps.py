@@ -234,8 +234,9 @@ def _in_python(margin: Margin) -> str:
 
 
 def _scene_of(attributes: Mapping[str, Any]) -> list[str]:
-    """Arguments that read the scene of a store."""
-    return attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
+    """Arguments that read the scene of a store, but for a permission that it might give itself."""
+    words = attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
+    return [word for word in words if not word.startswith("--own")]
 
 
 def _accuracy_of(attributes: Mapping[str, Any]) -> list[str]:

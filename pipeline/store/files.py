@@ -22,9 +22,12 @@ def replace_file(file: Path, content: bytes) -> None:
     Only one process and thread may replace a file at a time.
     """
     make_folder(file.parent)
+    if file.parent.is_symlink():  # of a stranger's store; it may lead anywhere
+        raise OSError(f"{file.parent} is a link to another folder; copy that in its place")
     partial = file.with_name(file.name + PARTIAL)
     try:
-        with partial.open("wb") as stream:
+        partial.unlink(missing_ok=True)  # left by a killed process, or a link to a file of others
+        with partial.open("xb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())

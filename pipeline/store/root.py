@@ -23,7 +23,7 @@ from pipeline.store.place import (
     place_of,
     reaches,
 )
-from pipeline.store.schema import FORMAT
+from pipeline.store.schema import FORMAT, is_coordinate
 from tribo.errors import near_path
 
 MOST_POINTS = 10_000_000
@@ -31,6 +31,7 @@ MOST_POINTS = 10_000_000
 _LARGEST = 2**28  # bytes of a root
 _HASH = "root_hash"
 _CONSOLIDATED = "consolidated_metadata"
+_CODECS = {"bytes", "vlen-utf8", "zstd"}
 _ELSEWHERE = (
     "irg run with the scene that made it makes it again; or restore it from a backup, or write to "
     "another store"
@@ -143,25 +144,29 @@ def _require_small(file: Path) -> None:
 
 
 def require_likely(place: Place, root: Root) -> None:
-    """Refuse a root of more points than a store has, or of arrays that do not fit its axes.
+    """Refuse a root of more points than a store has, or of other arrays than a store has.
 
-    The arrays are made as large as it says, before a chunk of them is read. And codecs of Zarr 2
-    may unpickle chunks, which would run the code of whoever wrote them.
+    The arrays are made as large as it says, before a chunk of them is read. Codecs of Zarr 2 may
+    unpickle chunks, those of Zarr 3 are looked up among all that is installed, and a name with a
+    slash would lead out of the store.
     """
     try:
         sizes = {name: len(values) for name, values in root.axes.items()}
         fits = all(
             array["zarr_format"] == 3
             and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
-            for array in root.arrays.values()
+            and {codec["name"] for codec in array["codecs"]} <= _CODECS
+            and (name in sizes or not is_coordinate(name))
+            and "/" not in name
+            for name, array in root.arrays.items()
         )
         points = math.prod(root.arrays["status"]["shape"])
     except (KeyError, TypeError, AttributeError):
         fits, points = False, 0
     if not fits:
         raise StoreError(
-            f"{place}: {ROOT} is damaged: its arrays are not of Zarr 3 and of the sizes of its "
-            f"axes; {_ELSEWHERE}"
+            f"{place}: {ROOT} is damaged: its arrays are not of Zarr 3, or not those of a "
+            f"store, of the sizes of its axes; {_ELSEWHERE}"
         )
     if points > MOST_POINTS:
         raise StoreError(

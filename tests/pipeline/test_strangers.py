@@ -58,7 +58,10 @@ def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("done")
     (folder / "small.toml").write_text(SCENE)
     commit_all(folder / "small.zarr", pipeline.load_scene(folder / "small.toml"))
-    unknown = {"friction.coefficient": {"mean": 0.1, "sd": 0.005}}
+    unknown = {
+        "friction.coefficient": {"mean": 0.1, "sd": 0.005},
+        "temperature.critical": {"from": "120 degC", "to": "170 degC"},
+    }
     drawn = {
         "unknown": unknown,
         "sweep.samples": 16,
@@ -243,6 +246,16 @@ def test_a_store_of_samples_runs_nothing(strangers, done, ran, irg, command):
     assert not [*strangers.glob("out*")]
 
 
+def test_the_user_s_word_is_not_for_the_scene_that_a_store_names(strangers, done, ran, irg):
+    store = forged(done, strangers, "samples.zarr", "share")
+    root = read_root(place_of(strangers / store))
+    root.attributes["arguments"] = [str(strangers / "wear.toml"), "--own-laws"]
+    (strangers / store / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    goal = ["--over", "temperature.critical", *AT, "--risk", "30%"]
+    assert "code runs only if you say so" in irg("design", store, *goal, "--own-laws")
+    assert not ran()
+
+
 def test_a_store_whose_chunks_would_be_unpickled_is_refused(strangers, done, ran, irg):
     store = forged(done, strangers, "small.zarr", "share")
     root = read_root(place_of(strangers / store))
@@ -262,6 +275,34 @@ def test_a_store_whose_chunks_would_be_unpickled_is_refused(strangers, done, ran
     for command in ("status", "verify", "boundary", "report", "explore"):
         assert "are not of Zarr 3" in irg(command, store, code=2)
     assert not ran()
+
+
+@pytest.mark.parametrize("name", ["{folder}/outside", "../outside", "deep/load", "message"])
+def test_a_store_names_no_files_outside_it_and_no_codecs_of_others(strangers, done, irg, name):
+    store = forged(done, strangers, "small.zarr", "share")
+    root = read_root(place_of(strangers / store))
+    forged_array = {**root.arrays["message"], "codecs": [{"name": "numcodecs.json2"}]}
+    entry = {"message": forged_array}.get(name, root.arrays["load"])
+    root.arrays[name.format(folder=strangers)] = entry
+    (strangers / store / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    for words in (["status"], ["verify", "--repair"], ["boundary"]):
+        assert "not those of a store" in irg(words[0], store, *words[1:], code=2)
+    assert not (strangers / "outside").exists()
+
+
+def test_a_store_s_links_lead_nobody_to_write_elsewhere(strangers, done, irg):
+    store = strangers / forged(done, strangers, "small.zarr", "share")
+    own = strangers / "own.txt"
+    own.write_text("mine")
+    (store / "load/zarr.json").write_text("{}")
+    (store / "load/zarr.json.partial").symlink_to(own)
+    irg("verify", store, "--repair", code=1)
+    assert own.read_text() == "mine"
+    (store / "message").rename(strangers / "message")
+    (store / "message").symlink_to(strangers / "message")
+    (store / "message/zarr.json").write_text("{}")
+    assert "is a link to another folder" in irg("verify", store, "--repair", code=2)
+    assert (strangers / "message/zarr.json").read_text() == "{}"
 
 
 def test_no_function_runs_what_a_store_names(strangers, done, ran):
