@@ -32,6 +32,7 @@ _LARGEST = 2**28  # bytes of a root
 _HASH = "root_hash"
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = {"bytes", "vlen-utf8", "zstd"}
+_KINDS = {"name": str, "title": str, "scene": dict, "conditions": dict, "versions": dict}
 _ELSEWHERE = (
     "irg run with the scene that made it makes it again; or restore it from a backup, or write to "
     "another store"
@@ -157,9 +158,12 @@ def require_likely(place: Place, root: Root) -> None:
             and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
             and {codec["name"] for codec in array["codecs"]} <= _CODECS
             and (name in sizes or not is_coordinate(name))
+            and 0 not in array["chunk_grid"]["configuration"]["chunk_shape"]
             and "/" not in name
             for name, array in root.arrays.items()
         )
+        fits &= all(isinstance(root.attributes[name], kind) for name, kind in _KINDS.items())
+        fits &= {"checksum", "load"} <= root.arrays.keys() and "generation" in root.attributes
         points = math.prod(root.arrays["status"]["shape"])
     except (KeyError, TypeError, AttributeError):
         fits, points = False, 0

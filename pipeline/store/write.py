@@ -71,8 +71,11 @@ class Store:
     ) -> None:
         self.place, self.root, self.lock = place, root, lock
         self.attributes, self.axes = root.attributes, root.axes
-        self.simulated = Simulated.of(root.attributes)
-        self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
+        try:
+            self.simulated = Simulated.of(root.attributes)
+            self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
+        except (ValueError, TypeError, KeyError) as error:  # of what Zarr cannot be
+            raise StoreError(f"{place}: {ROOT} describes no store: {error}") from error
         status = self.arrays["status"]
         self.dims: tuple[str, ...] = status.metadata.dimension_names
         self.block: tuple[int, ...] = status.chunks

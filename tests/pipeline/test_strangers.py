@@ -15,6 +15,7 @@ from pipeline.store.place import place_of
 from pipeline.store.root import read_root, root_document
 from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws
 from pipeline.tradeoff.choose import at_accuracy
+from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
@@ -167,6 +168,13 @@ def test_looking_at_a_folder_of_strangers_runs_nothing(strangers, done, ran, irg
     assert irg("status", "small.zarr", "--json")["done"] == 9
     assert irg("verify", "small.zarr", "--json")["damaged"] == []
     assert not ran()
+
+
+def test_settings_of_matplotlib_in_a_folder_of_strangers_are_not_read(strangers):
+    (strangers / "matplotlibrc").write_text("text.usetex: True\nbackend: module://payload\n")
+    code = "from pipeline.cli import main; main(['status', '.']); from matplotlib import rcParams"
+    done = python("-c", f"{code}; print(rcParams['text.usetex'])", cwd=strangers)
+    assert done.stdout.endswith("False\n")
 
 
 @pytest.mark.parametrize("kind", [WEAR, SURFACE, CRITERION])
