@@ -15,7 +15,6 @@ from pipeline.analysis.dataset import asked, dataset_of, end_of_point, require_o
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import outcomes
-from pipeline.analysis.wear_rate import own_wear_rate
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.own_laws import OwnLawError
@@ -101,19 +100,11 @@ def diff(
 
 def _entries(a: xr.Dataset, b: xr.Dataset) -> Table:
     """Entries that differ, in the order of the scene."""
-    values = [entries_of(attributes_of(ds) | _wear_rates(ds)) for ds in (a, b)]
+    values = [entries_of(attributes_of(ds)) for ds in (a, b)]
     columns = Column("entry", "entry"), Column("a", "A"), Column("b", "B")
     paths = dict.fromkeys([*values[0], *values[1]])
     rows = ((path, *(entries.get(path) for entries in values)) for path in paths)
     return Table(columns, tuple(row for row in rows if row[1] != row[2]))
-
-
-def _wear_rates(ds: xr.Dataset) -> dict[str, list[float]]:
-    """Ends of the wear rates that a sweep answers for [m²/N], if it has several."""
-    if "wear_rate" not in ds.coords:
-        return {}
-    rates = [*ds["wear_rate"].values.tolist(), own_wear_rate(ds)]
-    return {"wear_rates": [min(rates), max(rates)]}
 
 
 def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> Table:

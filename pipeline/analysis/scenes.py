@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, entry_dims
+from pipeline.analysis.dataset import dataset_of, entry_dims, with_wear_rates
 from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import display
 from pipeline.scene.units import to_si
@@ -80,10 +80,15 @@ def taken(
 
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
     """The sweep of each scene: with each combination of the values of its entries."""
-    ds = dataset_of(ds)
+    return map(dataset_of, with_all_wear_rates(ds))
+
+
+def with_all_wear_rates(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
+    """The sweep of each scene at all its wear rates."""
+    ds = with_wear_rates(ds)
     names = entry_dims(ds)
     for places in np.ndindex(*(ds.sizes[name] for name in names)):
-        yield dataset_of(ds.isel(dict(zip(names, places, strict=True))))
+        yield ds.isel(dict(zip(names, places, strict=True)))
 
 
 def by_scene(

@@ -7,7 +7,8 @@ import itertools
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.wear_rate import own_wear_rate
+from pipeline.analysis.dataset import own_wear_rate
+from pipeline.sweep.variants import WEAR_RATE
 from tribo.types import Array, Mask
 
 
@@ -34,12 +35,13 @@ def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
             None if value is None else reader.position(name, value * scale.get(name, 1))
             for value in values
         ]
+    if rate:  # interpolated between all of them
+        places |= {name: [*reader.positions(name)] for name in reader.dims if name == WEAR_RATE}
     indices = set()
     for found in np.argwhere(suspects).tolist():
         at = dict(zip(dims, found, strict=True))
-        index = tuple(places[name][at.get(name, 0)] for name in reader.dims)
-        if None not in index:
-            indices.add(index)
+        here = ([places[k][at[k]]] if k in at else places[k] for k in reader.dims)
+        indices |= {index for index in itertools.product(*here) if None not in index}
     reader.require_sound(indices)
 
 

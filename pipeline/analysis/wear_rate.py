@@ -1,8 +1,8 @@
-"""A stored sweep at another wear rate, where it was computed for several.
+"""A stored sweep at another wear rate, where its table of variants has several.
 
-A point at the velocity V and the sweep's own rate k has the contacts of V' = Vk/k' at the rate k'.
-Heat was taken on them at some rates; between these the logarithm of the rise is interpolated over
-that of the rate, as it is between velocities.
+A point at the velocity V and the sweep's own rate k has the contacts of V' = Vk/k' at the rate k',
+so that rows at several rates share contacts. Between them the logarithm of the rise is interpolated
+over that of the rate, as it is between velocities.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.dataset import dataset_of, has_plane, own_wear_rate, with_wear_rates
 from pipeline.scene.quantities import display, in_si
 from pipeline.store.place import PathLike
+from pipeline.sweep.variants import WEAR_RATE
 from tribo import InputError
 from tribo.types import Array
 
@@ -57,33 +58,34 @@ def at_wear_rate(ds: xr.Dataset | PathLike, wear_rate: float | str | None) -> xr
     tribo.errors.InputError: wear_rate is 2e-06 mm³/(N m); the sweep was computed for its own \
 rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into another store
     """
-    ds = dataset_of(ds)
+    rows, ds = with_wear_rates(ds), dataset_of(ds)
     if wear_rate is None:
         return ds
     rate = in_si("wear_rate", wear_rate, _EXAMPLE)
+    if not has_plane(ds):
+        raise InputError(
+            f"wear_rate is {display(rate, 'mm³/(N m)', 4)}, but these samples have it as an input; "
+            f'give --at "wear.specific_wear_rate={rate * 1e9:g} mm^3/(N m)", in Python '
+            "pipeline.Ensemble.of"
+        )
     attributes = attributes_of(ds)
     stored_rate = own_wear_rate(ds)
     if rate == stored_rate:
         return ds.assign_attrs(wear_rate=rate)
-    _require_known(rate, stored_rate, ds)
-    rates, order = np.unique([*ds["wear_rate"].values, stored_rate], return_index=True)
+    _require_known(rate, stored_rate, rows)
 
     def at_rate(name: str) -> xr.DataArray:
-        others = ds[f"{name}_at_wear_rate"]
-        dims = [dim for dim in others.dims if dim != "wear_rate"]
-        at_others, stored = others.transpose(..., "wear_rate"), ds[name].transpose(*dims)
-        values = np.concatenate([at_others.values, stored.values[..., None]], axis=-1)
-        rise = _power_law(rates, values[..., order], rate)
-        return xr.DataArray(rise, dims=dims, attrs=ds[name].attrs).transpose(*ds[name].dims)
+        values = rows[name].transpose(*ds[name].dims, WEAR_RATE).values
+        return ds[name].copy(data=_power_law(rows[WEAR_RATE].values, values, rate))
 
     quantile = at_rate("rise_quantile")
     highest = quantile.isel(cooler_share=-1).assign_attrs(ds["max_rise"].attrs)
     scale = stored_rate / rate
     velocities = ds["velocity"] * scale
     own_range = [velocity * scale for velocity in attributes.get("velocities", [])]
-    left_out = [name for name in ds.data_vars if {"wear_rate", "x"} & set(ds[name].dims)]
+    left_out = [name for name in ds.data_vars if "x" in ds[name].dims]
     return (
-        ds.drop_vars([*left_out, "wear_rate"])
+        ds.drop_vars(left_out)
         .assign(
             rise_quantile=quantile,
             mean_rise=at_rate("mean_rise"),
@@ -93,7 +95,7 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
             ),
             pin_heat_share=at_rate("pin_heat_share"),
         )
-        .assign_coords(velocity=velocities.assign_attrs(ds["velocity"].attrs))
+        .assign_coords({"velocity": velocities.assign_attrs(ds["velocity"].attrs), WEAR_RATE: rate})
         .assign_attrs(
             wear_rate=rate,
             velocities=json.dumps(own_range),
@@ -102,23 +104,16 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
     )
 
 
-def own_wear_rate(ds: xr.Dataset) -> float:
-    """Specific wear rate of a sweep's scene [m²/N]; 0 where nothing wears."""
-    wear = attributes_of(ds).get("scene", {}).get("wear") or {}
-    return float(wear.get("specific_wear_rate", 0.0))
-
-
-def _require_known(rate: float, stored_rate: float, ds: xr.Dataset) -> None:
+def _require_known(rate: float, stored_rate: float, rows: xr.Dataset) -> None:
     text = f"wear_rate is {display(rate, 'mm³/(N m)', 4)}; the sweep was computed for"
     if not stored_rate:
         raise InputError(f"{text} a pin that does not wear, and has no others")
-    if "wear_rate" not in ds.coords:
+    if WEAR_RATE not in rows.dims:
         raise InputError(
             f"{text} its own rate alone, {display(stored_rate, 'mm³/(N m)', 4)}: give its scene "
             "sweep.wear_rates, and run it into another store"
         )
-    rates = [stored_rate, *ds["wear_rate"].values]
-    low, high = min(rates), max(rates)
+    low, high = rows[WEAR_RATE].values[[0, -1]].tolist()
     if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
         ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
         raise InputError(f"{text} {ends}: give one within")

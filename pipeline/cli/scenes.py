@@ -91,6 +91,7 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
     """The store, or another one, at the entries and the wear rate that the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
     tell_of_another_law(options, ds)
+    ds = pipeline.at_wear_rate(ds, getattr(options, "wear_rate", None))
     wanted = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
     if has_plane(ds):
         ds = pipeline.at_entries(ds, wanted)
@@ -102,7 +103,7 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
                 f"irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
                 "into another store"
             )
-    return pipeline.at_wear_rate(ds, getattr(options, "wear_rate", None))
+    return ds
 
 
 def at_in(options: argparse.Namespace) -> dict[str, Any]:

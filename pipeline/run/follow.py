@@ -70,7 +70,7 @@ def follow_boundary(
     11
     """
     sweep = sweep_of(sweep, own_laws)
-    if sweep.record.wear_rates:
+    if len(sweep.variants.wear_rates) > 1:
         raise InputError(
             "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "
             "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the whole "

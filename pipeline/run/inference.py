@@ -181,7 +181,7 @@ def _at_transitions(sweep: Sweep, transitions: Sequence[Transition], seeds: Vari
     table = rows("test", changes, velocities=velocities, loads=loads) * seeds
     places = {"loads": sorted(set(loads)), "velocities": sorted(set(velocities))}
     plane = {name: tuple(values) for name, values in places.items()}
-    return sweep.changed(variants=table, wear_rates=None, fields=False, chosen=None, **plane)
+    return sweep.changed(variants=table, fields=False, chosen=None, **plane)
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

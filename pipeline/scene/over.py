@@ -17,12 +17,13 @@ from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import Column, Variants, combinations
+from pipeline.sweep.variants import Column, Variants, combinations, wear_rates
 from tribo import InputError, Wear
+from tribo.simulation import inseparable
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = (
-    "loads", "velocities", "variants", "wear_rates", "unequal_bulks", "independent", "steps",
+    "loads", "velocities", "variants", "unequal_bulks", "independent", "steps",
 )  # fmt: skip
 _MOST = 10_000  # combinations, each of which is read as a scene
 _RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
@@ -132,26 +133,42 @@ def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
     return scene
 
 
-def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
-    """Add velocities at which contacts are as worn as at other rates and the scene's velocities.
+def with_rates_of(asked: Mapping[str, float] | None, sweep: Sweep, notes: list[str]) -> Sweep:
+    """The sweep with rows at several wear rates, from the lowest to the highest asked for [m²/N].
 
-    A contact at the velocity V and the scene's own rate k is that at V' and another rate k' where
-    kV = k'V'. So the scene's velocities are covered at every rate where they are from k₁/k times
-    the lowest to k₂/k times the highest; a note names the velocities that are added.
+    Velocities are added so that the scene's are covered at every rate: from k₁/k times the lowest
+    to k₂/k times the highest, where k is the scene's own. A note names them.
     """
-    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
-    wear = sweep.scene.wear
-    if not isinstance(wear, Wear) or sweep.record.wear_rates is None or not moving:
+    if not asked:
         return sweep
-    rate, (low, high) = wear.specific_wear_rate, sweep.record.wear_rates
-    further = [*_beyond(moving[0], low / rate), *_beyond(moving[-1], high / rate)]
+    (low, high), wear = asked.values(), sweep.scene.wear
+    if not isinstance(wear, Wear) or not sweep.scene.wears:
+        reason = inseparable(sweep.scene, ()) if sweep.scene.wear else None
+        raise InputError(
+            f"sweep.wear_rates: {reason or 'nothing wears; give [wear]'}; or leave them out"
+        )
+    own = wear.specific_wear_rate
+    if not low <= own <= high or low == high:
+        ends = " to ".join(display(end, "mm³/(N m)") for end in (low, high))
+        raise InputError(
+            f"sweep.wear_rates: from {ends} does not enclose the scene's own, "
+            f"{display(own, 'mm³/(N m)')}; give a lower and a higher one"
+        )
+    if any(sweep.variant(name).scene.wear != wear for name in sweep.variants.given):
+        raise InputError(
+            "sweep.wear_rates: sweep.over changes the wear, too; leave out one or the other"
+        )
+    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
+    further = [*_beyond(moving[0], low / own), *_beyond(moving[-1], high / own)] if moving else []
     if further:
         ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))
         notes.append(
             f"sweep.wear_rates: {len(further)} velocities down and up to {ends} are added, so that "
             "every wear rate has the scene's velocities"
         )
-    return sweep.changed(velocities=tuple(sorted({*sweep.plane.velocities, *further})))
+    velocities = tuple(sorted({*sweep.plane.velocities, *further}))
+    table = wear_rates(own, low, high) * sweep.variants
+    return sweep.changed(variants=table, velocities=velocities)
 
 
 def _beyond(velocity: float, factor: float) -> list[float]:

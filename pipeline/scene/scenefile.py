@@ -19,7 +19,7 @@ from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
-from pipeline.scene.over import over_of, with_first_values, with_velocities_for_rates
+from pipeline.scene.over import over_of, with_first_values, with_rates_of
 from pipeline.scene.parts import (
     corrections_of,
     loading_of,
@@ -104,8 +104,10 @@ def load_scene(
                     "sweep.realizations and sweep.samples exclude each other; make the surface an "
                     'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
                 )
-            table = samples or over * sweep.variants
-            sweep = sweep.changed(variants=table, notes=tuple(faults.notes))
+            sweep = sweep.changed(variants=samples or over * sweep.variants)
+            if not samples:
+                sweep = with_rates_of(tables["sweep"]["wear_rates"], sweep, faults.notes)
+            sweep = sweep.changed(notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
@@ -147,7 +149,6 @@ class _Reader:
             return None, tables
         made = _scene_of(tables, loading=loading, roughness=roughness, wear=wear, fidelity=fidelity)
         asked, name = tables["sweep"], self.document.file.stem
-        rates = asked["wear_rates"]
         sweep = Sweep(
             scene=made,
             plane=Plane(
@@ -157,9 +158,7 @@ class _Reader:
             ),
             conditions=_conditions_of(tables, made, own_criterion),
             variants=surfaces(realizations),
-            record=Record(
-                asked["fields"], tuple(rates.values()) if rates else None, asked["steps"]
-            ),
+            record=Record(asked["fields"], asked["steps"]),
             about=About(
                 name=name,
                 title=tables["title"] or name,
@@ -176,7 +175,7 @@ class _Reader:
         for body, fault in track_faults(sweep):
             given = "diameter" if entry_at(tables, f"{body}.diameter") else "track_length"
             faults.note(f"{body}.{given}", fault)
-        return with_velocities_for_rates(sweep, faults.notes), tables
+        return sweep, tables
 
     def _own_criterion(self, name: str | None, faults: Faults) -> Own | None:
         """The criterion of a name, if that is code."""

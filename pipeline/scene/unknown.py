@@ -7,6 +7,7 @@ in ten thousand lies.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, cast
@@ -131,9 +132,13 @@ def samples_of(
         number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
         notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
         return None
-    design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep, faults)
+    rates = tables["sweep"]["wear_rates"]
+    design = _design(inputs, layers, tables["sweep"]["sample_seed"], rates, sweep, faults)
     if design is None:
         return None
+    if rates:  # the scene's own is one value of an input that all samples have
+        (rate,) = (one for one in design.inputs if one.path == WEAR_RATE)
+        known += (Fixed(rate, rate.parameters[0]),)
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         notes.append(f"sweep.samples: {count} are computed, which suffice for these unknown inputs")
@@ -163,9 +168,17 @@ def _inputs(
 
 
 def _design(
-    inputs: list[_Input], layers: list[Layer], seed: int, sweep: Sweep, faults: Faults
+    inputs: list[_Input],
+    layers: list[Layer],
+    seed: int,
+    rates: Mapping[str, float] | None,
+    sweep: Sweep,
+    faults: Faults,
 ) -> Design | None:
-    """Rule by which samples are drawn; None where the sweep has no range of velocities."""
+    """Rule by which samples are drawn; None where the sweep has no range of velocities.
+
+    Of a scene that is to answer for several wear rates they reach beyond the lowest and highest.
+    """
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:
         problem = "samples need friction, and two velocities above 0, between which each has one"
@@ -179,14 +192,31 @@ def _design(
         if layer != "conditions"
     ]
     rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
-    if separable and rate and "wear rate" not in layers:
-        spread = Unknown(WEAR_RATE, "log-normal", (rate, _FACTOR), _OF_RATE)
+    if rates and (fault := _fault_of_rates(rates, rate, WEAR_RATE in {u.path for u, _ in drawn})):
+        faults.note("sweep.wear_rates", fault)
+        return None
+    if (rates or separable) and rate and "wear rate" not in layers:
+        # Both ends are two standard deviations from the scene's own at least.
+        factor = math.sqrt(max(rates["to"] / rate, rate / rates["from"])) if rates else _FACTOR
+        unit = Unit("mm³/(N m)", 1e-9)
+        spread = Unknown(WEAR_RATE, "log-normal", (rate, factor), _OF_RATE, unit)
         drawn.append((spread, "wear rate"))
     if not separable:
         drawn = [(one, "contact" if layer != "heat" else layer) for one, layer in drawn]
     unknown, kinds = tuple(one for one, _ in drawn), tuple(layer for _, layer in drawn)
     group = samples_per_contact(kinds, rate > 0, separable)
     return Design(unknown, kinds, ends, seed, group)
+
+
+def _fault_of_rates(rates: Mapping[str, float], own: float, is_unknown: bool) -> str | None:
+    """Reason why samples do not answer for several wear rates."""
+    if is_unknown:
+        return "the wear rate is unknown, and so the samples have it; leave out one or the other"
+    if not own:
+        return "nothing wears by a rate; leave them out"
+    if not rates["from"] <= own <= rates["to"] or rates["from"] == rates["to"]:
+        return f"they do not enclose the scene's own, {1e9 * own:g} mm³/(N m)"
+    return None
 
 
 def _drawn(

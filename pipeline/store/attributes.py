@@ -18,8 +18,10 @@ from pipeline.sweep.surface import surface_facts
 from pipeline.sweep.variants import Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES
 
-_OPTIONAL = ("coordinates", "fixed", "lubrication", "samples", "sample_seed", "unknown")
-"""Attributes of a scene that a store has only where there are samples, or an oil."""
+_OPTIONAL = (
+    "coordinates", "fixed", "lubrication", "samples", "sample_seed", "unknown", "wear_rates",
+)  # fmt: skip
+"""Attributes of a scene that a store has only where there are samples, wear rates or an oil."""
 
 
 def root_attributes(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -120,6 +122,7 @@ def _of_table(sweep: Sweep) -> dict[str, Any]:
         "realizations": list(table.axes.get("realization", ())),
         "boundary_only": sweep.plane.chosen is not None,
         **({"coordinates": " ".join(along)} if along else {}),
+        **({"wear_rates": [min(rates), max(rates)]} if (rates := table.wear_rates) else {}),
         **(drawn or {}),
     }
 
@@ -178,7 +181,6 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
             "step": list(range(1 - max(steps, len(axes.get("step", []))), 1)),
             "cooler_share": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
-            "wear_rate": list(sweep.rates),
             "x": scenes[0].grid.coordinates(0).tolist(),
             "y": scenes[0].grid.coordinates(1).tolist(),
         }

@@ -138,16 +138,14 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     if stored != wanted:
         have, gives = (", ".join(names) or "none" for names in (stored, wanted))
         yield (
-            f"has other axes, by sweep.over, realizations or samples: {have} in the store, {gives} "
-            "in the scene; they stay what they were at its creation: give the same ones, or write "
-            "to another store"
+            f"has other axes, by sweep.over, wear_rates, realizations or samples: {have} in the "
+            f"store, {gives} in the scene; they stay what they were at its creation: give the same "
+            "ones, or write to another store"
         )
         return
-    rates = root.axes.get("wear_rate", [])
     different = [
         *_differences_of_scenes(root, sweep),
         *differences(root.axes["cooler_share"], list(QUANTILES), "cooler_share"),
-        *differences(rates, list(sweep.rates), "sweep.wear_rates [m²/N]"),
     ]
     if different:
         yield "\n  ".join(["belongs to another scene; write to another store", *different])

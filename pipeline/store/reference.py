@@ -9,7 +9,6 @@ from pipeline.store.schema import (
     AT_END,
     BULK_COLUMNS,
     BULK_FIELDS,
-    RATE_COLUMNS,
     STEPPED,
     VARIABLES,
     is_coordinate,
@@ -70,11 +69,11 @@ at the ends alone.
 
 Write `ds["load"]`: `ds.load` is a method of xarray's. The scene, its hash, the versions and the
 preset are attributes of the dataset. A sweep over `realizations` or `samples` has that dimension in
-front; `over` gives a dimension for each of its entries, by its path.
+front; `over` gives a dimension for each of its entries, by its path, and `wear_rates` the dimension
+`wear_rate`. `pipeline.at_wear_rate` takes a sweep at one of these, or between two.
 """
 _WITH = {
     "Variables of bodies that differ in bulk temperature": BULK_COLUMNS.keys() | BULK_FIELDS,
-    "Variables of sweeps with `wear_rates`": set(RATE_COLUMNS),
 }
 _OTHERS = "Fields at the end of each point", "Variables at each station", "Variables of each point"
 

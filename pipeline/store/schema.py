@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import Column, Variants
+from pipeline.sweep.variants import WEAR_RATE, Column, Variants
 from tribo import WarningKind
 
 FORMAT = 2
@@ -61,7 +61,9 @@ COORDINATES = {
         ("bulk_ratio",), "K", "bulk temperature of the disk less that of the pin, over friction"
     ),
     "wear_rate": Variable(
-        ("wear_rate",), "m^2/N", "specific wear rate for which heat was taken on the contacts"
+        ("wear_rate",),
+        "m^2/N",
+        "specific wear rate; its points slide at the velocity times the scene's own rate over it",
     ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
@@ -102,27 +104,6 @@ BULK_COLUMNS = {
     ),
 }
 """Variables of scenes with unequal bulk temperatures besides `COLUMNS`."""
-RATE_COLUMNS = {
-    "rise_quantile_at_wear_rate": Variable(
-        (*_STEP, "wear_rate", "cooler_share"),
-        "K",
-        f"quantile of the rise at this wear rate and the velocity times the scene's rate over "
-        f"this one, {_RISE}",
-    ),
-    "mean_rise_at_wear_rate": Variable(
-        (*_STEP, "wear_rate"),
-        "K",
-        f"mean rise of the contact at this wear rate and the velocity times the scene's rate "
-        f"over this one, {_RISE}",
-    ),
-    "pin_heat_share_at_wear_rate": Variable(
-        (*_STEP, "wear_rate"),
-        "1",
-        "share of the heat that enters the pin at this wear rate and the velocity times the "
-        "scene's rate over this one",
-    ),
-}
-"""Variables of sweeps that answer for several wear rates besides `COLUMNS`."""
 BULK_FIELDS = {
     "bulk_response": _field(
         "1", "rise of the pin for each kelvin by which the disk's bulk is warmer"
@@ -159,9 +140,9 @@ RECORDS = {
     ),
 }
 
-VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | RATE_COLUMNS | FIELDS | BULK_FIELDS
+VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All that a store may hold."""
-STEPPED = COLUMNS | BULK_COLUMNS | RATE_COLUMNS
+STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
 """Variables at the end of a point."""
@@ -178,7 +159,7 @@ def is_coordinate(name: str) -> bool:
 
 def is_of_points(dim: str) -> bool:
     """True if a dimension tells points apart."""
-    return dim not in ("step", "cooler_share", "bulk_ratio", "wear_rate", "x", "y")
+    return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y")
 
 
 def stored_columns(table: Variants) -> list[Column]:
@@ -198,13 +179,11 @@ def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     """Variables of the store of a sweep, with fields at the end of each point or without."""
     table = {column.name: _variable_of(column) for column in stored_columns(sweep.variants)}
     front, placed = tuple(sweep.variants.axes), frozenset(table)
-    absent = {*LEADING}
+    absent = {*LEADING, WEAR_RATE}
     if not with_fields:
         absent |= {"x", "y", *AT_END}
     if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
-    if not sweep.rates:
-        absent |= {"wear_rate", *RATE_COLUMNS}
     for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue

@@ -36,6 +36,10 @@ class Reader:
     def __deepcopy__(self, _: Any) -> Reader:
         return self
 
+    def positions(self, name: str) -> range:
+        """All places along a dimension of the store."""
+        return range(len(self._store.axes[name]))
+
     def position(self, name: str, value: Any) -> int | None:
         """Place of a value along a dimension of the store; None if it has none."""
         axis = self._store.axes[name]

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
-
-import numpy as np
 
 from pipeline.sweep.about import About
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.contacts import Lead, leads_of
 from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
-from pipeline.sweep.variants import Part, Variant, Variants
+from pipeline.sweep.variants import WEAR_RATE, Part, Variant, Variants
 from tribo import InputError, MeasuredLoad, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import inseparable
-
-# Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
-# them were off by up to 0.1 to 0.3 %, as with more of them: by the elements on which a quantile is.
-_RATE_RATIO = 2.0
 
 
 class Point(NamedTuple):
@@ -30,7 +23,8 @@ class Point(NamedTuple):
     load : float
         Normal load on the whole pin [N].
     velocity : float
-        Sliding velocity [m/s].
+        Sliding velocity [m/s]; in a row at another wear rate that of its contact at the scene's
+        own, see `Sweep.velocity_of`.
     variant : tuple of (str, number or str)
         Dimensions in front of load and velocity, with the point's value of each: ``realization``
         (seed of the random surface), ``sample`` (its number), or the path of an entry.
@@ -94,9 +88,6 @@ class Record:
     ----------
     fields : bool
         True if the fields at the end of each point are kept.
-    wear_rates : tuple of float or None
-        Lowest and highest specific wear rate between which heat is taken on each contact, beside
-        the scene's own [m²/N]; None for that alone.
     steps : str, int or None
         Stations of each point: ``"loads"``, so many, ``"all"``, or ``"end"`` for those alone that
         decide; None for what is usual, see `pipeline.sweep.stations`.
@@ -105,7 +96,6 @@ class Record:
     """
 
     fields: bool = False
-    wear_rates: tuple[float, float] | None = None
     steps: str | int | None = None
     stations: dict[str, Any] | None = None
 
@@ -161,7 +151,7 @@ class Sweep:
                 f'sweep.steps is "loads", and {fault}: a higher load does not pass through the end '
                 'of a lower one; give a number, "all" or "end"'
             )
-        if fault := self._fault_of_wear_rates():
+        if self.variants.wear_rates and (fault := self._fault_of_wear_rates()):
             raise InputError(f"sweep.wear_rates: {fault}")
 
     def _fault_of_loads(self) -> str | None:
@@ -171,28 +161,17 @@ class Sweep:
         return "the load is held" if self.scene.loading.hold else None
 
     def _fault_of_wear_rates(self) -> str | None:
-        """Reason why the points cannot answer for other wear rates, and what to do."""
-        if self.record.wear_rates is None:
-            return None
-        low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.record.wear_rates)
-        if self.scene.wear is None or not self.scene.wears:
-            return "nothing wears; give [wear], or leave them out"
-        if not isinstance(self.scene.wear, Wear):
-            return f"{inseparable(self.scene, ())}; change that, or leave them out"
-        usual = self.scene.wear.specific_wear_rate
-        if not self.record.wear_rates[0] <= usual <= self.record.wear_rates[1] or low == high:
-            return (
-                f"from {low} to {high} does not enclose the scene's own, {1e9 * usual:g} "
-                "mm³/(N m); give a lower and a higher one"
-            )
-        if not self.variants.has_plane:
-            return "samples draw what is not known themselves; leave out one or the other"
+        """Reason why rows at several wear rates have not one contact, and what to do."""
+        if not isinstance(self.scene.wear, Wear) or not self.scene.wears:
+            return "nothing wears by a rate; leave them out"
         if self.scene.unequal_bulks:
             return "the bulk temperatures are unequal; give one, or leave them out"
         if not self.scene.friction_heat:
             return "there is no friction, and so no heat; give friction.coefficient above 0"
-        rates = (usual, *self.record.wear_rates)
-        velocities = [speed * usual / rate for speed in self.plane.velocities for rate in rates]
+        own, rates = self.scene.wear.specific_wear_rate, self.variants.wear_rates
+        if own not in rates:
+            return f"the scene's own, {1e9 * own:g} mm³/(N m), is none of them; give it, too"
+        velocities = [speed * own / rate for speed in self.plane.velocities for rate in rates]
         if reason := inseparable(self.scene, velocities):
             return f"{reason}; change that, or leave them out"
         return None
@@ -214,20 +193,6 @@ class Sweep:
             ("fidelity", self.about.preset or "of its own"),
             *on_conditions(self.conditions),
         ]
-
-    @property
-    def rates(self) -> tuple[float, ...]:
-        """Other wear rates than the scene's own, for which heat is taken on contacts [m²/N].
-
-        They are ascending, and even in the logarithm; none if the own is all there is.
-        """
-        if not isinstance(self.scene.wear, Wear) or self.record.wear_rates is None:
-            return ()
-        low, high = self.record.wear_rates
-        count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
-        rates = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
-        usual = self.scene.wear.specific_wear_rate
-        return tuple(rate for rate in rates if not math.isclose(rate, usual, rel_tol=1e-6))
 
     @property
     def ramps(self) -> int:
@@ -260,7 +225,7 @@ class Sweep:
         """For each row of the table, the first with the same contacts; see `Lead`."""
         if self._leads is None:
             table = self.variants
-            scenes = ((name, self.variant(name).scene) for name in table.names)
+            scenes = ((name, self._of_contact(name).scene) for name in table.names)
             found = leads_of(scenes, table.velocities, self.plane.velocities)
             object.__setattr__(self, "_leads", found)
         return self._leads or {}
@@ -270,6 +235,21 @@ class Sweep:
         lead = self.leads.get(point.variant)
         velocity = lead and lead.velocity_for(point.velocity)
         return point[1:] if lead is None or velocity is None else (velocity, lead.variant)
+
+    def _of_contact(self, name: Variant) -> Self:
+        """The sweep of one row at the wear rate by which its contacts have their velocities."""
+        if not (self.variants.wear_rates and isinstance(self.scene.wear, Wear)):
+            return self.variant(name)
+        own = self.scene.wear.specific_wear_rate
+        return self.variant(name).with_part((("wear.specific_wear_rate", own),))
+
+    def velocity_of(self, point: Point) -> float:
+        """Sliding velocity at a point [m/s]: at other wear rates, where its contact is the same."""
+        rate = dict(point.variant).get(WEAR_RATE)
+        if not isinstance(self.scene.wear, Wear) or not isinstance(rate, float):
+            return point.velocity
+        own = self.scene.wear.specific_wear_rate
+        return point.velocity if rate == own else point.velocity * own / rate
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s]; not if the load is a record."""

@@ -24,7 +24,7 @@ from pipeline.sweep.description import as_html, as_lines, on_point
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Variant
-from tribo import BULK_RATIOS, QUANTILES, Ramp, Scene, State, Wear, measures, warnings
+from tribo import BULK_RATIOS, QUANTILES, Ramp, Scene, State, measures, warnings
 from tribo.simulation import PointWarning, contacts, heat, heated, leads_to, start
 from tribo.types import Array
 
@@ -327,13 +327,14 @@ def _simulated(
         if contact.on_trunk:
             state = replace(contact.history or contact, heat=None)
         if contact.index in asked or contact.normal_load >= load or contact.is_asked:
-            places = [(run.scene, point.velocity) for run, point in zip(runs, points, strict=True)]
+            velocities = map(sweep.velocity_of, points)
+            places = [(run.scene, speed) for run, speed in zip(runs, velocities, strict=True)]
             heats = {place: _with_heat(*place, contact, first) for place in dict.fromkeys(places)}
-            for variant, point, run, place in zip(variants, points, runs, places, strict=True):
+            for variant, run, place in zip(variants, runs, places, strict=True):
                 hot = heats[place]
                 if hot.heat is not None:
                     run.states.append(hot)
-                    run.records.append(_record(variant, hot, point.velocity))
+                    run.records.append(_record(variant, hot))
         if progress:
             progress(number_of_step, steps)
     if not goes_on and trunk.state.normal_load >= load:
@@ -354,19 +355,6 @@ def _with_heat(scene: Scene, velocity: float, contact: State, first: float) -> S
     return contact
 
 
-def _at_wear_rates(sweep: Sweep, state: State, velocity: float) -> dict[str, Array]:
-    """Heat on a contact at the velocities at which other wear rates have it."""
-    wear = sweep.scene.wear
-    if not isinstance(wear, Wear) or not sweep.rates:
-        return {}
-    usual = wear.specific_wear_rate
-    heats = [heat(sweep.scene, state, velocity * usual / rate) for rate in sweep.rates]
-    return {
-        f"{name}_at_wear_rate": np.array([getattr(one, name) for one in heats])
-        for name in ("rise_quantile", "mean_rise", "pin_heat_share")
-    }
-
-
 def stacked_columns(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
     """Columns of a point at some of its states, as in `PointResult.columns`."""
     return _stacked([_record(sweep, state) for state in states])
@@ -376,10 +364,10 @@ def _stacked(records: Sequence[Record]) -> dict[str, Array]:
     return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
-def _record(sweep: Sweep, state: State, velocity: float | None = None) -> Record:
+def _record(sweep: Sweep, state: State) -> Record:
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     record: dict[str, float | Array] = {**measures(sweep.scene, state), "rise_quantile": quantiles}
     if sweep.scene.unequal_bulks:
         of_bulk = state.heat.bulk_rise_quantile if state.heat else None
         record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if of_bulk is None else of_bulk
-    return record if velocity is None else record | _at_wear_rates(sweep, state, velocity)
+    return record

@@ -18,7 +18,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import stacked_columns, step_count
 from pipeline.sweep.stages import duration
 from pipeline.sweep.stations import Stations
-from tribo import QUANTILES, State
+from tribo import State
 from tribo.simulation import contacts, forget_contacts, heat, leads_to
 
 _HERE = 4  # workers a core; more of them are taken to be on other machines
@@ -126,7 +126,7 @@ def estimate(
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
         steps = [step for step in steps if step[0] <= np.median(sweep.plane.loads)]
-    heated = sum(is_heated for _, is_heated in steps) * (1 + len(sweep.rates))
+    heated = sum(is_heated for _, is_heated in steps)
     chains = math.ceil((points if sweep.plane.independent else ramps) / shared)
     parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
     turns = of_contacts / parallel if sweep.plane.independent else math.ceil(of_contacts / parallel)
@@ -253,7 +253,6 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
     stations = Stations.of(sweep)
     numbers: int = sum(column[0].size for column in stacked_columns(sweep, [state]).values())
-    numbers += len(sweep.rates) * (len(QUANTILES) + 2)
     fields = (
         (3 + sweep.scene.unequal_bulks) * math.prod(sweep.scene.grid.shape) * sweep.record.fields
     )

@@ -185,11 +185,13 @@ class Ensemble:
         changed = with_conditions(at, changed)
         conditions = conditions_of(ds, **changed)
         unknown = tuple(Unknown.from_dict(quantity) for quantity in about["unknown"])
-        fixed = fixed_at(unknown, at, changed, conditions)
+        stored = tuple(map(Fixed.from_dict, about.get("fixed", ())))
+        paths = [quantity.path for quantity in design.inputs]
+        movable = [one for one in stored if one.unknown.path in paths]
+        fixed = fixed_at(unknown, movable, at, changed, conditions)
         ds = ds.sortby("load").isel(sample=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
-        paths = [quantity.path for quantity in design.inputs]
         is_drawn = SHARE in paths and "share" not in changed
         shares = inputs[:, paths.index(SHARE)] if is_drawn else None
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
@@ -222,7 +224,7 @@ class Ensemble:
             tests=tests,
             hold=hold,
             rises_by_hold=by_hold,
-            fixed=(*map(Fixed.from_dict, about.get("fixed", ())), *fixed),
+            fixed=tuple({one.unknown.path: one for one in (*stored, *fixed)}.values()),
             missing=int(np.count_nonzero(~done)),
             same_rig=bool(about.get("same_rig", True)),
             velocity_error=velocity_error(about),

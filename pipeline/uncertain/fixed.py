@@ -54,12 +54,16 @@ def with_conditions(at: Mapping[str, float | str], changed: Mapping[str, Any]) -
 
 def fixed_at(
     unknown: Sequence[Unknown],
+    stored: Sequence[Fixed],
     at: Mapping[str, float | str],
     changed: Mapping[str, Any],
     conditions: Conditions,
 ) -> tuple[Fixed, ...]:
-    """Unknown inputs that a condition or a value fixes."""
-    by_path = {one.path: one for one in unknown}
+    """Unknown inputs that a condition or a value fixes, besides what the samples have fixed.
+
+    Of these, an input that the samples have may be fixed at another value.
+    """
+    by_path = {one.path: one for one in (*(one.unknown for one in stored), *unknown)}
     for path in at:
         if path not in by_path and path not in _CONDITIONS:
             raise InputError(

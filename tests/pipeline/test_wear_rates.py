@@ -4,20 +4,22 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.scene.over import with_velocities_for_rates
+from pipeline.scene.over import with_rates_of
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.sweep.criterion import worst_rises
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import chains, points, run_points
+from pipeline.sweep.variants import Variants, wear_rates
 from tests.helpers import tiny
 from tests.helpers.javascript import run
 from tests.helpers.scenes import SCENE
-from tribo import Fidelity, InputError, Motion, Ramp, Wear
+from tribo import Fidelity, InputError, Motion, Wear
 
-RATES = (0.6e-15, 2.4e-15)
-SWEEP = tiny.sweep(wear_rates=RATES, fidelity={"contact_tolerance": 1e-6}).changed(
+OWN, RATES = 1.2e-15, (0.6e-15, 2.4e-15)
+SWEEP = tiny.sweep(fidelity={"contact_tolerance": 1e-6}).changed(
     loads=(300.0, 600.0),
     velocities=(1.0, 1.25, 1.6, 2.0),
+    variants=wear_rates(OWN, *RATES),
 )
 
 
@@ -25,13 +27,16 @@ SWEEP = tiny.sweep(wear_rates=RATES, fidelity={"contact_tolerance": 1e-6}).chang
 def store(tmp_path_factory):
     path = tmp_path_factory.mktemp("rates") / "rates.zarr"
     with writing(path, SWEEP) as store, np.errstate(all="raise", under="ignore"):
-        store.commit([run_point(SWEEP, *point).record(False) for point in points(SWEEP)])
+        for chain in chains(points(SWEEP), SWEEP):
+            for load in SWEEP.plane.loads:
+                at_load = [point for point in chain if point.load == load]
+                store.commit([one.record(False) for one in run_points(SWEEP, at_load)])
     return path
 
 
 def direct(rate, load, velocity):
     """Deciding rise of a point that is simulated with a wear rate of its own."""
-    scene = SWEEP.changed(wear=Wear(rate), wear_rates=None)
+    scene = SWEEP.changed(wear=Wear(rate), variants=Variants())
     columns = pipeline.run_point(scene, load, velocity).columns
     return float(worst_rises(columns, load, scene.conditions))
 
@@ -51,26 +56,23 @@ def test_a_rise_at_another_rate_is_that_of_a_simulation_with_it(store, rate):
 
 
 def test_heat_is_taken_at_rates_no_more_than_twice_as_high_as_the_next():
-    assert SWEEP.rates == RATES  # and the scene's own between them
-    wide = SWEEP.changed(wear_rates=(0.3e-15, 4.8e-15))
-    assert wide.rates == pytest.approx((0.3e-15, 0.6e-15, 2.4e-15, 4.8e-15))
-    beside = SWEEP.changed(wear_rates=(1.2e-15, 3e-15)).rates
-    assert beside[-1] == 3e-15
-    assert len(beside) == 2
+    assert SWEEP.variants.wear_rates == (OWN, *RATES)
+    wide = wear_rates(OWN, 0.3e-15, 4.8e-15).wear_rates
+    assert wide == pytest.approx((OWN, 0.3e-15, 0.6e-15, 2.4e-15, 4.8e-15))
+    assert wear_rates(OWN, OWN, 3e-15).wear_rates[::2] == (OWN, 3e-15)
+
+
+def test_rows_at_all_rates_share_the_contacts_of_the_scenes_own():
+    assert len(chains(points(SWEEP), SWEEP)) == len(SWEEP.plane.velocities)
+    assert {SWEEP.contact_of(point)[0] for point in points(SWEEP)} == {*SWEEP.plane.velocities}
 
 
 def test_the_rate_of_the_scene_is_one_of_them(store):
     ds = pipeline.open_sweep(store)
-    unchanged = pipeline.at_wear_rate(ds, "1.2e-6 mm^3/(N m)")
-    assert unchanged["rise_quantile"].identical(ds["rise_quantile"])
-    assert pipeline.at_wear_rate(ds, None).identical(ds)
-
-
-def test_rises_are_known_from_when_the_load_is_reached_on():
-    held = SWEEP.changed(loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=2))
-    columns = run_point(held, 600.0, 1.25).columns
-    assert columns["time"].tolist() == [4.0, 6.0]
-    assert np.isfinite(columns["mean_rise_at_wear_rate"]).all()
+    own = pipeline.boundary(ds)["critical_velocity"]
+    for rate in ("1.2e-6 mm^3/(N m)", None):
+        assert pipeline.boundary(pipeline.at_wear_rate(ds, rate))["critical_velocity"].equals(own)
+    assert own.equals(pipeline.boundary(ds.sel(wear_rate=[OWN]))["critical_velocity"])
 
 
 def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
@@ -80,16 +82,15 @@ def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
     assert "6e-07 mm³/(N m) to 2.4e-06 mm³/(N m)" in irg(*margin, "3e-6 mm^3/(N m)", code=2)
 
 
-def test_a_store_keeps_the_wear_rates_of_its_creation(store):
-    other = SWEEP.changed(wear_rates=(1e-15, 2e-15))
-    for sweep in (other, SWEEP.changed(wear_rates=None)):
-        with pytest.raises(StoreMismatchError, match="wear_rates"), writing(store, sweep):
-            pass
+def test_a_store_of_several_wear_rates_stays_one(store):
+    alone = SWEEP.changed(variants=Variants())
+    with pytest.raises(StoreMismatchError, match="wear_rates"), writing(store, alone):
+        pass
 
 
 def test_velocities_are_added_so_that_each_rate_has_those_of_the_scene():
-    notes = []
-    wider = with_velocities_for_rates(SWEEP, notes)
+    notes, rates = [], dict(zip(("from", "to"), RATES, strict=True))
+    wider = with_rates_of(rates, SWEEP.changed(variants=Variants()), notes)
     ends = wider.plane.velocities[0], wider.plane.velocities[-1]
     assert ends == (0.5, 4.0)
     assert set(SWEEP.plane.velocities) < set(wider.plane.velocities)
@@ -100,8 +101,8 @@ def test_velocities_are_added_so_that_each_rate_has_those_of_the_scene():
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"wear": None}, "nothing wears"),
-        ({"wear_rates": (2e-15, 3e-15)}, "does not enclose"),
+        ({"wear": None}, "without specific_wear_rate"),
+        ({"variants": wear_rates(2e-15, 2e-15, 3e-15)}, "is none of them"),
         ({"friction_heat": False}, "no friction"),
         ({"unequal_bulks": True}, "bulk temperatures are unequal"),
         ({"fidelity": Fidelity(heat_model="history")}, "heat of all the steps"),
@@ -117,8 +118,10 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
     scene = tmp_path / "rates.toml"
     rates = 'wear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
     scene.write_text(SCENE.replace("[sweep]", f"[sweep]\n{rates}"))
+    with pytest.raises(pipeline.SceneFileError, match="does not enclose"):
+        pipeline.load_scene(scene, overrides={"sweep.wear_rates.from": "2e-6 mm^3/(N m)"})
     sweep = pipeline.load_scene(scene)
-    assert sweep.record.wear_rates == pytest.approx((1e-15, 2e-15))
+    assert sweep.variants.wear_rates == pytest.approx((OWN, 1e-15, 2e-15))
     cost = pipeline.estimate(sweep, workers=1)
     assert cost.temperatures == 3 * len(sweep.plane.loads) * len(sweep.plane.velocities)
     assert "own wear rate alone" in irg(

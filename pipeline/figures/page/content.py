@@ -23,14 +23,16 @@ from pipeline.analysis.dataset import (
     corrected_sweep,
     end_of_point,
     ordered,
+    own_wear_rate,
     plane_of,
     values_of,
+    with_wear_rates,
 )
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import outcomes, range_of
-from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
+from pipeline.analysis.wear_rate import at_wear_rate
 from pipeline.figures.overlays import in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
@@ -40,6 +42,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.selection import Selection
+from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion
 from tribo.types import Array, Mask
 
@@ -77,13 +80,13 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     **criterion
         The criterion in place of the sweep's own, and permission to run it.
     """
-    ds = ordered(plane_of(ds))
+    rows, ds = ds, ordered(plane_of(ds))
     attributes = attributes_of(ds)
     conditions = conditions_of(ds, **criterion)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
-    stored, rates = _wear_rates(ds)
-    systems = [corrected_sweep(at_wear_rate(ds, rate), conditions) for rate in rates or (None,)]
+    stored, rates = _wear_rates(rows)
+    systems = [corrected_sweep(at_wear_rate(rows, rate), conditions) for rate in rates or (None,)]
     tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
     status = values_of(ds, "status")
     done = status == DONE
@@ -146,12 +149,11 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
 
 def _wear_rates(ds: xr.Dataset) -> tuple[int, list[float]]:
     """Place of the sweep's own among the wear rates that it answers for, and these [m²/N]."""
-    if "wear_rate" not in ds.coords:
+    kept = with_wear_rates(ds).indexes.get(WEAR_RATE)
+    if kept is None:
         return 0, []
-    stored_rate = own_wear_rate(ds)
-    kept = ds["wear_rate"].values
-    rates = sorted({stored_rate, *kept.tolist(), *np.geomspace(kept.min(), kept.max(), _RATES)})
-    return rates.index(stored_rate), rates
+    rates = sorted({*kept.tolist(), *np.geomspace(kept.min(), kept.max(), _RATES)})
+    return rates.index(own_wear_rate(ds)), rates
 
 
 def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:

@@ -15,8 +15,8 @@ from typing import Any
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, has_plane
-from pipeline.analysis.scenes import entries_in_words, scenes
+from pipeline.analysis.dataset import dataset_of, has_plane, with_wear_rates
+from pipeline.analysis.scenes import entries_in_words, with_all_wear_rates
 from pipeline.analysis.tables import Column, Table, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content
 from pipeline.figures.page.controls import Control, scene_choice, surface_choice
@@ -132,8 +132,8 @@ def explore(
     path = writable_path(out, _SUFFIXES)
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
-    ds = dataset_of(ds)
-    parts, judged = [*scenes(ds)], {"criterion": criterion, "own_laws": own_laws}
+    ds = with_wear_rates(ds)
+    parts, judged = [*with_all_wear_rates(ds)], {"criterion": criterion, "own_laws": own_laws}
     if not has_plane(ds):
         from pipeline.figures.page.samples import content_of_samples  # with its libraries
 
@@ -145,7 +145,7 @@ def explore(
         held = [content(part, most_fields // len(parts), **judged) for part in parts]
         scripts, bodies = _OF_PLANE, [_of_plane(one) for one in held]
     about = attributes_of(ds)
-    names = [entries_in_words(part) for part in parts]
+    names = [entries_in_words(dataset_of(part)) for part in parts]
     write_text(_page(str(about.get("title") or about.get("name")), names, bodies, scripts), path)
     done = sum(one["done"] for one in held)
     fields = [one["fields"] for one in held if "fields" in one]

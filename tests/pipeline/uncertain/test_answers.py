@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain.answers import risk_lines
 from pipeline.uncertain.inputs import Draws
 from pipeline.uncertain.sensitivity import _first_of, indices
@@ -91,6 +91,18 @@ def test_an_input_is_fixed_without_a_new_run_as_if_it_had_been_drawn_so():
     assert pipeline.risk(fixed, 400.0, 2.0).probability == pytest.approx(severe.mean(), abs=0.01)
     free = pipeline.risk(ensemble(), 400.0, 2.0).probability
     assert abs(free - severe.mean()) > 0.03
+
+
+def test_an_input_of_the_samples_that_their_scene_fixed_takes_another_value():
+    of_samples = ensemble()
+    stored = {"fixed": [Fixed(RATE, 1.2e-15).as_dict()]}
+    known = [entry.as_dict() for entry in ALL if entry != RATE]
+    ds = dataset(of_samples).assign_attrs(stored, unknown=known)
+    at = {RATE.path: 2.4e-15}
+    assert [one.value for one in pipeline.Ensemble.of(ds).fixed] == [1.2e-15]
+    moved, drawn_so = pipeline.Ensemble.of(ds, at), pipeline.Ensemble.of(dataset(of_samples), at)
+    assert [one.value for one in moved.fixed] == pytest.approx([2.4e-15])
+    assert pipeline.risk(moved, 400.0, 2.0) == pipeline.risk(drawn_so, 400.0, 2.0)
 
 
 def test_an_input_fixed_by_a_condition_is_not_unknown_any_more():
