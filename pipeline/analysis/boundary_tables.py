@@ -26,7 +26,6 @@ _JUDGED = (
     Column("failing_share", "failing share"),
     Column("criterion", "criterion"),
 )
-_KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
 def tables_of(boundaries: xr.Dataset) -> list[Table]:
@@ -58,7 +57,7 @@ def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Table:
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     """Median, ends of the band, mean and spread of several surfaces, and how many of them cross."""
-    other, kind = name.removeprefix("critical_"), _KINDS[str(variant_of(boundaries))]
+    other, kind = name.removeprefix("critical_"), "surfaces"
     unit = _AXES[other].unit
     low, _, high = (f"{100 * share:g} %" for share in boundaries["quantile"].values)
     heads = ("median", low, high, "mean", "spread")

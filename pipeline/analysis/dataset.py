@@ -12,15 +12,14 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of, portable, with_changes
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import COORDINATES, LEADING
+from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import RISES, at_bulks, columns_needed, corrected
-from pipeline.sweep.variants import WEAR_RATE, Variant
+from pipeline.sweep.variants import VARIANT, WEAR_RATE, Variant
 from tribo import InputError
 from tribo.types import Array
 
 _USUAL = {*COORDINATES, "friction"}
-PLANE = ("load", "velocity")
 _ORDER = (*PLANE, "step", "bulk_ratio", "cooler_share")
 
 
@@ -58,7 +57,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     """
     ds = ordered(open_store(path))
     ds = ds.drop_vars("checksum")
-    words = [name for name in entry_dims(ds) if ds[name].dtype.kind not in "f"]
+    words = [name for name, values in ds.coords.items() if values.dtype.kind == "T"]
     ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
     return ds.drop_attrs(deep=False).assign_attrs(portable(ds.attrs))
 
@@ -98,9 +97,13 @@ def _at_own_wear_rate(ds: xr.Dataset) -> xr.Dataset:
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
-    """Dimensions of entries with several values (``[sweep] over``), by their paths."""
+    """Dimensions of rows that are not drawn, such as entries with several values by their paths."""
     dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
-    return [str(dim) for dim in dims if dim not in _USUAL]
+    return [
+        str(dim)
+        for dim in dims
+        if dim not in _USUAL or (dim == VARIANT and VARIANT not in _drawn(ds))
+    ]
 
 
 def _of_one_scene(ds: xr.Dataset) -> xr.Dataset:
@@ -142,7 +145,7 @@ def require_plane(ds: xr.Dataset) -> None:
 
 def has_plane(ds: xr.Dataset) -> bool:
     """True if all rows share the velocities, and none has one of its own."""
-    return set(ds["velocity"].dims) <= {"velocity"}
+    return all(set(ds[name].dims) <= {name} for name in PLANE)
 
 
 def require_one_scene(ds: xr.Dataset) -> None:
@@ -159,14 +162,19 @@ def require_one_scene(ds: xr.Dataset) -> None:
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
     numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
-    axes = [*numbers, *(name for name in (*LEADING, "load", "velocity") if name in ds.dims)]
+    axes = [*numbers, *(name for name in (*_drawn(ds), *PLANE) if name in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
     return ds.sortby(unsorted) if unsorted else ds
 
 
 def variant_of(ds: xr.Dataset | xr.DataArray) -> str | None:
-    """Dimension of the surfaces or samples: ``"realization"``, ``"sample"`` or none."""
-    return next((name for name in LEADING if name in ds.dims), None)
+    """Dimension of the surfaces or samples: ``"realization"``, ``"variant"`` or none."""
+    return next((name for name in _drawn(ds) if name in ds.dims), None)
+
+
+def _drawn(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
+    """Dimensions of rows that differ by chance; those of the table may be chosen, or samples."""
+    return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
 def values_of(ds: xr.Dataset, name: str) -> Any:
@@ -181,7 +189,7 @@ def _in_order(array: xr.DataArray) -> xr.DataArray:
 def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     """Take the sweep on one of its surfaces by its seed, the first if not given."""
     ds = at_surface(plane_of(ds), realization)
-    return ds.isel({name: 0 for name in LEADING if name in ds.dims})
+    return ds.isel({name: 0 for name in _drawn(ds) if name in ds.dims})
 
 
 def at_surface(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
@@ -197,7 +205,9 @@ def at_surface(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
 
 def drawn_row(ds: xr.Dataset) -> Variant:
     """Seed of the surface, or number of the sample, at which a sweep was taken."""
-    return tuple((name, ds[name].item()) for name in LEADING if name in ds.coords.keys() - ds.dims)
+    return tuple(
+        (name, ds[name].item()) for name in _drawn(ds) if name in ds.coords.keys() - ds.dims
+    )
 
 
 def asked(ds: xr.Dataset) -> xr.DataArray:

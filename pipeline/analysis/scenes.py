@@ -170,13 +170,14 @@ def stacked(results: Sequence[Result], axes: Sequence[xr.DataArray]) -> Result:
     parts: list[Any] = [
         stacked(results[begin : begin + size], axes[1:]) for begin in range(0, len(results), size)
     ]
-    parts = [part.drop_vars(axis.name, errors="ignore") for part in parts]
+    labels = {name: label for name, label in axis.coords.items() if label.dims == axis.dims}
+    parts = [part.drop_vars(labels, errors="ignore") for part in parts]
     options: dict[str, Any] = {"data_vars": "all"} if isinstance(parts[0], xr.Dataset) else {}
     result: Result = xr.concat(
         parts, axis, coords="minimal", compat="override", join="override",
         combine_attrs="drop_conflicts", **options,
     )  # fmt: skip
-    return result
+    return result.assign_coords(labels)
 
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:

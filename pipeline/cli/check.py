@@ -17,10 +17,9 @@ from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.stages import duration
+from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, savings, worker_bytes
 from tribo import lubrication_regime
-
-_COUNTED = {"realization": "surfaces", "sample": "samples"}
 
 
 def check(options: argparse.Namespace) -> Result:
@@ -167,7 +166,7 @@ def _unknown(sweep: Sweep) -> dict[str, Any]:
     return {
         "unknown": [one.as_dict() | {"simulated": one.path in simulated} for one in draw.unknown],
         "fixed": {one.unknown.path: one.value for one in draw.fixed},
-        "samples": len(sweep.variants.axes["sample"]),
+        "samples": len(sweep.variants.axes[VARIANT]),
         "samples_per_contact": draw.design.per_contact,
         "sample_seed": draw.design.seed,
     }
@@ -178,7 +177,7 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
     draw = sweep.variants.draw
     if draw is None:
         return
-    design, count = draw.design, len(sweep.variants.axes["sample"])
+    design, count = draw.design, len(sweep.variants.axes[VARIANT])
     simulated = {one.path for one in design.inputs}
     for one in draw.unknown:
         free = "" if one.path in simulated else "; applied afterwards, at no cost"
@@ -199,8 +198,9 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     """Cost of a sweep."""
     loads = counted(len(sweep.plane.loads), "load", "loads")
     velocities = counted(len(sweep.plane.velocities), "velocity", "velocities")
+    counted_as = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
     variants = "".join(
-        f", {len(values)} {_COUNTED.get(name, f'values of {name}')}"
+        f", {len(values)} {counted_as.get(name, f'values of {name}')}"
         for name, values in sweep.variants.axes.items()
     )
     if searched:

@@ -22,7 +22,6 @@ from pipeline.analysis.boundary import boundary_under
 from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
-    PLANE,
     asked,
     at_surface,
     drawn_row,
@@ -57,7 +56,7 @@ from pipeline.figures.style import (
     plain_numbers,
     title_of,
 )
-from pipeline.store.schema import PENDING
+from pipeline.store.schema import PENDING, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import named

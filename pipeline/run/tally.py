@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError
-from pipeline.store.schema import DONE, FAILED
+from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
@@ -132,14 +132,20 @@ class Tally:
         time_to_go = None
         if self.computed and self._worked:
             pending = asked & (flags != DONE) & (flags != FAILED)
-            durations, velocities = self._durations, self._store.axes["velocity"]
-            axes = self._store.dims.index("load"), self._store.dims.index(self._store.along)
-            rows = np.moveaxis(durations, axes, (-2, -1))
-            expected = np.moveaxis(expected_durations(rows, velocities), (-2, -1), axes)
-            work = float(expected[pending].sum())
+            work = float(self._expected()[pending].sum())
             time_to_go = work * self._seconds_of_work()
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
+
+    def _expected(self) -> Array:
+        """Durations of all points [s], shape of their statuses."""
+        dims, durations = self._store.dims, self._durations
+        axes = [dims.index(self._store.along(name)) for name in PLANE]
+        if axes[0] == axes[1]:  # rows with places of their own
+            durations, axes = durations[np.newaxis], [0, 1 + axes[1]]
+        rows = np.moveaxis(durations, axes, (-2, -1))
+        expected = expected_durations(rows, self._store.axes["velocity"])
+        return np.moveaxis(expected, (-2, -1), axes).reshape(self._durations.shape)
 
     def _seconds_of_work(self) -> float:
         """Time that a second of a worker's work takes, all workers together [s].

@@ -57,6 +57,6 @@ def run_point(
     (False, '158 °C')
     """
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    named = {"realization": realization, "sample": sample}
+    named = {"realization": realization, "variant": sample}
     variant = tuple((name, value) for name, value in named.items() if value is not None)
     return plan.run_point(sweep_of(sweep, own_laws), *place, variant, trunk, progress)

@@ -10,12 +10,12 @@ from importlib import metadata
 from typing import Any
 
 from pipeline.store.identity import describe, scene_hash
-from pipeline.store.schema import FORMAT, stored_columns
+from pipeline.store.schema import FORMAT
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.surface import surface_facts
-from pipeline.sweep.variants import Variants, written_of
+from pipeline.sweep.variants import VARIANT, Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES
 
 _OPTIONAL = (
@@ -111,9 +111,9 @@ def _of_table(sweep: Sweep) -> dict[str, Any]:
     ``coordinates`` is where readers of CF look for coordinates that are not dimensions.
     """
     table = sweep.variants
-    along = [column.name for column in stored_columns(table) if column.along]
+    along = [column.name for column in table.coordinates]
     drawn = table.draw and {
-        "samples": len(table.axes["sample"]),
+        "samples": len(table.axes[VARIANT]),
         "sample_seed": table.draw.design.seed,
         "unknown": [quantity.as_dict() for quantity in table.draw.unknown],
         "fixed": [one.as_dict() for one in table.draw.fixed],
@@ -174,10 +174,9 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
     velocities = plane.velocities if plane.chosen is None else sorted({p.velocity for p in chosen})
     return (
         leading
-        | {"velocity": widened("velocity", velocities)}
+        | {"velocity": widened("velocity", velocities), "load": widened("load", plane.loads)}
         | {name: [*values.values()] for name, values in _followed(axes, table, leading).items()}
         | {
-            "load": widened("load", plane.loads),
             "step": list(range(1 - max(steps, len(axes.get("step", []))), 1)),
             "cooler_share": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
@@ -191,11 +190,9 @@ def _followed(
     axes: Mapping[str, list[Any]], table: Variants, leading: Mapping[str, list[Any]]
 ) -> dict[str, dict[Any, Any]]:
     """Values of columns that follow from a dimension, by the values along it."""
-    labels = {column.name: column.values for column in table.columns}
     followed = {}
-    for column in stored_columns(table):
-        if column.along:
-            known = dict(zip(labels[column.along], column.values, strict=True))
-            known |= zip(axes.get(column.along, ()), axes.get(column.name, ()), strict=True)
-            followed[column.name] = {label: known[label] for label in leading[column.along]}
+    for column, values in table.coordinates.items():
+        known = dict(values)
+        known |= zip(axes.get(column.along, ()), axes.get(column.name, ()), strict=True)
+        followed[column.name] = {label: known[label] for label in leading[column.along]}
     return followed

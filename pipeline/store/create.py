@@ -33,7 +33,7 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.root import MOST_POINTS, Root, find_root, read_root, root_document
-from pipeline.store.schema import variables_of
+from pipeline.store.schema import PLANE, variables_of
 from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Sweep, named
@@ -134,7 +134,7 @@ def _replace_by_larger(place: Place, before: Root, lock: Lock | None, larger: An
 def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     """Reasons why a store is not that of a sweep."""
     dims = root.arrays["status"]["dimension_names"]
-    stored, wanted = dims[: dims.index("load")], [*sweep.variants.axes]
+    stored, wanted = [dim for dim in dims if dim not in PLANE], [*sweep.variants.axes]
     if stored != wanted:
         have, gives = (", ".join(names) or "none" for names in (stored, wanted))
         yield (
@@ -163,6 +163,15 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     names = variables_of(sweep, "pressure" in root.arrays).keys()
     if differing := ", ".join(sorted(names ^ root.arrays.keys())):
         yield f"was made by a version with other variables ({differing}); write to another store"
+    for column, values in sweep.variants.coordinates.items():
+        held = dict(zip(root.axes[column.along], root.axes[column.name], strict=True))
+        for label in values.keys() & held.keys():
+            if held[label] != values[label]:
+                yield (
+                    f"has {column.name} {held[label]} at {column.along} {label}, and the scene "
+                    f"{values[label]}; rows stay what they were: add others behind them, or write "
+                    "to another store"
+                )
 
 
 def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:

@@ -42,14 +42,15 @@ def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     {'load': 12, 'velocity': 30}
     >>> block_of({"load": 12, "velocity": 8334}, 2880)
     {'load': 12, 'velocity': 85}
-    >>> block_of({"sample": 1000, "load": 4}, 1200)
-    {'sample': 256, 'load': 4}
+    >>> block_of({"variant": 1000, "load": 4}, 1200)
+    {'variant': 256, 'load': 4}
     """
     room = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST)
     block = dict.fromkeys(sizes, 1)
-    block["load"] = min(sizes["load"], room)
+    if "load" in sizes:
+        block["load"] = min(sizes["load"], room)
     if "velocity" in sizes:  # to which a search adds others later
-        block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block["load"]))
+        block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block.get("load", 1)))
     for name in set(sizes) - {"load", "velocity"}:
         block[name] = max(1, min(sizes[name], room // math.prod(block.values())))
     return block

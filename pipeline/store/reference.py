@@ -68,9 +68,21 @@ attribute `generation` has changed. An object store cannot be replaced so: there
 at the ends alone.
 
 Write `ds["load"]`: `ds.load` is a method of xarray's. The scene, its hash, the versions and the
-preset are attributes of the dataset. A sweep over `realizations` or `samples` has that dimension in
-front; `over` gives a dimension for each of its entries, by its path, and `wear_rates` the dimension
-`wear_rate`. `pipeline.at_wear_rate` takes a sweep at one of these, or between two.
+preset are attributes of the dataset.
+
+## Variants
+
+In front of load and velocity stand the dimensions of the table of variants: `realization` for
+surfaces, `wear_rate` for `wear_rates`, and one for each entry in `over`, by its path.
+`pipeline.at_wear_rate` takes a sweep at one of the wear rates, or between two. Rows that are no full
+product, such as pairs and samples, stand along one dimension, `variant`. Their labels are
+coordinates along it, and so are `velocity` and `load` where each row has its own:
+
+```python
+samples = xr.open_zarr("results/samples.zarr", chunks=None)
+samples.sel(step=0).set_index(variant="sample").sel(variant=5)
+samples.sel(step=0).groupby_bins("velocity", 4).mean()
+```
 """
 _WITH = {
     "Variables of bodies that differ in bulk temperature": BULK_COLUMNS.keys() | BULK_FIELDS,

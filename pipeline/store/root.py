@@ -1,6 +1,7 @@
 """The root of a store: its attributes and the metadata of all its arrays, replaced at one stroke.
 
-A hash over the whole document tells whether it is what was written.
+A hash over the whole document tells whether it is what was written, another one whether the
+conditions are: these are in no checksum of a point, and decide every answer.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from tribo.errors import near_path
 MOST_POINTS = 10_000_000
 """Points that a store may have."""
 _LARGEST = 2**28  # bytes of a root
-_HASH = "root_hash"
+_HASH, _OF_CONDITIONS = "root_hash", "conditions_hash"
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = {"bytes", "vlen-utf8", "zstd"}
 _KINDS = {"name": str, "title": str, "scene": dict, "conditions": dict, "versions": dict}
@@ -107,7 +108,8 @@ def root_document(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> b
         "attributes": attributes,
         _CONSOLIDATED: {"kind": "inline", "must_understand": False, "metadata": arrays},
     }
-    document["attributes"] = {**attributes, _HASH: _hash(document)}
+    hashes = {_OF_CONDITIONS: _hash(_conditions(attributes)), _HASH: _hash(document)}
+    document["attributes"] = {**attributes, **hashes}
     return json.dumps(document, allow_nan=False).encode()
 
 
@@ -116,7 +118,9 @@ def _parsed(place: Place, content: bytes) -> Root:
         root = json.loads(content)
         attributes, arrays = root["attributes"], root[_CONSOLIDATED]["metadata"]
         version, expected = attributes["format"], attributes.pop(_HASH, None)
+        judged = attributes.pop(_OF_CONDITIONS, None)
         is_as_written = _hash(root) == expected
+        conditions_are = _hash(_conditions(attributes)) == judged
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         if _has_points(place.keys()):
             raise LostRootError(f"{place}: {ROOT} is damaged; {_ELSEWHERE}") from None
@@ -128,8 +132,11 @@ def _parsed(place: Place, content: bytes) -> Root:
             f"{place} has format {version}, and this program reads format {FORMAT}; make it anew: "
             "irg run its scene into another folder with -o, or after moving this one away"
         )
-    if not is_as_written:
-        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
+    if not (is_as_written and conditions_are):
+        what = "it is" if conditions_are else "friction, temperatures or criterion in it are"
+        raise LostRootError(
+            f"{place}: {ROOT} is damaged: {what} not what was written; {_ELSEWHERE}"
+        )
     root = Root(attributes, arrays)
     require_likely(place, root)
     return root
@@ -182,6 +189,12 @@ def require_likely(place: Place, root: Root) -> None:
 def _has_points(keys: set[str]) -> bool:
     """True if a store has any status, by its keys."""
     return any(key.startswith("status/c.") for key in keys)
+
+
+def _conditions(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """What each scene of a store is judged by."""
+    others = [scene["attributes"] for scene in attributes.get("scenes", [])]
+    return {name: attributes.get(name) for name in ("conditions", "friction_band")} | {"of": others}
 
 
 def _hash(document: Mapping[str, Any]) -> str:

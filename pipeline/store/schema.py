@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import WEAR_RATE, Column, Variants
+from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column
 from tribo import WarningKind
 
 FORMAT = 2
@@ -27,9 +27,10 @@ class Variable(NamedTuple):
     attributes: Mapping[str, Any] = {}
 
 
-_POINT = ("load", "velocity")
-_STEP = (*_POINT, "step")
-_FIELD = (*_POINT, "x", "y")
+PLANE = ("load", "velocity")
+"""Dimensions of the plane; of rows with a place of their own, coordinates along their dimension."""
+_STEP = (*PLANE, "step")
+_FIELD = (*PLANE, "x", "y")
 _RISE = "per unit friction coefficient"
 
 
@@ -50,7 +51,8 @@ def _field(units: str, long_name: str) -> Variable:
 
 COORDINATES = {
     "realization": Variable(("realization",), "1", "seed of the random surface", "int64"),
-    "sample": Variable(("sample",), "1", "number of the sample of unknown inputs", "int64"),
+    "variant": Variable(("variant",), "1", "number of the row in the table of variants", "int64"),
+    "sample": Variable(("variant",), "1", "number of the sample of inputs", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(
@@ -112,16 +114,16 @@ BULK_FIELDS = {
 """Variables of such scenes besides `FIELDS`."""
 RECORDS = {
     "status": Variable(
-        _POINT,
+        PLANE,
         None,
         "state of the point",
         "int8",
         {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"},
     ),
-    "wall_time": Variable(_POINT, "s", "duration of the point's computation"),
-    "message": Variable(_POINT, None, "reason of a failure, or warnings", "str"),
+    "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
+    "message": Variable(PLANE, None, "reason of a failure, or warnings", "str"),
     "warning_flags": Variable(
-        _POINT,
+        PLANE,
         None,
         "kinds of warnings",
         "int32",
@@ -130,10 +132,10 @@ RECORDS = {
             "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
         },
     ),
-    "asked": Variable(_POINT, None, "1 if the last run asked for the point, else 0", "int8"),
-    "steps": Variable(_POINT, "1", "number of the point's own stations", "int32"),
+    "asked": Variable(PLANE, None, "1 if the last run asked for the point, else 0", "int8"),
+    "steps": Variable(PLANE, "1", "number of the point's own stations", "int32"),
     "checksum": Variable(
-        _POINT,
+        PLANE,
         None,
         "BLAKE2b-64 of what was simulated, the point's place, data, message and warnings",
         "uint64",
@@ -148,8 +150,7 @@ AT_END = FIELDS | BULK_FIELDS
 """Variables at the end of a point."""
 
 
-LEADING = ("realization", "sample")
-"""Dimensions of which one may stand in front of the others."""
+_OF_TABLE = ("realization", VARIANT, "sample", WEAR_RATE)  # which the table of variants has, or not
 
 
 def is_coordinate(name: str) -> bool:
@@ -162,11 +163,6 @@ def is_of_points(dim: str) -> bool:
     return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y")
 
 
-def stored_columns(table: Variants) -> list[Column]:
-    """Columns of a table that a store has; the load of a row is one of its points."""
-    return [column for column in table.columns if column.name != "load"]
-
-
 def _variable_of(column: Column) -> Variable:
     """Variable of a column of the table of variants."""
     kinds = {str: "str", int: "int64", float: "float64"}
@@ -177,9 +173,9 @@ def _variable_of(column: Column) -> Variable:
 
 def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     """Variables of the store of a sweep, with fields at the end of each point or without."""
-    table = {column.name: _variable_of(column) for column in stored_columns(sweep.variants)}
+    table = {column.name: _variable_of(column) for column in sweep.variants.columns}
     front, placed = tuple(sweep.variants.axes), frozenset(table)
-    absent = {*LEADING, WEAR_RATE}
+    absent = {*_OF_TABLE}
     if not with_fields:
         absent |= {"x", "y", *AT_END}
     if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):

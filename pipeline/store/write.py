@@ -34,7 +34,7 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.root import Root, read_root, root_document
-from pipeline.store.schema import DONE, FAILED, PENDING, STEPPED
+from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
@@ -89,11 +89,10 @@ class Store:
 
     # Places of points
 
-    @property
-    def along(self) -> str:
-        """Dimension of the velocities: their own, or that of rows with one each."""
-        (name,) = self.arrays["velocity"].metadata.dimension_names
-        return str(name)
+    def along(self, name: str) -> str:
+        """Dimension of the loads or the velocities: their own, or that of rows with one each."""
+        (dim,) = self.arrays[name].metadata.dimension_names
+        return str(dim)
 
     def index(self, point: Point) -> _Index:
         """Place of a point."""
@@ -104,12 +103,13 @@ class Store:
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at places that are given by their indices along each dimension."""
+        loads, velocities = (self.axes[name] for name in PLANE)
+        of_load, of_velocity = (self.dims.index(self.along(name)) for name in PLANE)
+        front = [number for number, name in enumerate(self.dims) if name not in PLANE]
         points = []
         for index in zip(*(along.tolist() for along in where), strict=True):
-            values = {name: self.axes[name][i] for name, i in zip(self.dims, index, strict=True)}
-            values["velocity"] = self.axes["velocity"][index[self.dims.index(self.along)]]
-            load, velocity = values.pop("load"), values.pop("velocity")
-            points.append(Point(load, velocity, tuple(values.items())))
+            variant = tuple((self.dims[k], self.axes[self.dims[k]][index[k]]) for k in front)
+            points.append(Point(loads[index[of_load]], velocities[index[of_velocity]], variant))
         return points
 
     def in_words(self, point: Point) -> str:

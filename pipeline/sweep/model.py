@@ -27,7 +27,8 @@ class Point(NamedTuple):
         own, see `Sweep.velocity_of`.
     variant : tuple of (str, number or str)
         Dimensions in front of load and velocity, with the point's value of each: ``realization``
-        (seed of the random surface), ``sample`` (its number), or the path of an entry.
+        (seed of the random surface), the path of an entry, or ``variant`` (number of the row, such
+        as that of a sample).
 
     Examples
     --------

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ import numpy as np
 from pipeline.sweep.samples import Draw
 from tribo import InputError
 
+VARIANT = "variant"
+"""Dimension of rows that are no full product; it numbers them."""
 Label = float | int | str
 """Value of a row in a column."""
 Variant = tuple[tuple[str, Label], ...]
@@ -80,8 +82,9 @@ class Column:
 class Variants:
     """A table of the variants of a scene, one row each; a single row changes nothing.
 
-    Rows are every combination of the values along its dimensions, the last one first. Pairs and
-    samples have a dimension that numbers them.
+    Rows are every combination of the values along its dimensions, the last one first. Rows that are
+    not, such as pairs and samples, are numbered along one dimension, ``variant``, and have their
+    labels as coordinates along it.
 
     Attributes
     ----------
@@ -98,7 +101,8 @@ class Variants:
     Raises
     ------
     InputError
-        If rows have the same labels, or lack a combination of them.
+        If two tables that are multiplied have the same label, or a row is asked for that is not in
+        the table.
 
     Examples
     --------
@@ -108,6 +112,9 @@ class Variants:
     {'pin': ('small', 'large'), 'realization': (3, 4)}
     >>> dict(table.part(table.names[-1]))
     {'pin.radius': 0.004, 'roughness.seed': 4}
+    >>> fewer = Variants(tuple(one.taken([0, 3]) for one in table.columns), table.parts[::3])
+    >>> fewer.axes, [one.name for one in fewer.coordinates]
+    ({'variant': (0, 1)}, ['pin', 'realization'])
     """
 
     columns: tuple[Column, ...] = ()
@@ -119,14 +126,13 @@ class Variants:
     def __post_init__(self) -> None:
         keys = [column for column in self.columns if not column.along]
         labels = zip(*(key.values for key in keys), strict=True) if keys else [()]
-        names = (tuple(zip((key.name for key in keys), row, strict=True)) for row in labels)
-        found = {name: number for number, name in enumerate(names)}
-        object.__setattr__(self, "_rows", found)
-        if len(found) != len(self.parts) or list(found) != list(combinations(self.axes)):
-            raise InputError(
-                f"the table of variants has {len(self.parts)} rows, which are not every "
-                f"combination of {' and '.join(self.axes)} once; give rows that are paired a name"
-            )
+        names = [tuple(zip((key.name for key in keys), row, strict=True)) for row in labels]
+        if tuple(names) != combinations(self.axes):
+            names = [((VARIANT, number),) for number in range(len(self.parts))]
+            columns = (_numbers(len(names)), *(replace(one, along=VARIANT) for one in self.columns))
+            object.__setattr__(self, "columns", columns)
+            object.__setattr__(self, "given", dict(zip(names, self.parts, strict=True)))
+        object.__setattr__(self, "_rows", {name: number for number, name in enumerate(names)})
 
     def __len__(self) -> int:
         return len(self.parts)
@@ -166,9 +172,14 @@ class Variants:
         }
 
     @property
-    def coordinates(self) -> tuple[Column, ...]:
-        """Columns that follow from a dimension."""
-        return tuple(column for column in self.columns if column.along)
+    def coordinates(self) -> dict[Column, dict[Label, Label]]:
+        """Columns that follow from a dimension, each with its values by those along that."""
+        along = {column.name: column.values for column in self.columns}
+        return {
+            column: dict(zip(along[column.along], column.values, strict=True))
+            for column in self.columns
+            if column.along
+        }
 
     @property
     def chosen(self) -> tuple[Column, ...]:
@@ -189,7 +200,7 @@ class Variants:
     @property
     def has_plane(self) -> bool:
         """True if all rows share a plane, and none has a place of its own."""
-        return self.velocities is None
+        return self.velocities is None and self._places("load") is None
 
     @property
     def wear_rates(self) -> tuple[float, ...]:
@@ -241,6 +252,12 @@ def written_of(table: Variants, name: Variant) -> dict[str, Any]:
     return {path: texts[path][value] for path, value in name}
 
 
+def _numbers(count: int, is_drawn: bool = False) -> Column:
+    """Numbers of rows that are no full product."""
+    meaning = "number of the row in the table of variants"
+    return Column(VARIANT, tuple(range(count)), is_drawn=is_drawn, meaning=meaning)
+
+
 def surfaces(seeds: Sequence[int]) -> Variants:
     """The scene on random surfaces, by their seeds."""
     if not seeds:
@@ -280,16 +297,19 @@ def drawn_rows(draw: Draw, count: int, parts: Sequence[Part] = ()) -> Variants:
     """Samples of inputs that are not known exactly, each with a velocity of its own."""
     values, velocities = draw.design.draw(count)
     meaning = "value of an input that is not known exactly"
-    number = Column("sample", tuple(range(count)), is_drawn=True, meaning="number of the sample")
+    sample = Column(
+        "sample", tuple(range(count)), "1", VARIANT, meaning="number of the sample of inputs"
+    )
     inputs = (
-        Column(one.path, tuple(column), one.unit, "sample", meaning=meaning)
+        Column(one.path, tuple(column), one.unit, VARIANT, meaning=meaning)
         for one, column in zip(draw.design.inputs, values.T.tolist(), strict=True)
     )
     meaning_of_velocity = "sliding velocity of the sample"
     velocity = Column(
-        "velocity", tuple(velocities.tolist()), "m/s", "sample", meaning=meaning_of_velocity
+        "velocity", tuple(velocities.tolist()), "m/s", VARIANT, meaning=meaning_of_velocity
     )
-    return Variants((number, *inputs, velocity), tuple(parts) or ((),) * count, draw=draw)
+    columns = (_numbers(count, is_drawn=True), sample, *inputs, velocity)
+    return Variants(columns, tuple(parts) or ((),) * count, draw=draw)
 
 
 def rows(

@@ -171,7 +171,7 @@ class Ensemble:
             range, or a value to fix an input at lies outside the samples.
         """
         ds = dataset_of(ds)
-        if "sample" not in ds.dims:
+        if "sample" not in ds.coords:
             raise InputError(
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "
                 "it into a new store"
@@ -189,14 +189,14 @@ class Ensemble:
         paths = [quantity.path for quantity in design.inputs]
         movable = [one for one in stored if one.unknown.path in paths]
         fixed = fixed_at(unknown, movable, at, changed, conditions)
-        ds = ds.sortby("load").isel(sample=slice(0, about["samples"]))
+        ds = ds.sortby("load").isel(variant=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
         is_drawn = SHARE in paths and "share" not in changed
         shares = inputs[:, paths.index(SHARE)] if is_drawn else None
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = _rises(columns, loads, conditions, shares)
-        require_sound(ds, values_of(ds, "status") == DONE, "sample", "load")
+        require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
         done = np.isfinite(rises.sum(axis=1))
         if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
             raise InputError(

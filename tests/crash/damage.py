@@ -1,59 +1,75 @@
-"""Damage of a file of a store: a bit flipped, cut, emptied, zeroed, deleted, or filled by another.
+"""Damage of a file of a store: flipped, cut, emptied, zeroed, deleted, exchanged, or an older one.
 
 `irg verify` names it or it is harmless, no command ends with a traceback or prints other numbers
-without a word, and after `irg verify --repair` and a run the store is what it was.
+without a word, and after a run, half of the time behind `irg verify --repair`, the store is what it
+was. Files are those of two stores, with fields and without; each kind of file is as likely.
 """
 
 import contextlib
 import io
 import json
 import shutil
+import time
 import traceback
 from contextlib import nullcontext
+from pathlib import Path
 from unittest import mock
 
 import pipeline
 from pipeline.cli import main as irg
 from pipeline.store import verify as verifying
-from tests.crash.loop import Forked, code_of, differing, places
+from pipeline.store.place import ROOT
+from tests.crash.loop import PATIENCE, Forked, code_of, differing, places
 from tests.crash.sweeps import STAGES
 
-TRIALS = 60
+TRIALS = 300
 MISTAKE = "unchecked"
 _COMMANDS = ("status", "boundary", "verify")
 
 
-def _flipped(file, chance):
+def _flipped(file, chance, older):
     content = bytearray(file.read_bytes())
     if content:
         content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
     file.write_bytes(content)
 
 
-def _cut(file, chance):
+def _cut(file, chance, older):
     content = file.read_bytes()
     file.write_bytes(content[: chance.randrange(len(content))] if content else b"")
 
 
-def _emptied(file, chance):
+def _emptied(file, chance, older):
     file.write_bytes(b"")
 
 
-def _deleted(file, chance):
+def _deleted(file, chance, older):
     file.unlink()
 
 
-def _zeroed(file, chance):
+def _zeroed(file, chance, older):
     file.write_bytes(bytes(file.stat().st_size))
 
 
-def _swapped(file, chance):
-    """Give a file the content of another one of the store."""
-    others = sorted(other for other in file.parents[1].rglob("c.*") if other != file)
-    file.write_bytes(chance.choice(others).read_bytes())
+def _swapped(file, chance, older):
+    """Exchange a file with another one, of the same array if it has another."""
+    store = file.parent if (file.parent / "status").is_dir() else file.parents[1]
+    alike = [other for other in file.parent.glob("c.*") if other != file]
+    other = chance.choice(sorted(alike) or sorted({*store.rglob("c.*")} - {file}))
+    aside = file.with_name("aside")
+    for source, target in ((file, aside), (other, file), (aside, other)):
+        source.rename(target)
 
 
-_KINDS = (_flipped, _flipped, _cut, _emptied, _deleted, _zeroed, _swapped)
+def _restored(file, chance, older):
+    """Put a file as it was when half of the points were done, with its time of then."""
+    if older.exists():
+        shutil.copy2(older, file)
+    else:
+        file.unlink()
+
+
+_KINDS = (_flipped, _flipped, _cut, _emptied, _deleted, _zeroed, _swapped, _restored)
 
 
 def called(*arguments):
@@ -70,18 +86,37 @@ def called(*arguments):
 
 
 class _Whole:
-    """A complete store, of which copies are damaged."""
+    """A complete store, of which copies are damaged, and what it was when half was done."""
 
-    def __init__(self, run):
-        self.path, self.log = run.folder / "whole.zarr", run.folder / "acknowledged"
-        self.expected, self.records = run.expected, run.records
+    def __init__(self, run, fields):
+        name = "fields" if fields else "plain"
+        self.path, self.older = run.folder / f"{name}.zarr", run.folder / f"{name}.older.zarr"
+        self.log = run.folder / f"acknowledged {name}"
+        self.expected, self._sweep = run.expected, STAGES[-1].changed(fields=fields)
+        self._records = run.expected.records(self._sweep)
+        self._begin()
         self.resume(self.path)
-        files = sorted(file for file in self.path.rglob("*") if file.is_file())
-        self.files = [file.relative_to(self.path) for file in files]
+        self.files: dict[str, list[Path]] = {}
+        for file in sorted(file for file in self.path.rglob("*") if file.is_file()):
+            within = file.relative_to(self.path)
+            is_chunk, is_root = file.name.startswith("c."), within == Path(ROOT)
+            kind = str(within.parent) if is_chunk else "root" if is_root else within.name
+            self.files.setdefault(kind, []).append(within)
         self.boundary = called("boundary", self.path, "--json")[1]
 
+    def _begin(self):
+        driver = Forked(self._sweep, self.path, self.log, self._records, pace=0.05)
+        limit, half = time.monotonic() + PATIENCE, len(self._records) // 2
+        while time.monotonic() < limit and driver.poll() is None:
+            if self.log.exists() and len(self.log.read_text().splitlines()) >= half:
+                break
+            time.sleep(0.01)
+        driver.kill()
+        driver.wait()
+        shutil.copytree(self.path, self.older)
+
     def resume(self, path):
-        return code_of(Forked(STAGES[-1], path, self.log, self.records))
+        return code_of(Forked(self._sweep, path, self.log, self._records))
 
     def faults(self, path):
         """Faults of a store that should be as this one."""
@@ -95,7 +130,7 @@ class _Whole:
             yield f"not clean: {called('verify', path)[1:]}"
 
 
-def _faults_of(path, whole):
+def _faults_of(path, whole, is_verified):
     """Faults of the answers of commands to a damaged store, and of what becomes of it."""
     answers = {name: called(name, path, "--json") for name in _COMMANDS}
     for name, (code, _, err) in answers.items():
@@ -109,36 +144,37 @@ def _faults_of(path, whole):
         yield f"the boundary is another, and nothing says so: {out}"
     if answers["verify"][0] == 0 and (code != 0 or out != whole.boundary):
         yield f"verify names nothing, and the boundary is not as before: {code} {out}"
-    code, _, err = called("verify", path, "--repair")
-    if code not in (0, 1):
-        if "backup" not in err:
+    if is_verified:
+        code, _, err = called("verify", path, "--repair")
+        if code not in (0, 1) and "backup" not in err:
             yield f"verify --repair ends with {code}: {err}"
-        return
     if code := whole.resume(path):
-        yield f"a run after the repair ends with {code}"
+        yield f"a run ends with {code}: {whole.log.with_suffix('.err').read_text()[-400:]}"
     for fault in whole.faults(path):
-        yield f"after a repair and a run, {fault}"
+        yield f"after a run, {fault}"
 
 
 def campaign(run):
     """Damage so many files, the one after the other."""
-    whole = _Whole(run)
+    stores = [_Whole(run, fields) for fields in (True, False)]
     # Most other damage is noticed by the codec already.
     kinds = (_swapped,) if run.mistake else _KINDS
-    cases = [(file, kind) for file in whole.files for kind in kinds]
-    cases = run.chance.sample(cases, min(run.count, len(cases)))
     # Checksums of points are left unread.
     wrong = mock.patch.object(verifying, "_OTHER", "") if run.mistake else nullcontext()
     with wrong:
-        for file, kind in cases:
+        for number in range(run.count):
+            whole, kind = stores[0 if run.mistake else number % 2], run.chance.choice(kinds)
+            # Chunks of fields are those of single points.
+            among = ["pressure"] if run.mistake else sorted(whole.files)
+            file = run.chance.choice(whole.files[run.chance.choice(among)])
             path = run.folder / "out.zarr"
             shutil.rmtree(path, ignore_errors=True)
             shutil.copytree(whole.path, path)
-            kind(path / file, run.chance)
+            kind(path / file, run.chance, whole.older / file)
             what = kind.__name__.strip("_")
             run.report.counts[what] += 1
             try:
-                faults = [f"{file} {what}: {fault}" for fault in _faults_of(path, whole)]
-                run.report.faults += faults[:3]
+                found = _faults_of(path, whole, is_verified=bool(number // 2 % 2))
+                run.report.faults += [f"{file} {what}: {fault}" for fault in found][:3]
             except Exception:
                 run.report.faults.append(f"{file} {what}: {traceback.format_exc()[-400:]}")

@@ -136,8 +136,8 @@ def places(ds):
     dims = ds["status"].dims
     for place in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
         values = {dim: value for dim, (_, value) in zip(dims, place, strict=True)}
-        if "sample" in values:  # each has a velocity of its own
-            values["velocity"] = float(ds["velocity"].sel(sample=values["sample"]))
+        if "variant" in values:  # each has a velocity of its own
+            values["velocity"] = float(ds["velocity"].sel(variant=values["variant"]))
         load, velocity = values.pop("load"), values.pop("velocity")
         yield tuple(number for number, _ in place), Point(load, velocity, tuple(values.items()))
 

@@ -92,7 +92,7 @@ def dataset(samples, growth=((0.0, 1.0),)):
     holds, factors = np.array(growth).T
     rise = (samples.rises[..., None] * factors)[..., None]
     quantiles = np.array(QUANTILES)
-    dims = ("sample", "load", "step")
+    dims = ("variant", "load", "step")
     loads = np.broadcast_to(samples.loads[:, None], rise.shape[:3])
     about = {
         "title": samples.title,
@@ -115,12 +115,13 @@ def dataset(samples, growth=((0.0, 1.0),)):
             "rise_quantile": ((*dims, "cooler_share"), rise * (1 + 0.5 * (quantiles - 0.9))),
         },
         {
-            "sample": np.arange(len(samples.rises)),
+            "variant": np.arange(len(samples.rises)),
+            "sample": ("variant", np.arange(len(samples.rises))),
             "load": samples.loads,
             "cooler_share": quantiles,
             "step": np.arange(1 - len(holds), 1),
-            "velocity": ("sample", samples.sample_velocities),
-            **{entry.path: ("sample", column) for entry, column in inputs},
+            "velocity": ("variant", samples.sample_velocities),
+            **{entry.path: ("variant", column) for entry, column in inputs},
         },
         about,
     )

@@ -25,4 +25,5 @@ def sweep_of_fields(**values):
 
 def inputs_of(table):
     """Inputs of the samples of a table by row, shape (n_sample, n_input)."""
-    return np.array([one.values for one in table.coordinates if one.name != "velocity"]).T
+    labels = ("sample", "velocity")
+    return np.array([one.values for one in table.coordinates if one.name not in labels]).T

@@ -176,11 +176,11 @@ def test_each_combination_has_the_same_samples(tmp_path):
     unknown = '\n[unknown]\n"materials.steel.thermal_conductivity" = [40.0, 45.0]\n'
     unknown = unknown.replace("40.0, 45.0", '"40 W/(m K)", "45 W/(m K)"')
     sweep = load(tmp_path, scene=SCENE + unknown, **{"sweep.samples": 4})
-    assert list(sweep.variants.axes) == ["pin.radius", "sample"]
+    assert list(sweep.variants.axes) == ["pin.radius", "variant"]
     assert len(sweep.variants) == 2 * 4
     for number in range(4):
         small, large = (
-            sweep.variant((("pin.radius", radius), ("sample", number))).scene
+            sweep.variant((("pin.radius", radius), ("variant", number))).scene
             for radius in sweep.variants.axes["pin.radius"]
         )
         assert (small.pin.radius, large.pin.radius) == sweep.variants.axes["pin.radius"]

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
+from pipeline.store.place import StoreMismatchError
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.variants import rows, surfaces
+from pipeline.sweep.variants import Variants, rows, surfaces
 from tests.helpers import tiny
+from tests.pipeline.conftest import commit_all
 from tribo import InputError, Wear
 
 OILS = {"thin": {}, "thick": {"conditions.critical_temperature": 438.15}}
@@ -77,11 +80,45 @@ def test_commands_and_figures_answer_for_each_row(store, irg, tmp_path):
 def test_rows_have_places_of_their_own(tmp_path):
     own = rows("test", {0: {}, 1: {"pin.radius": 6e-3}}, velocities=[0.5, 1.5], loads=[250, 600.0])
     path = tmp_path / "places.zarr"
-    outcome = pipeline.run_sweep(sweep(variants=own), path, workers=1)
-    assert (outcome.total, outcome.done) == (2, 2)
+    commit_all(path, sweep(variants=own))
+    progress = pipeline.summary(path)
+    assert (progress.total, progress.done) == (2, 2)
     ds = pipeline.open_sweep(path)
-    assert ds["velocity"].dims == ("test",)
-    assert (ds["status"].values == [[1, 0], [0, 1]]).all()
+    assert ds["velocity"].dims == ds["load"].dims == ds["status"].dims == ("test",)
+    assert ds["load"].values.tolist() == [250.0, 600.0]
+    assert (ds["normal_load"].sel(step=0) == ds["load"]).all()
+
+
+def test_rows_that_are_no_full_product_have_one_dimension_with_labels_along_it(tmp_path):
+    some = TABLE.names[0], TABLE.names[4]
+    numbers = [TABLE.names.index(name) for name in some]
+    fewer = Variants(
+        tuple(column.taken(numbers) for column in TABLE.columns),
+        tuple(TABLE.part(name) for name in some),
+    )
+    path = tmp_path / "fewer.zarr"
+    commit_all(path, sweep(variants=fewer, velocities=(0.5, 1.0)))
+    with xr.open_zarr(path, chunks=None) as ds:
+        assert ds["max_rise"].dims == ("variant", "load", "velocity", "step")
+        for name in ("realization", "oil", "case"):
+            assert ds[name].values.tolist() == [dict(one)[name] for one in some]
+        rise = ds["max_rise"].set_xindex("case").sel(case="wears", step=0, velocity=1.0)
+    whole = sweep(variants=TABLE).variant(some[1])
+    alone = run_point(whole, 600.0, 1.0).columns["max_rise"][-1]
+    assert rise.sel(load=600.0).values == [alone]
+    critical = pipeline.boundary(path)["critical_velocity"]
+    assert set(critical.dims) == {"variant", "load"}
+    assert critical["oil"].values.tolist() == ["thin", "thick"]
+
+
+def test_a_row_that_moved_is_another_store(tmp_path):
+    def run(velocity):
+        moved = rows("variant", {0: {}, 1: {"pin.radius": 6e-3}}, velocities=[0.5, velocity])
+        commit_all(tmp_path / "out.zarr", sweep(variants=moved))
+
+    run(1.5)
+    with pytest.raises(StoreMismatchError, match=r"has velocity 1\.5 at variant 1, and"):
+        run(1.0)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +137,7 @@ def test_what_a_table_cannot_be_is_told(make, words):
 def test_the_boundary_of_rows_with_places_of_their_own_is_refused_in_a_line(tmp_path):
     own = rows("test", {0: {}, 1: {"pin.radius": 6e-3}}, velocities=[0.5, 1.5])
     path = tmp_path / "places.zarr"
-    pipeline.run_sweep(sweep(variants=own), path, workers=1)
+    commit_all(path, sweep(variants=own))
     with pytest.raises(InputError, match="no plane of velocities and loads"):
         pipeline.boundary(path)
     assert pipeline.warned(path).at_boundary in (None, 0)

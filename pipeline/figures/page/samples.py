@@ -39,7 +39,7 @@ def content_of_samples(
         "shares": list(shares),
         "lines": np.clip(lines, *ensemble.velocities).tolist(),
         "table": table_of_lines(ensemble, draws),
-        "samples": ds.sizes["sample"],
+        "samples": ds.sizes["variant"],
         "done": int((ds["status"] == DONE).sum()),
         "record": record(attributes),
     }

@@ -51,13 +51,13 @@ def test_samples_can_be_added_and_what_was_done_stays(sampled):
 def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
     folder, _, _ = sampled
     samples, ds = load(folder).variants, pipeline.open_sweep(folder / "out.zarr")
-    assert ds["max_rise"].dims == ("sample", "load", "step")
-    assert ds["velocity"].dims == ("sample",)
+    assert ds["max_rise"].dims == ("variant", "load", "step")
+    assert ds["velocity"].dims == ("variant",)
     assert ds["velocity"].values.tolist() == list(samples.velocities)
     (rate,) = inputs_of(samples).T
     assert ds["wear.specific_wear_rate"].values.tolist() == rate.tolist()
     assert ds["wear.specific_wear_rate"].attrs["units"] == "m2 N-1"
-    assert ds.attrs["coordinates"] == "wear.specific_wear_rate velocity"
+    assert ds.attrs["coordinates"] == "sample wear.specific_wear_rate velocity"
 
 
 @pytest.mark.parametrize("number", [0, 5, 13])
@@ -69,7 +69,7 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
         variants=Variants(), wear=dataclasses.replace(sweep.scene.wear, specific_wear_rate=rate)
     )
     expected = run_point(alone.changed(steps="end"), 600.0, velocity).columns
-    point = next(p for p in points(sweep) if p[::2] == (600.0, (("sample", number),)))
+    point = next(p for p in points(sweep) if p[::2] == (600.0, (("variant", number),)))
     for name in ("max_rise", "wear_volume", "sliding_distance", "contact_width"):
         stored = stored_values(folder / "out.zarr", point, name)[-len(expected[name]) :]
         # k and V of the others give k V to rounding alone.
@@ -94,7 +94,7 @@ def test_another_distribution_of_what_is_simulated_is_another_scene(sampled):
     other = load(folder, unknown=UNKNOWN.replace("factor = 1.5", "factor = 1.4"))
     with pytest.raises(StoreMismatchError, match=r"inputs.wear.specific_wear_rate.parameters"):
         pipeline.run_sweep(other, folder / "out.zarr", workers=1)
-    with pytest.raises(StoreMismatchError, match="sample in the store, none in the scene"):
+    with pytest.raises(StoreMismatchError, match="variant in the store, none in the scene"):
         pipeline.run_sweep(load(folder, unknown="", text=SCENE), folder / "out.zarr", workers=1)
     load(folder)
 
@@ -103,7 +103,7 @@ def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
     folder, _, _ = sampled
     ds = pipeline.open_sweep(folder / "out.zarr")
     whole = pipeline.Ensemble.of(ds)
-    others = pipeline.Ensemble.of(ds.isel(sample=whole.contacts != 1))
+    others = pipeline.Ensemble.of(ds.isel(variant=whole.contacts != 1))
     for row in np.flatnonzero(whole.contacts == 1):
         draws = np.array([[whole.inputs[row, 0], 0.13]])
         emulated = others.excess(draws, 600.0, whole.sample_velocities[row])
@@ -209,7 +209,7 @@ def test_a_swapped_rise_of_a_sample_is_damage_though_it_is_finite(sampled, tmp_p
     pipeline.Ensemble.of(pipeline.open_sweep(path))
     rises = zarr.open_array(path / "rise_quantile", mode="r+")
     rises[5] *= 0.97
-    with pytest.raises(StoreError, match=r"damaged at .*sample 5: the data are not those"):
+    with pytest.raises(StoreError, match=r"damaged at .*variant 5: the data are not those"):
         pipeline.Ensemble.of(pipeline.open_sweep(path))
 
 

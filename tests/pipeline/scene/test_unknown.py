@@ -136,7 +136,7 @@ def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
                 "disk.roughness.seed": round(seed),
             },
         )
-        assert sweep.variant((("sample", number),)) == typed
+        assert sweep.variant((("variant", number),)) == typed
         scene(tmp_path)
 
 
@@ -371,7 +371,7 @@ def test_an_input_given_by_a_setting_is_fixed_in_the_draw_too(tmp_path):
     assert "disk.roughness.correlation_length" not in [
         one.path for one in fixed.variants.draw.unknown
     ]
-    assert fixed.variant((("sample", 5),)).scene.roughness.correlation_length == (15e-6, 15e-6)
+    assert fixed.variant((("variant", 5),)).scene.roughness.correlation_length == (15e-6, 15e-6)
     assert any("is fixed at 15 µm" in note for note in fixed.about.notes)
     assert scene_hash(describe(fixed)) != scene_hash(describe(drawn))
     assert drawn.variants.draw.fixed == ()

@@ -307,7 +307,7 @@ MISMATCHES = {
         several(),
         "realization in the store, none in",
     ),
-    "samples later": (several(), several(variants=sampled()), "none in the store, sample in"),
+    "samples later": (several(), several(variants=sampled()), "none in the store, variant in"),
     "another seed": (
         several(variants=sampled()),
         several(variants=sampled(seed=1)),

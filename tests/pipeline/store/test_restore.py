@@ -53,6 +53,19 @@ def test_a_root_is_made_again_by_the_scene_that_made_it(copy, harm, place):
     assert_is_as_computed(copy, points(SWEEP))
 
 
+def test_conditions_that_were_changed_in_the_root_are_named_and_made_right(copy):
+    root = copy / "zarr.json"
+    before = root.read_bytes()
+    friction = SWEEP.conditions.friction
+    root.write_bytes(
+        before.replace(b'"friction": %g' % friction, b'"friction": %g' % (2 * friction))
+    )
+    with pytest.raises(StoreError, match="friction, temperatures or criterion in it are not what"):
+        opened(copy)
+    run_sweep(SWEEP, copy, workers=1)
+    assert opened(copy).attributes["conditions"] == SWEEP.conditions.as_dict()
+
+
 def test_a_run_makes_a_root_again_and_says_so(copy):
     (copy / "zarr.json").unlink()
     messages = []

@@ -177,7 +177,7 @@ def test_a_point_shows_the_fields_that_are_stored(page):
 def test_a_page_of_samples_tells_the_probability_at_any_place(page):
     measured = ({"normal_load": 400.0, "velocity": 2.0, "friction": None},)
     ds = samples.dataset(samples.ensemble(tests=measured))
-    ds = ds.assign(status=(("sample", "load"), np.ones((ds.sizes["sample"], ds.sizes["load"]))))
+    ds = ds.assign(status=(("variant", "load"), np.ones((ds.sizes["variant"], ds.sizes["load"]))))
     ensemble = pipeline.Ensemble.of(ds)
     load = float(ensemble.loads.mean())
     _, lines = risk_lines(pipeline.probabilities(ensemble, loads=[load]))
