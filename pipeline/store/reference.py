@@ -74,8 +74,8 @@ preset are attributes of the dataset.
 
 In front of load and velocity stand the dimensions of the table of variants: `realization` for
 surfaces, `wear_rate` for `wear_rates`, and one for each entry in `over`, by its path.
-`pipeline.at_wear_rate` takes a sweep at one of the wear rates, or between two. Rows that are no full
-product, such as pairs and samples, stand along one dimension, `variant`. Their labels are
+`pipeline.at_wear_rate` takes a sweep at one of the wear rates, or between two. Rows that are no
+full product, such as pairs and samples, stand along one dimension, `variant`. Their labels are
 coordinates along it, and so are `velocity` and `load` where each row has its own:
 
 ```python
