@@ -93,7 +93,7 @@ def require_dashboard() -> None:
     """Refuse a dashboard of a cluster here without the library that draws it."""
     if find_spec("bokeh") is None:
         raise ExecutionError(
-            "the dashboard needs bokeh: pip install 'irg-transition[dashboard]', or leave it out"
+            'the dashboard needs bokeh; get it with "pip install bokeh", or leave the dashboard out'
         )
 
 

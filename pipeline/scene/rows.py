@@ -134,8 +134,8 @@ def _of_excel(path: Path) -> tuple[list[Row], list[str], str]:
         import openpyxl
     except ImportError as error:
         raise InputError(
-            f"{path}: openpyxl reads .xlsx, and is not installed; install irg-transition[excel], "
-            "or save the sheet as CSV"
+            f"{path}: openpyxl reads .xlsx, and is not installed; get it with "
+            '"pip install openpyxl", or save the sheet as CSV'
         ) from error
     try:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)

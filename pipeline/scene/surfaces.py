@@ -2,7 +2,7 @@
 
 Arrays in ``.npy`` are read by `tribo.read_heights`, text by `read_text`, all other files by
 SurfaceTopography, which knows some forty formats of profilers and microscopes. It is an extra,
-``pip install irg-transition[surfaces]``, loaded when a file needs it.
+loaded when a file needs it.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def _of_instrument(path: Path, height_unit: float | None) -> Surface:
         raise InputError(
             f"{path}: not a plain array, which ends in .npy or .csv; if an instrument wrote it, "
             "SurfaceTopography may know its format: get that with "
-            'pip install "irg-transition[surfaces]", or save the heights as .npy'
+            '"pip install SurfaceTopography", or save the heights as .npy'
         ) from error
     try:
         with warnings.catch_warnings():

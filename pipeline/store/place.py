@@ -226,7 +226,7 @@ def place_of(path: PathLike) -> Place:
     address = os.fspath(path)
     if address.startswith(SCHEME):
         if find_spec("s3fs") is None:
-            raise StoreError(f"{address} needs s3fs: pip install 'irg-transition[s3]'")
+            raise StoreError(f"{address} needs s3fs; get it with: pip install s3fs")
         bucket, _, key = address.removeprefix(SCHEME).rstrip("/").partition("/")
         if not (bucket and key):
             raise StoreError(
