@@ -15,9 +15,11 @@ from pipeline.scene.roughness import Roughness
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of
 
+_LARGEST_PIXEL = 50e-6  # beyond which a unit is likely to be wrong: a contact has some [m]
 _ALIKE = 0.01  # by which two lengths of one track may differ
 Sound = Callable[..., list[Any]]
-Misfits = Iterator[tuple[str, str]]
+Misfits = Iterator[tuple[str, ...]]
+"""Path of an entry, what is wrong with it, and the path of another one that excludes it, if any."""
 
 
 def check_tables(
@@ -36,10 +38,10 @@ def check_tables(
         return [None if is_faulty else entry_at(tables, path) for path in paths]
 
     for misfits in (_of_bodies, _of_motion, _of_conditions, _of_oil):
-        for key, problem in misfits(sound):
-            faults.note(key, problem)
-    for key, problem in _of_steps(sound, fidelity.increments):
-        faults.note(key, problem)
+        for misfit in misfits(sound):
+            faults.note(*misfit)
+    for misfit in _of_steps(sound, fidelity.increments):
+        faults.note(*misfit)
     for table in ("measured", "tested"):
         for number, entry in enumerate(tables[table] or ()):
             if entry and entry["friction_scatter"] is not None and not entry["friction"]:
@@ -102,7 +104,13 @@ def _check_pixels(
 
 def _short_of_window(key: str, length: float, pixels: Any, sides: Any, axis: int) -> Misfits:
     side = pixels[axis] * sides[axis]
-    if length < side * (1 - 1e-9):
+    if length < side * (1 - 1e-9) and sides[axis] > _LARGEST_PIXEL:
+        yield (
+            "window.pixel_size",
+            f"{pixels[axis]} pixels of {display(sides[axis], 'mm')} are longer than {key}, "
+            f"{display(length, 'mm')}: check the unit; most are of 0.5 to 2 µm",
+        )
+    elif length < side * (1 - 1e-9):
         yield (
             key,
             f"{display(length, 'mm')} is shorter than the window, which is {display(side, 'mm')} "
@@ -130,7 +138,11 @@ def _of_bodies(sound: Sound) -> Misfits:
 
 def _of_motion(sound: Sound) -> Misfits:
     (motion,) = sound("motion")
-    if motion is not None:
+    both = "motion.slide_roll_ratio", "motion.entrainment_velocity"
+    ratio, entrainment = sound(*both)
+    if ratio is not None and entrainment is not None:
+        yield both[0], f"{ratio:g} stands beside an entrainment_velocity; give one of them", both[1]
+    elif motion is not None:
         try:
             tribo.Motion(**motion)
         except tribo.InputError as error:
@@ -163,6 +175,7 @@ def _of_tracks(sound: Sound) -> Misfits:
                 f"{body}.diameter",
                 f"{display(diameter, 'mm')} stands beside a track_length of "
                 f"{display(length, 'mm')}; give one of them",
+                f"{body}.track_length",
             )
     motion, pin = sound("motion", "pin")
     around = track_of(pin) if pin else None

@@ -17,10 +17,12 @@ from typing import Any, NamedTuple
 
 from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted, with_value
 from pipeline.scene.format import FORMAT
-from pipeline.scene.shipped import scene_path, shipped_scenes
+from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from tribo.errors import reason_of
 
 _LARGEST_FILE = 10_000_000
+_REPLACED = {"count": ("step",), "step": ("count", "spacing")}
+"""Keys of a range that are left out where one is given that says the same."""
 _LEVELS = 10  # of tables in tables, more than the format has
 _KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
@@ -58,14 +60,14 @@ class Document(NamedTuple):
 
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with the file that it stands in if that is another one."""
-        file = fault.file or self.file_of(fault.key)
-        if file == self.file:
-            return f"{fault.key}: {fault.problem}"
-        hint = ""
         # Beside what this scene gives, keys that suit the other one may be out of place.
-        if fault.problem.startswith("unknown key") and "[" not in fault.key:
-            hint = f'; or leave it out here: without = ["{fault.key}"]'
-        return f"{fault.key} (in {file}): {fault.problem}{hint}"
+        is_unknown = fault.problem.startswith("unknown key") and "[" not in fault.key
+        doubtful = [fault.key, fault.rival] if fault.rival else [fault.key] * is_unknown
+        inherited = [key for key in doubtful if self.file_of(key) != self.file]
+        hint = f'; or leave it out here: without = ["{inherited[0]}"]' if inherited else ""
+        file = fault.file or self.file_of(fault.key)
+        place = "" if file == self.file else f" (in {name_of(file)})"
+        return f"{fault.key}{place}: {fault.problem}{hint}"
 
 
 def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
@@ -87,7 +89,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
         raise SceneFileError(path, [document.line(wrong[0])])
     other, chain = scene_path(name, path.parent), (*above, path)
     if any(other.resolve() == file.resolve() for file in chain):
-        circle = " extends ".join(str(file) for file in (*chain, other))
+        circle = " extends ".join(name_of(file) for file in (*chain, other))
         raise SceneFileError(
             path, [f"extends: {quoted(name)} closes a circle: {circle}; break it at one of them"]
         )
@@ -127,7 +129,7 @@ def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults:
             present = list(_table(entries, *parts[:depth]) or {})
             wrong.note(
                 f"without[{index}]",
-                f"{quoted(key)} is not an entry of {base.file}"
+                f"{quoted(key)} is not an entry of {name_of(base.file)}"
                 f"{did_you_mean(parts[depth], present)}; give one that it has, such as "
                 f"{quoted('.'.join([*parts[:depth], *present[:1]]))}",
             )
@@ -158,7 +160,8 @@ def _depth(entries: Any, parts: list[str]) -> int:
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
     """The entries of `lower` with those of `upper` in their place, down to some levels."""
-    merged = dict(lower)
+    replaced = {other for key in upper for other in _REPLACED.get(key, ())}
+    merged = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
         merged[key] = _merged(lower[key], value, levels - 1) if both else value

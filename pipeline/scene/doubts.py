@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from pipeline.scene.facts import Facts, tracks_of
+from pipeline.scene.facts import USUAL_HARDNESS, Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.sweep.turns import note_on_turns
@@ -54,8 +54,8 @@ _TRACK = Usual("track", 20, 10_000, "mm", 1e3)
 _WEAR_RATE = Usual("specific wear rate", 1e-11, 1e-2, "mm³/(N m)", 1e9)
 _VELOCITY = Usual("velocity", 0, 100, "m/s")
 _BULK = Usual("bulk temperature", 200, 800, "K")
-_STEEPEST_HARDNESS = 0.2  # of the elastic modulus; diamond has 0.1
 _LONGEST = 1 / 3  # correlation length in sides of the window
+_REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
 _MOST_RISE = 2.0  # of the mean plane over the window, in Rq
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
@@ -65,6 +65,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     return (
         *_of_bodies(sweep),
         *_of_conditions(sweep),
+        *_of_tests(sweep),
         *_of_motion(sweep, facts),
         *_of_contact(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
@@ -88,10 +89,11 @@ def _of_material(owner: str, material: Material) -> Iterator[str]:
     for name, usual in _MATERIAL.items():
         yield from usual.doubt(owner, getattr(material, name))
     share = material.hardness / material.elastic_modulus
-    if math.isfinite(share) and share > _STEEPEST_HARDNESS:
+    low, high = USUAL_HARDNESS
+    if math.isfinite(share) and not low <= share <= high:
         yield (
-            f"{owner}hardness is {share:.2g} times the elastic modulus, where at most "
-            f"{_STEEPEST_HARDNESS:g} is usual: check both units"
+            f"{owner}hardness is {share:.2g} times the elastic modulus, where {low:g} to {high:g} "
+            "is usual: check both units"
         )
 
 
@@ -165,6 +167,29 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
             f"{1e6 * side:.3g} µm: it carries too little load at its edges at about {len(wide)} of "
             f"{points} points, those of high load and velocity; "
             "give more window.pixels if these matter"
+        )
+
+
+def _of_tests(sweep: Sweep) -> Iterator[str]:
+    """Tests so far outside the sweep that their units are in doubt."""
+    tests = [*sweep.about.measured, *sweep.about.tested]
+    loads, velocities = sweep.plane.loads, sweep.plane.velocities
+    places = [(test.normal_load, test.velocity) for test in tests]
+    far = [
+        f"{load:g} N at {velocity:g} m/s"
+        for load, velocity in places
+        if not (
+            min(loads) / _REACH <= load <= max(loads) * _REACH
+            and min(velocities) / _REACH <= velocity <= max(velocities) * _REACH
+        )
+    ]
+    if far:
+        spans = f"{min(loads):g} to {max(loads):g} N and {min(velocities):g} to {max(velocities):g}"
+        more = f" and {len(far) - 1} more" if len(far) > 1 else ""
+        verb = "lie" if len(far) > 1 else "lies"
+        yield (
+            f"the test of {far[0]}{more} {verb} far outside the sweep, {spans} m/s, and cannot be "
+            "compared with it: check the units, or widen the sweep"
         )
 
 

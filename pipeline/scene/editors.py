@@ -12,7 +12,17 @@ from typing import Any
 
 from pipeline.scene.faults import write_new
 from pipeline.scene.format import SCENE
-from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, Scalar, UnitText, Whole
+from pipeline.scene.kinds import (
+    Flag,
+    Kind,
+    Number,
+    OneOf,
+    Quantity,
+    Scalar,
+    Share,
+    UnitText,
+    Whole,
+)
 from pipeline.scene.schema import ByPath, Distribution, Either, Entry, List, Range, Table, Tables
 from tribo import InputError
 
@@ -112,6 +122,8 @@ def _allowed(kind: Kind) -> dict[str, Any]:
             return {"type": "string", "pattern": _QUANTITY, "examples": [kind.example]}
         case UnitText():
             return {"type": "string", "examples": [kind.example]}
+        case Share():
+            return {"anyOf": [_allowed(Number(**kind.bounds)), {"type": "string", "pattern": "%"}]}
         case Number():
             bounds = {_BOUNDS[name]: bound for name, bound in kind.bounds.items()}
             return {"type": "integer" if isinstance(kind, Whole) else "number"} | bounds

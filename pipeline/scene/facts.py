@@ -20,6 +20,7 @@ from tribo import Corrections, InputError, Track, analytic, contact_modulus
 from tribo.types import Array
 from tribo.wear import wear_over
 
+USUAL_HARDNESS = 0.001, 0.2  # of the elastic modulus; lead has 0.003, diamond 0.1
 _FEWEST_WIDTHS = 10.0  # of the contact in a track, so that a pass is short beside a round
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
 
@@ -123,12 +124,20 @@ def facts_of(sweep: Sweep) -> Facts:
 
 def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
     """Raise `InputError`, which names the key, if the window cannot carry a load."""
-    greatest = sweep.scene.greatest_load
+    greatest, hardness = sweep.scene.greatest_load, sweep.scene.hardness
     if load > greatest:
+        bodies = sweep.scene.pin.material, sweep.scene.disk
+        share = hardness / min(bodies, key=lambda body: body.hardness).elastic_modulus
+        if share < USUAL_HARDNESS[0]:
+            raise InputError(
+                f"the softer body's hardness is {1e-9 * hardness:g} GPa, {share:.2g} times its "
+                f"elastic modulus, where at least {USUAL_HARDNESS[0]:g} is usual: check its unit; "
+                f"with it the window carries {greatest:.4g} N, less than the {load:g} N of {key}"
+            )
         nx, ny = (1e6 * side for side in sweep.scene.grid.size)
         raise InputError(
             f"{key}: {load:g} N is more than the window carries: its {nx:.4g} × {ny:.4g} µm, "
-            f"all at the hardness of the softer body, {1e-9 * sweep.scene.hardness:g} GPa, stand "
+            f"all at the hardness of the softer body, {1e-9 * hardness:g} GPa, stand "
             f"for {greatest:.4g} N on the pin; stay below that, or give more window.pixels"
         )
 

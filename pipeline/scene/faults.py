@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pipeline.scene.shipped import name_of
 from tribo import InputError, TriboError
 
 _SHOWN = 100  # faults, at most, where there are thousands
@@ -17,12 +18,14 @@ _SHOWN = 100  # faults, at most, where there are thousands
 class Fault(NamedTuple):
     """Key path of an entry, and in one line what is wrong, the value, what is allowed, the cure.
 
-    The file is the one that the entry stands in, where the key alone does not tell.
+    The file is the one that the entry stands in, where the key alone does not tell; the rival is
+    the path of another entry, beside which this one may not stand.
     """
 
     key: str
     problem: str
     file: Path | None = None
+    rival: str = ""
 
 
 class Faults(list[Fault]):
@@ -32,16 +35,15 @@ class Faults(list[Fault]):
         super().__init__()
         self.notes: list[str] = []
 
-    def note(self, key: str, problem: str) -> None:
+    def note(self, key: str, problem: str, rival: str = "") -> None:
         """Add a fault of the entry at a key path."""
-        self.append(Fault(key, problem))
+        self.append(Fault(key, problem, rival=rival))
 
     def touch(self, path: str) -> bool:
         """True if the entry at a path, one within it, or a table around it is faulty."""
         within = f"{path}.", f"{path}["
         return any(
-            key == path or key.startswith(within) or path.startswith(f"{key}.")
-            for key, _, _ in self
+            key == path or key.startswith(within) or path.startswith(f"{key}.") for key, *_ in self
         )
 
 
@@ -72,7 +74,7 @@ class SceneFileError(TriboError):
         self.faults = faults
 
     def __str__(self) -> str:
-        name = str(self.path)
+        name = name_of(self.path)
         if not name.isprintable():
             name = json.dumps(name)
         if len(self.faults) == 1:

@@ -16,6 +16,7 @@ from pipeline.scene.kinds import (
     OneOf,
     Quantity,
     Scalar,
+    Share,
     Text,
     UnitText,
     Whole,
@@ -293,7 +294,7 @@ TEMPERATURES = Table({
     })), "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
     "critical": Optional(Quantity("a temperature", "145 degC"),
         "Contact temperature above which the lubricant fails; needed where wear is judged."),
-    "failing_share": Optional(Number(at_least=0, below=1),
+    "failing_share": Optional(Share(at_least=0, below=1),
         "Share of the contact area above the critical temperature beyond which wear is severe; 0 "
         "for the highest temperature alone.", default=0.1),
     "criterion": Optional(
@@ -313,7 +314,7 @@ FIDELITY = Table({
 SWEEP = Table({
     "loads": Entry(Either(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."),
     "velocities": Entry(Either(List(VELOCITY, distinct=True), Range(VELOCITY)),
-        "Sliding velocities."),
+        'Sliding velocities; `count` with `spacing = "log"` makes their ratios equal.'),
     "realizations": Optional(
         Either(Whole(at_least=1, at_most=100_000), List(SEED, distinct=True)),
         "Random surfaces to compute it all on: a number of them from the seed on, or a list of "

@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
 from pipeline.scene.faults import Faults, did_you_mean, quoted
+from pipeline.scene.quantities import share_of
 from pipeline.scene.units import RANGES, UnitError, exact_si, si_unit, to_si
+from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
 _SMALLEST, _LARGEST = 1e-15, 1e15  # of a number without a unit
@@ -119,6 +121,21 @@ class Number(Kind):
     def bounds(self) -> dict[str, float]:
         """Bounds that a value has, by their names."""
         return {name: bound for name, bound in vars(self).items() if math.isfinite(bound)}
+
+
+@dataclass(frozen=True)
+class Share(Number):
+    """A share of a whole, as a number or in percent."""
+
+    def __str__(self) -> str:
+        return f'a share such as 0.1 or "10%"{self._limits()}'
+
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
+        try:
+            number = share_of(value) if isinstance(value, str) else value
+        except InputError:
+            number = value
+        return super()._read(number, place, faults)
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,11 @@ import inspect
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from typing import Any, NamedTuple, get_type_hints
 
 from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
-from pipeline.scene.kinds import Kind, Quantity, UnfitError, kind_of
+from pipeline.scene.kinds import Kind, OneOf, Quantity, UnfitError, Whole, kind_of
 from pipeline.scene.units import exact_si
 
 _MOST_STEPS = 100_000
@@ -65,40 +66,65 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Evenly spaced quantities, ``{ from = ..., to = ..., step = ... }``, read as a tuple."""
+    """Quantities between two ends, read as a tuple.
+
+    ``{ from = ..., to = ..., step = ... }``; or ``count = ...`` in place of the step, evenly
+    spaced or, with ``spacing = "log"``, by equal factors.
+    """
 
     of: Quantity
 
     def __str__(self) -> str:
-        return f"a table with from, to, step, each {self.of}"
+        return f"a table with from, to, and step or count, each {self.of}"
 
     @property
     def ends(self) -> Table:
-        """Both ends and the step."""
-        end, step = Entry(self.of), Entry(replace(self.of, zero=False))
-        return Table({"from": end, "to": end, "step": step})
+        """Both ends, and what lies between them."""
+        end, step = Entry(self.of), Optional(replace(self.of, zero=False))
+        count, spacing = Whole(at_least=2, at_most=_MOST_STEPS), OneOf(("linear", "log"))
+        between = {"count": Optional(count), "spacing": Optional(spacing)}
+        return Table({"from": end, "to": end, "step": step} | between)
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
-        ends = self.ends.read(value, place, faults)
-        if ends is None or None in ends.values():
+        before = len(faults)
+        read = self.ends.read(value, place, faults)
+        if read is None or len(faults) > before:
             return None
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
-        first, last, step = (exact_si(value[key], like=self.of.example) for key in ends)
+        first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
+        span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
+        if first > last:
+            raise UnfitError(f"{span} falls, and from is the lower end")
+        step, count, is_log = read["step"], read["count"], read["spacing"] == "log"
+        if (step is None) == (count is None):
+            has = "has neither step nor count" if step is None else "has both step and count"
+            raise UnfitError(f"{span} {has}")
+        if is_log and (step or not first):
+            why = "has a step" if step else "begins at 0"
+            raise UnfitError(f'{span} {why}, and spacing = "log" takes count, and from above 0')
+        if count:
+            parts = [Decimal(i) / (count - 1) for i in range(count)]
+            if is_log:
+                return tuple(float(first * (last / first) ** part) for part in parts)
+            return tuple(float(first + part * (last - first)) for part in parts)
+        step = exact_si(value["step"], like=self.of.example)
         steps = (last - first) / step
-        if not 0 <= steps <= _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
-            fitting = ""
-            if 0 <= steps <= _MOST_STEPS:
-                low = int(steps)
-                unit = str(value["to"]).lstrip("+-.0123456789eE ")
-                one = exact_si(f"1 {unit}", like=self.of.example)
-                zero = exact_si(f"0 {unit}", like=self.of.example)
-                lower, upper = ((first + n * step - zero) / (one - zero) for n in (low, low + 1))
-                fitting = f"; to {lower:.6g} {unit} or {upper:.6g} {unit} they fit"
+        if steps > _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(
-                f"from {quoted(value['from'])} to {quoted(value['to'])} there are {steps:.6g} "
-                f"steps of {quoted(value['step'])}, not a whole number up to {_MOST_STEPS}{fitting}"
+                f"{span} there are {steps:.6g} steps of {quoted(value['step'])}, not a whole "
+                f"number up to {_MOST_STEPS}{self._fitting(value, int(steps))}"
             )
         return tuple(float(first + i * step) for i in range(round(steps) + 1))
+
+    def _fitting(self, value: Mapping[str, str], steps: int) -> str:
+        """Upper ends that so many steps reach, and one more; empty where those are too many."""
+        if steps > _MOST_STEPS:
+            return ""
+        unit = value["to"].lstrip("+-.0123456789eE ")
+        texts = value["from"], value["step"], f"0 {unit}", f"1 {unit}"
+        first, step, zero, one = (exact_si(text, like=self.of.example) for text in texts)
+        lower, upper = ((first + n * step - zero) / (one - zero) for n in (steps, steps + 1))
+        return f"; to {lower:.6g} {unit} or {upper:.6g} {unit} they fit"
 
 
 @dataclass(frozen=True)
@@ -126,7 +152,9 @@ class Either(Kind):
         return isinstance(value, list if isinstance(self.other, List) else dict)
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        return (self.other if self.is_other(value) else self.usual)._read(value, place, faults)
+        if self.is_other(value):
+            return self.other.read(value, place, faults)  # a fault asks for this form alone
+        return self.usual._read(value, place, faults)
 
 
 @dataclass(frozen=True)

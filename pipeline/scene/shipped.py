@@ -17,6 +17,17 @@ def shipped_scenes() -> dict[str, Path]:
     return {path.stem: path for path in sorted(WORKFLOWS.glob("*.toml"))}
 
 
+def name_of(path: Path) -> str:
+    """What to call a scene: a shipped one by its name, without the folder of the package.
+
+    Examples
+    --------
+    >>> name_of(scene_path("first_try")), name_of(Path("my/scene.toml"))
+    ('first_try', 'my/scene.toml')
+    """
+    return path.stem if path == WORKFLOWS / path.name and path.suffix == ".toml" else str(path)
+
+
 def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     """File of a scene that is given by its path from a folder, or by its name if it is shipped.
 

@@ -10,6 +10,7 @@ import pytest
 import tribo
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Span, facts_of
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
@@ -42,6 +43,11 @@ def crowned(radius):
     return CROWNED.changed(pin=replace(CROWNED.scene.pin, crown_radius=radius))
 
 
+def with_test(load):
+    velocity = max(SMOOTH.plane.velocities)
+    return SMOOTH.changed(loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
+
+
 def with_pin(**changes):
     return SMOOTH.changed(pin=replace(SMOOTH.scene.pin, **changes))
 
@@ -58,7 +64,7 @@ def surface(**changes):
 # seen, and a real scene is not doubted.
 USUAL = [
     ("elastic modulus is", 1e9, 1.2e12, lambda v: said_of(of_both(elastic_modulus=v))),
-    ("hardness is", 1e7, 1e11, lambda v: said_of(of_both(hardness=v, elastic_modulus=1e12))),
+    ("hardness is", 1e7, 1e11, lambda v: said_of(of_both(hardness=v, elastic_modulus=30 * v))),
     ("conductivity is", 0.05, 2500, lambda v: said_of(of_both(thermal_conductivity=v))),
     ("density is", 500, 25000, lambda v: said_of(of_both(density=v))),
     ("specific heat is", 100, 5000, lambda v: said_of(of_both(specific_heat=v))),
@@ -70,7 +76,13 @@ USUAL = [
     ("disk's Ra is", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
     ("velocity is", 0.0, 100.0, lambda v: said_of(SMOOTH.changed(velocities=(v,)))),
     ("friction is", 0.0, 1.0, lambda v: said_of(slippery(v))),
-    ("times the elastic modulus", 0.0, 0.2 * STEEL.elastic_modulus, lambda v: said_of(hard(v))),
+    (
+        "times the elastic modulus",
+        0.001 * STEEL.elastic_modulus,
+        0.2 * STEEL.elastic_modulus,
+        lambda v: said_of(hard(v)),
+    ),
+    ("the test of", 20.0, 7500.0, lambda v: said_of(with_test(v))),
 ]
 
 

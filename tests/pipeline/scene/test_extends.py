@@ -38,6 +38,20 @@ def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
     assert sweep == load_scene(write(base=TEXT)).changed(name="own")
 
 
+def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
+    counted = EXTENDS + '[sweep]\nvelocities = { to = "4 m/s", count = 3, spacing = "log" }'
+    assert load_scene(write(own=counted)).plane.velocities == (1.0, 2.0, 4.0)
+    write(base=TEXT + "[motion]\nslide_roll_ratio = 0.5\n")
+    (fault,) = faults_of(write(own=EXTENDS + '[motion]\nentrainment_velocity = "4 m/s"'))
+    assert fault.endswith('leave it out here: without = ["motion.slide_roll_ratio"]')
+
+
+def test_a_fault_of_a_shipped_scene_names_it_and_no_folder():
+    with pytest.raises(SceneFileError) as caught:
+        load_scene("oil_a_hot", overrides={"pin.radius": 2, "wear.hurst": 1})
+    assert str(WORKFLOWS) not in str(caught.value)
+
+
 def test_entries_of_its_own_stand_in_place_of_the_others(write):
     entries = """
     extends = "base.toml"

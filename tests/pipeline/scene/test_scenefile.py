@@ -83,9 +83,13 @@ def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
     assert 0.7 in sweep.plane.velocities
     sweep = read((written, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
     assert sweep.plane.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
-    assert read((written, 'from = "1 m/s", to = "1 m/s", step = "1 m/s"')).plane.velocities == (
-        1.0,
-    )
+    for between, expected in (
+        ('to = "1 m/s", step = "1 m/s"', (1.0,)),
+        ('to = "4 m/s", count = 3', (1.0, 2.5, 4.0)),
+        ('to = "4 m/s", count = 3, spacing = "log"', (1.0, 2.0, 4.0)),
+    ):
+        sweep = read((written, f'from = "1 m/s", {between}'))
+        assert sweep.plane.velocities == expected
 
 
 def test_a_range_may_have_as_many_velocities_as_a_large_sweep_takes(read):
@@ -253,7 +257,10 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"disk.roughness.ra": "0.27 parsnip"}, "unknown unit: 'parsnip'"),
         ({"disk.roughness.ra": "-0.27 um"}, "out of range; give a length above 0"),
         ({"disk.roughness.seed": -1}, "give a whole number, at least 0"),
-        ({"disk.roughness.correlation_length": ["4 um"]}, "has 1 entry; give a length"),
+        (
+            {"disk.roughness.correlation_length": ["4 um"]},
+            "has 1 entry; give a list of 2, each a length",
+        ),
         ({"materials.steel.poisson_ratio": 0.7}, "above -1 and at most 0.5"),
         ({"materials.steel.poisson_ratio": math.nan}, "nan is out of range"),
         ({"pin.shape": "cylindr"}, '(did you mean "cylinder"?); give "cylinder", "ball" or "crow'),
@@ -276,7 +283,7 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"motion": {}}, "entrainment_velocity None; exactly one of them must be given"),
         (
             {"motion": {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}},
-            "motion: motion has slide_roll_ratio 1.0 and entrainment_velocity 1.0; exactly one",
+            "motion.slide_roll_ratio: 1 stands beside an entrainment_velocity; give one",
         ),
         ({"motion.slide_roll_ratio": 0}, "motion: slide_roll_ratio is 0: bodies that roll have"),
         (
@@ -286,13 +293,18 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"temperature.critical": "25 degC"}, "not above temperature.bulk, 25 °C; give a higher"),
         ({"temperature.bulk": "-300 degC"}, "give a temperature above 0"),
         ({"temperature.failing_share": 1}, "below 1"),
+        ({"temperature.failing_share": "150%"}, "1.5 is out of range; give a share such as 0.1"),
+        ({"window.pixel_size": ["0.8 mm", "0.8 mm"]}, "480 pixels of 0.8 mm are longer than pin"),
         ({"friction.band": [0.103, 0.09]}, "falls; give the lower one first"),
         ({"friction.coefficient": True}, "true is not a plain number"),
         ({"friction.coefficient": "0,1"}, '"0,1" is not a plain number'),
         ({"fidelity.preset": "fast"}, 'give "draft", "standard", "fine", "reference" or'),
         ({"fidelity.increments": "9"}, "give a whole number"),
         ({"sweep.loads": []}, "is empty; give a list, each a load above 0"),
-        ({"sweep.velocities.step": "0.7 m/s"}, "there are 4.28571 steps"),
+        ({"sweep.velocities.step": "0.7 m/s"}, "to 3.8 m/s or 4.5 m/s they fit"),
+        ({"sweep.velocities.count": 4}, "has both step and count"),
+        ({"sweep.velocities.spacing": "log"}, 'has a step, and spacing = "log" takes count'),
+        ({"sweep.velocities.from": "5 m/s"}, "falls, and from is the lower end"),
         ({"sweep.velocities.step": "1e-9 m/s"}, "3e+9 steps of"),
         ({"sweep.fields": "yes"}, "give true or false"),
         ({"sweep.realizations": "8"}, "give a whole number"),
