@@ -35,7 +35,8 @@ from tribo.types import Array
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
 _BINS = 40
-_PALE = -0.15, 1.15  # ends of the colours, so that words on them can be read
+RISK_COLOURS = "RdYlBu_r"
+PALE = -0.15, 1.15  # ends of the colours, so that words on them can be read
 
 
 @in_house_style
@@ -71,7 +72,7 @@ def draw_risk(
     axes = figure.add_subplot()
     x, y, p = plane["velocity"].values, plane["load"].values, plane.values
     filled = axes.contourf(
-        x, y, p, levels=np.linspace(0, 1, 21), cmap="RdYlBu_r", vmin=_PALE[0], vmax=_PALE[1]
+        x, y, p, levels=np.linspace(0, 1, 21), cmap=RISK_COLOURS, vmin=PALE[0], vmax=PALE[1]
     )
     axes.grid(visible=False)
     lines = axes.contour(

@@ -88,19 +88,3 @@ function showControl(control, source) {
   slider.setAttribute("aria-valuetext", text);
   if (!source) showFault(control, "");
 }
-
-/** The conditions that are shown, in words. */
-function conditionsText() {
-  const { friction, bulk_temperature, disk_temperature, critical_temperature, failing_share, wear_rate } =
-    chosen.conditions;
-  const disk = disk_temperature === undefined ? "" : ` (pin) and ${celsius(disk_temperature, 6)} (disk)`;
-  const critical = critical_temperature === null ? "not known" : celsius(critical_temperature, 6);
-  const decisive = hasShare()
-    ? `failing share ${shown(100 * failing_share, 6)} %`
-    : `criterion ${content.conditions.criterion}`;
-  const rate = wear_rate === undefined ? "" : `, wear rate ${shown(1e15 * wear_rate, 6)} × 10⁻⁶ mm³/(N m)`;
-  return (
-    `friction ${shown(friction, 6)}, bulk ${celsius(bulk_temperature, 6)}${disk}, ` +
-    `critical ${critical}, ${decisive}${rate}`
-  );
-}

@@ -37,6 +37,7 @@ from pipeline.figures.overlays import in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
 from pipeline.figures.page.fine import along, between, bridged, error_of_lines, pieces_of
+from pipeline.figures.regions import MILD, SEVERE
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
@@ -110,6 +111,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
             for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1, rates)
         ],
         "measured": in_reach(ds, laboratory_tests(ds))[0],
+        "regions": [MILD, SEVERE],
         "friction_band": attributes.get("friction_band"),
         "film": _film(attributes, ds),
         "chosen": bool(attributes.get("boundary_only")),
@@ -260,10 +262,11 @@ def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | Non
 
 
 def record(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Entries of the scene with their units, and what computed the sweep."""
+    """Entries of the scene but for its tests, with units, and what computed the sweep."""
     selection = attributes.get("selection")
+    entries = entries_of(attributes)
     return (
-        entries_of(attributes)
+        {k: v for k, v in entries.items() if not k.startswith(("measured", "tested"))}
         | ({"accuracy": str(Selection.from_dict(selection))} if selection else {})
         | {"history": str(attributes.get("history", ""))}
         | {"scene hash": str(attributes.get("scene_hash", ""))}

@@ -5,6 +5,7 @@
 function showPoint() {
   if (!chosen.point) return;
   const { i, j } = chosen.point;
+  element("point-section").hidden = false;
   element("point").replaceChildren(html("h3", {}, nameOf(i, j)), pairs(description(i, j, true)));
   showDistribution(verdicts(i, j).map(({ temperatures }) => temperatures));
   showFields(i, j);

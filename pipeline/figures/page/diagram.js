@@ -112,7 +112,29 @@ function drawnShades(frame) {
     shades.push(area(frame, lower, upper, "friction"));
   }
   if (edges.length > 1) shades.push(area(frame, edges[0], edges[2], "band"));
+  if (!content.chosen) {
+    shades.push(...regionName(frame, middle.map(() => slowest), middle, "mild"));
+    shades.push(...regionName(frame, middle, middle.map(() => fastest), "severe"));
+  }
   return shades;
+}
+
+/**
+ * Name of a region between two velocities, where it is roomiest; none where it does not fit.
+ * @param {Frame} frame @param {number[]} low @param {number[]} high @param {"mild" | "severe"} kind
+ */
+function regionName(frame, low, high, kind) {
+  const words = content.regions[kind === "mild" ? 0 : 1];
+  const parts = content.parts.load;
+  const places = sweep.fine.load.map((load, k) => {
+    const [left, right, y] = [frame.x(low[k]), frame.x(high[k]), frame.y(load)];
+    const isBetweenRows = k % parts === parts >> 1;
+    const room = Math.min((right - left) / (8 * words.length), (frame.bottom - y) / 24, (y - frame.top) / 24);
+    return { x: (left + right) / 2, y: y + 4, room: (isBetweenRows && room) || 0 };
+  });
+  const best = places.reduce((one, other) => (other.room > one.room ? other : one));
+  if (!(best.room > 1)) return [];
+  return [svg("text", { x: best.x, y: best.y, class: `region region-${kind}` }, words)];
 }
 
 /**

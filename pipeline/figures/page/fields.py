@@ -69,6 +69,11 @@ def _picture(levels: NDArray[np.uint8], colours: str) -> str:
     palette = np.vstack([np.full((1, 3), 255, dtype=np.uint8), shades])
     image = Image.fromarray(np.ascontiguousarray(levels.T[::-1]), "P")
     image.putpalette(palette.tobytes())
+    return png_of(image)
+
+
+def png_of(image: Image.Image) -> str:
+    """Base64 of a picture as .png."""
     written = io.BytesIO()
     image.save(written, "png", optimize=True)
     return base64.b64encode(written.getvalue()).decode()

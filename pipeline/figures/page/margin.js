@@ -50,21 +50,19 @@ function comparison(test) {
 function showMeasured() {
   element("measured-section").hidden = !content.measured.length;
   const rows = content.measured.map((test) => {
-    const { normal_load, friction, velocity, outcome, bulk_temperature } = test;
-    const { bulk_temperature: bulk } = conditionsOf(test);
+    const { normal_load, velocity, outcome } = test;
+    const { friction, bulk_temperature: bulk } = conditionsOf(test);
     return [
       outcome ?? "transition",
       shown(normal_load, 6),
       shown(velocity),
-      friction === null ? `${shown(chosen.conditions.friction)} (set above)` : shown(friction),
-      `${shown(bulk - ZERO_CELSIUS)}${bulk_temperature === undefined ? " (set above)" : ""}`,
+      shown(friction),
+      shown(bulk - ZERO_CELSIUS),
       ...comparison(test),
     ];
   });
   const heads = ["test", "load [N]", "velocity [m/s]", "friction", "bulk [°C]", "computed", "agrees"];
-  const own = "each computed at its own friction and bulk temperature";
-  const caption = `${own}; of transitions the difference in velocity`;
-  element("measured").replaceChildren(table(caption, heads, rows));
+  element("measured").replaceChildren(table(heads, rows, 2));
 }
 
 /** A positive value lies on an axis. @param {number} value @param {number[]} all */

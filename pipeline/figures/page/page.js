@@ -15,7 +15,6 @@ function update() {
   showMeasured();
   showMargin();
   showPoint();
-  element("conditions-record").textContent = `Shown: ${conditionsText()}.`;
   clearTimeout(waiting);
   waiting = setTimeout(() => { // a screen reader is told once a moving slider rests
     element("summary").textContent = answer;

@@ -25,7 +25,7 @@
  *   numbers: Numbers[], deciding: string, errors: string,
  *   outcomes: {velocity: string[], load: string[]}, range: {velocity: number[], load: number[]},
  *   messages: Object<string, string>, fields: Fields, friction_band: Ends | null,
- *   film: Film | null}} Content result of pipeline.figures.page.content
+ *   regions: [string, string], film: Film | null}} Content result of pipeline.figures.page.content
  * @typedef {"velocity" | "load"} AxisName
  */
 

@@ -4,8 +4,9 @@
 
 /**
  * @typedef {{name: string, measured: Measurement[], loads: number[], velocities: number[],
- *   probability: string, shares: number[], lines: number[][]}} Samples probabilities by load and
- *   velocity, and velocities by load and probability, within those computed
+ *   probability: string, picture: string, scale: string, shares: number[],
+ *   lines: number[][]}} Samples probabilities by load and velocity, and velocities by load and
+ *   probability, within those computed
  */
 
 /** @type {Samples} */
@@ -36,24 +37,18 @@ function percent(value) {
   return `${shown(100 * value, 2)} %`;
 }
 
-/** Mild and severe regions, the band of the boundary, and its median. @param {Frame} frame */
+/** The probability as colours, and where it has the three values. @param {Frame} frame */
 function drawnBand(frame) {
-  const { loads, velocities } = samples;
-  const ends = [velocities[0], velocities[velocities.length - 1]];
-  const up = loads.map(frame.y);
-  const [low, middle, high] = columns();
-  const between = (/** @type {string} */ look, /** @type {number[]} */ from, /** @type {number[]} */ to) => {
-    const across = [...from, ...to.slice().reverse()].map(frame.x);
-    return svg("path", { class: look, d: `${path(across, [...up, ...up.slice().reverse()])}Z` });
-  };
-  const [left, right] = ends.map((end) => loads.map(() => end));
-  const within = middle.map((place) => (ends.includes(place) ? NaN : frame.x(place)));
-  return [
-    between("mild", left, middle),
-    between("severe", middle, right),
-    between("band", low, high),
-    svg("path", { class: "boundary", d: path(within, up) }),
-  ];
+  const { loads, velocities, picture } = samples;
+  const [left, right] = [velocities[0], velocities[velocities.length - 1]];
+  const [bottom, top] = [loads[0], loads[loads.length - 1]].map(frame.y);
+  const size = { x: frame.x(left), y: top, width: frame.x(right) - frame.x(left), height: bottom - top };
+  const lines = columns().map((line, k) => {
+    const within = line.map((place) => (place === left || place === right ? NaN : frame.x(place)));
+    return svg("path", { class: k === 1 ? "boundary" : "own", d: path(within, loads.map(frame.y)) });
+  });
+  const look = { preserveAspectRatio: "none", href: `data:image/png;base64,${picture}` };
+  return [svg("image", { ...size, ...look }), ...lines];
 }
 
 /** The operating point lies within the sweep. */
@@ -129,11 +124,13 @@ function beginSamples() {
   takeScene(() => ({}));
   listenToOperatingPoint(judge);
   judge(NaN, NaN);
-  const box = (/** @type {string} */ look) => svg("rect", { class: look, width: 26, height: 14 });
-  const [low, , high] = samples.shares;
+  const [low, , high] = samples.shares.map((share) => 100 * share);
+  const href = `data:image/png;base64,${samples.scale}`;
+  const scale = svg("image", { href, width: 26, height: 14, preserveAspectRatio: "none" });
   showSigns([
-    [true, "as likely severe as mild", svg("path", { class: "boundary", d: "M0,7H26" })],
-    [true, `severe with a probability of ${100 * low} to ${100 * high} %`, box("band")],
+    [true, "probability of severe wear, 0 to 100 %", scale],
+    [true, "50 %, as likely severe as mild", svg("path", { class: "boundary", d: "M0,7H26" })],
+    [true, `${low} and ${high} %`, svg("path", { class: "own", d: "M0,7H26" })],
     ...testSigns(samples.measured),
   ]);
   const lines = [...element("velocities").querySelectorAll("tr")].map((row) =>

@@ -6,13 +6,18 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
+from PIL import Image
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.figures.page.content import packed_array, record
+from pipeline.figures.page.fields import png_of
+from pipeline.figures.uncertainty import PALE, RISK_COLOURS
 from pipeline.store.schema import DONE
 from pipeline.uncertain.answers import probabilities, risk_lines, table_of_lines
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.weigh import posterior_if_given
+from tribo.types import Array
 
 
 def content_of_samples(
@@ -30,12 +35,14 @@ def content_of_samples(
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
-        "basis": f"Not known exactly{evidence}: "
-        f"{'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}.",
+        "evidence": evidence,
+        "basis": [*map(str, (*ensemble.unknown, *ensemble.fixed))],
         "measured": [*ensemble.tests],
         "loads": plane["load"].values.tolist(),
         "velocities": plane["velocity"].values.tolist(),
         "probability": packed_array([plane.values], "<f4"),
+        "picture": _coloured(plane.values[::-1]),
+        "scale": _coloured(np.linspace([0.0], [1.0], 64).T),
         "shares": list(shares),
         "lines": np.clip(lines, *ensemble.velocities).tolist(),
         "table": table_of_lines(ensemble, draws),
@@ -43,3 +50,10 @@ def content_of_samples(
         "done": int((ds["status"] == DONE).sum()),
         "record": record(attributes),
     }
+
+
+def _coloured(probability: Array) -> str:
+    """Probabilities as a picture, from its top on, in the colours of the figure of them."""
+    low, high = PALE
+    shades = colormaps[RISK_COLOURS]((probability - low) / (high - low), bytes=True)[..., :3]
+    return png_of(Image.fromarray(np.ascontiguousarray(shades)))

@@ -54,10 +54,9 @@ function sides() {
 
 /**
  * A table of texts; columns of numbers stand to the right.
- * @param {string} caption @param {string[]} heads @param {string[][]} rows
- * @param {number} words number of columns of them
+ * @param {string[]} heads @param {string[][]} rows @param {number} words number of columns of them
  */
-function table(caption, heads, rows, words = 0) {
+function table(heads, rows, words = 0) {
   const look = (/** @type {number} */ k) => (k < heads.length - words ? "number" : "");
   const cell = (/** @type {string} */ text, /** @type {number} */ k) =>
     k ? html("td", { class: look(k) }, text) : html("th", { scope: "row", class: look(0) }, text);
@@ -65,7 +64,6 @@ function table(caption, heads, rows, words = 0) {
   return html(
     "table",
     {},
-    html("caption", {}, caption),
     html("thead", {}, html("tr", {}, ...top)),
     html("tbody", {}, ...rows.map((row) => html("tr", {}, ...row.map(cell)))),
   );
@@ -125,7 +123,7 @@ function showSide(side) {
     return [shown(places[k], 6), ...numbers, ...parameter, outcomeText(row, unit)];
   });
   const last = film ? ["film Λ", "outcome"] : ["outcome"];
-  element(id).replaceChildren(table(conditionsText(), [...heads, ...last], cells, 1));
+  element(id).replaceChildren(table([...heads, ...last], cells, 1));
   const link = /** @type {HTMLAnchorElement} */ (element(`${id}-csv`));
   link.href = `data:text/csv;charset=utf-8,${encodeURIComponent(csv(side))}`;
   link.download = `${content.name || "sweep"}_critical_${id}.csv`;
@@ -137,7 +135,7 @@ function showTables() {
   const { velocity } = summary();
   const missing = sum(surfaces().map((surface) => content.missing[surface]));
   const note = missing ? ` ${missing} points are pending or failed and left out.` : "";
-  return `${conditionsText()}. ${crossingText(velocity)}${note}`;
+  return crossingText(velocity) + note;
 }
 
 /** @param {Summary[]} rows by load */

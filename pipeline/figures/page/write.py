@@ -176,12 +176,14 @@ def _of_plane(held: dict[str, Any]) -> str:
     several = f", {len(held['surfaces'])} surfaces" if held["surfaces"] else ""
     return _filled(
         "plane.html",
-        _of_both(held)
+        _of_both(
+            held,
+            f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}, "
+            f"{held['done']} points done",
+        )
         | {
             "controls": "\n".join(Control(**control).html() for control in held["controls"]),
             "surfaces": surface_choice(held["surfaces"]),
-            "sizes": f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}, "
-            f"{held['done']} points done",
             "error": f"{100 * held.pop('error'):.2g} %",
         },
     )
@@ -192,22 +194,26 @@ def _of_samples(held: dict[str, Any]) -> str:
     table = held.pop("table")
     return _filled(
         "samples.html",
-        _of_both(held)
+        _of_both(
+            held,
+            f"{len(table.rows)} loads, {held['samples']} samples, {held['done']} points done",
+        )
         | {
-            "basis": html.escape(held["basis"]),
+            "basis": "".join(f"<li>{html.escape(one)}</li>" for one in held["basis"]),
+            "evidence": html.escape(held["evidence"]),
             "table": table.html(),
-            "sizes": f"{len(table.rows)} loads, {held['samples']} samples, "
-            f"{held['done']} points done",
         },
     )
 
 
-def _of_both(held: dict[str, Any]) -> dict[str, str]:
+def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:
     """Title, form of the operating point, record and data of a scene."""
+    entries = Table(_ENTRY, tuple(held["record"].items())).html()
     return {
         "operating": _text("operating.html"),
         "title": html.escape(str(held["title"] or held["name"])),
-        "record": Table(_ENTRY, tuple(held["record"].items())).html(),
+        "record": f'<details id="record" class="record"><summary>The scene as it was stored: '
+        f"{sizes}</summary>{entries}</details>",
         "data": _as_json({name: value for name, value in held.items() if name != "record"}),
     }
 

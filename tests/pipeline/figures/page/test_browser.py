@@ -182,7 +182,7 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page):
     load = float(ensemble.loads.mean())
     _, lines = risk_lines(pipeline.probabilities(ensemble, loads=[load]))
     driver = page(ds)
-    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram .band, #diagram .boundary")) == 2
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram image, #diagram .boundary")) == 2
     for velocity in (*lines[0], float(np.mean(ensemble.velocities))):
         expected = pipeline.risk(ensemble, load, float(velocity)).probability
         place = f"return [probabilityAt({load}, {velocity}), judge({load}, {velocity})][0]"
