@@ -169,5 +169,5 @@ def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[fl
             values.append(kind.read(text, place, wrong))
         else:
             wrong.note(place, f"empty; give {kind}")
-    faults += [f"{place}: {problem}{heading}" for place, problem, _ in wrong]
+    faults += [f"{place}: {problem}{heading}" for place, problem, *_ in wrong]
     return head, values

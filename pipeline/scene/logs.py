@@ -175,7 +175,7 @@ def entries_of_log(log: Log, row_of: Table = TEST) -> tuple[list[dict[str, Any]]
                 test[name] = _value(cell, log.heading(name).unit, row_of.keys[name].kind)
         wrong = Faults()
         row_of.read(test, "", wrong)
-        for name, problem, _ in wrong:
+        for name, problem, *_ in wrong:
             if name in row_of.keys and name not in log.places:
                 continue  # a missing column is said once
             said = problem + _hint(log, name, row, problem)

@@ -114,7 +114,7 @@ def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
     except InputError as error:
         raise InputError(f"sweep.over: {place}: {error}") from error
     if scene is None:
-        key, problem, _ = faults[0]
+        key, problem, *_ = faults[0]
         problem = problem if key == next(iter(values)) else f"{key}: {problem}"
         raise InputError(f"sweep.over: {place}: {problem}")
     settings = (f"--set={path}={value}" for path, value in values.items())
