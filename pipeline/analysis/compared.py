@@ -7,15 +7,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import entry_dims, has_plane, plane_of
+from pipeline.analysis.dataset import has_plane, plane_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin, judge_of
 from pipeline.analysis.margin_table import notes_of
-from pipeline.analysis.scenes import columns_of, joined, scenes
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.scenes import frame_by_scene
+from pipeline.analysis.tables import frame_of, short
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
@@ -23,18 +24,10 @@ NOT_KNOWN = "not known"
 USUAL_SCATTER = 0.05
 """Relative standard deviation of the velocity of a transition that gives none."""
 _DEVIATIONS = 2.0  # of a measured velocity, within which a transition agrees
-_COLUMNS = (
-    Column("test", "test"),
-    Column("load", "load", "N", 6),
-    Column("velocity", "velocity", "m/s"),
-    Column("friction", "friction"),
-    Column("bulk_temperature", "bulk", "°C"),
-    Column("hold", "hold", "s"),
-    Column("computed", "computed"),
-    Column("decisive_temperature", "deciding temperature", "°C"),
-    Column("agrees", "agrees"),
-    Column("note", "note"),
-)
+_HEADS = (
+    "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
+    "computed", "decisive temperature [°C]", "agrees", "note",
+)  # fmt: skip
 
 
 def laboratory_tests(ds: xr.Dataset) -> list[dict[str, Any]]:
@@ -50,8 +43,8 @@ def own_conditions(conditions: Conditions, test: Mapping[str, Any]) -> Condition
     return own if bulk is None else own.changed(bulk_temperature=bulk)
 
 
-def compared(ds: xr.Dataset, **conditions: Any) -> Table | None:
-    """Table of tests beside what is computed at their own friction and bulk temperature.
+def compared(ds: xr.Dataset, **conditions: Any) -> pd.DataFrame | None:
+    """Frame of tests beside what is computed at their own friction and bulk temperature.
 
     A test agrees if its outcome is the computed one beyond the error of the temperature. A
     transition agrees if the computed one lies within two standard deviations of its velocity, 5 %
@@ -60,17 +53,12 @@ def compared(ds: xr.Dataset, **conditions: Any) -> Table | None:
     tests = laboratory_tests(ds)
     if not (tests and has_plane(ds)):
         return None
-    names = entry_dims(ds)
-    parts = (
-        ([scene[name].item() for name in names], Table(_COLUMNS, tuple(_rows(scene, conditions))))
-        for scene in scenes(ds)
-    )
-    return joined(columns_of(ds["status"]), parts)
+    return frame_by_scene(ds, lambda scene: frame_of(_HEADS, _rows(scene, conditions)))
 
 
-def agreement(table: Table) -> str:
+def agreement(frame: pd.DataFrame) -> str:
     """Count of tests that agree, in a sentence."""
-    counts = Counter(table.as_dict()["agrees"])
+    counts = Counter(frame["agrees"])
     words = {
         "yes": ("agrees", "agree"),
         "no": ("does not", "do not"),
@@ -78,14 +66,14 @@ def agreement(table: Table) -> str:
         NOT_KNOWN: ("is not known", "are not known"),
     }
     said = (f"{counts[key]} {pair[counts[key] > 1]}" for key, pair in words.items() if counts[key])
-    return f"Of {len(table.rows)} tests {', '.join(said)}."
+    return f"Of {len(frame)} tests {', '.join(said)}."
 
 
-def lines_of(table: Table) -> Iterator[str]:
-    """Lines on tests: the count of those that agree, the table, and why others are not known."""
-    yield agreement(table)
-    yield from table.without({"note"}).without_empty().lines()
-    yield from notes_of(table)
+def on_tests(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+    """The count of tests that agree, their frame, and why others are not known."""
+    yield agreement(frame)
+    yield short(frame, ["note"])
+    yield from notes_of(frame)
 
 
 def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import asked, dataset_of, end_of_point, require_one_scene, variant_of
 from pipeline.analysis.entries import entries_of
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import outcomes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
@@ -29,13 +30,16 @@ class Difference:
 
     Attributes
     ----------
-    entries : Table
-        Entries of the scenes that differ.
-    boundary : Table
-        Critical velocities at the loads that both have [m/s], medians over several surfaces, and
-        their change; each under the conditions of its own scene.
-    points : Table
-        Points that are done in one store alone, or whose highest rises differ.
+    entries : DataFrame
+        Entries of the scenes that differ: ``entry``, ``a``, ``b``.
+    boundary : DataFrame
+        Critical velocities at the loads that both have, medians over several surfaces, each under
+        the conditions of its own scene: ``load [N]``, ``a [m/s]``, ``b [m/s]``, ``change [%]``,
+        ``outcome a`` and ``outcome b``.
+    points : DataFrame
+        Points that are done in one store alone, or whose highest rises differ: ``load [N]``,
+        ``velocity [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``
+        and ``change [%]``.
     alike : int
         Number of points that are done in both, with equal rises.
 
@@ -43,21 +47,21 @@ class Difference:
     --------
     >>> import pipeline
     >>> difference = pipeline.diff("results/first_try.zarr", "results/first_try.zarr")
-    >>> difference.entries.rows, difference.alike
-    ((), 24)
+    >>> len(difference.entries), difference.alike
+    (0, 24)
     """
 
-    entries: Table
-    boundary: Table
-    points: Table
+    entries: pd.DataFrame
+    boundary: pd.DataFrame
+    points: pd.DataFrame
     alike: int
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
         return {
-            "entries": self.entries.as_dict(),
-            "boundary": self.boundary.as_dict(),
-            "points": self.points.as_dict(),
+            "entries": as_dict(self.entries),
+            "boundary": as_dict(self.boundary),
+            "points": as_dict(self.points),
             "points_alike": self.alike,
         }
 
@@ -86,9 +90,8 @@ def diff(
     --------
     >>> import pipeline
     >>> store = "results/first_try.zarr"
-    >>> change = pipeline.diff(store, store).boundary.as_dict()["change"]
-    >>> [f"{100 * value:g} %" for value in change]
-    ['0 %', '0 %', '0 %', '0 %']
+    >>> pipeline.diff(store, store).boundary["change [%]"].to_list()
+    [0.0, 0.0, 0.0, 0.0]
     """
     first, second = dataset_of(a), dataset_of(b)
     for ds in (first, second):
@@ -98,37 +101,29 @@ def diff(
     return Difference(_entries(first, second), crossings, points, alike)
 
 
-def _entries(a: xr.Dataset, b: xr.Dataset) -> Table:
+def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     """Entries that differ, in the order of the scene."""
     values = [entries_of(attributes_of(ds)) for ds in (a, b)]
-    columns = Column("entry", "entry"), Column("a", "A"), Column("b", "B")
     paths = dict.fromkeys([*values[0], *values[1]])
     rows = ((path, *(entries.get(path) for entries in values)) for path in paths)
-    return Table(columns, tuple(row for row in rows if row[1] != row[2]))
+    return frame_of(("entry", "a", "b"), (row for row in rows if row[1] != row[2]))
 
 
-def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> Table:
+def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
     """Critical velocities at the loads of both; none where wear is not judged."""
-    columns = (
-        Column("load", "load", "N"),
-        Column("a", "critical velocity in A", "m/s"),
-        Column("b", "in B", "m/s"),
-        Column("change", "change", "%", 3),
-        Column("outcome_a", "outcome in A"),
-        Column("outcome_b", "outcome in B"),
-    )
+    heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         crossings = [_crossings(ds, **criterion) for ds in (a, b)]
     except OwnLawError:
         raise
     except InputError:  # no critical temperature, or samples, whose boundary is a probability
-        return Table(columns, ())
+        return frame_of(heads, ())
     loads = sorted(crossings[0].keys() & crossings[1].keys())
     rows = []
     for load in loads:
         (first, of_a), (second, of_b) = (crossing[load] for crossing in crossings)
         rows.append((load, first, second, second / first - 1, of_a, of_b))
-    return Table(columns, tuple(rows))
+    return frame_of(heads, rows)
 
 
 def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
@@ -148,18 +143,12 @@ def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str
     return dict(zip(boundaries["load"].values.tolist(), values, strict=True))
 
 
-def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[Table, int]:
+def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
     """Points that are done in one alone or differ, and the number of those that are alike."""
-    columns = (
-        Column("load", "load", "N", 6),
-        Column("velocity", "velocity", "m/s", 6),
-        Column("variant", "surface or sample"),
-        Column("state_a", "in A"),
-        Column("state_b", "in B"),
-        Column("rise_a", "rise in A", "K"),
-        Column("rise_b", "rise in B", "K"),
-        Column("change", "change", "%", 3),
-    )
+    heads = (
+        "load [N]", "velocity [m/s]", "variant", "state a", "state b", "rise a [K]", "rise b [K]",
+        "change [%]",
+    )  # fmt: skip
     has_seeds = any("realization" in ds.dims for ds in (a, b))
     states = [dict(_states(ds, has_seeds)) for ds in (a, b)]
     rows, alike = [], 0
@@ -173,7 +162,7 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[Table, int]:
         elif "done" in (of_a, of_b):
             change = rise_b / rise_a - 1 if rise_a else np.nan
             rows.append((*place, of_a, of_b, rise_a, rise_b, change))
-    return Table(columns, tuple(rows)), alike
+    return frame_of(heads, rows), alike
 
 
 def _states(

@@ -2,35 +2,27 @@
 
 from __future__ import annotations
 
-import time
 import tomllib
 from collections.abc import Iterator
 from contextlib import suppress
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from pipeline.analysis.tables import Column, Table
+import pandas as pd
+
+from pipeline.analysis.tables import frame_of
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes
-from pipeline.sweep.stages import duration
 
-_COLUMNS = (
-    Column("name", "name"),
-    Column("kind", "kind"),
-    Column("state", "state"),
-    Column("preset", "preset"),
-    Column("age", "changed", "s", write=lambda age: f"{duration(age)} ago"),
-    Column("bytes", "size", "MB", write=lambda size: f"{1e-6 * size:.2f} MB"),
-    Column("title", "title"),
-)
+_HEADS = "name", "kind", "state", "preset", "changed", "size [MB]", "title"
 
 
-def listing(folder: Path) -> Table:
-    """Table of the stores and scenes below a folder; no code that they name is run."""
+def listing(folder: Path) -> pd.DataFrame:
+    """Stores and scenes below a folder, a row each; no code that they name is run."""
     rows = [row for entry in _stores_and_scenes(folder) if (row := _row(entry, folder))]
-    names = [column.name for column in _COLUMNS]
-    return Table(_COLUMNS, tuple(tuple(row.get(name) for name in names) for row in rows))
+    return frame_of(_HEADS, ([row.get(head) for head in _HEADS] for row in rows))
 
 
 def _stores_and_scenes(folder: Path) -> Iterator[Path]:
@@ -54,9 +46,9 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
         with suppress(FileNotFoundError):  # of a store that is being written
             if not file.is_dir():
                 stats.append(file.stat())
-    changed = max((stat.st_mtime for stat in stats), default=time.time())
-    about = {"name": str(path.relative_to(folder)), "age": max(0.0, time.time() - changed)}
-    return row | about | {"bytes": sum(stat.st_size for stat in stats)}
+    changed = datetime.fromtimestamp(max((stat.st_mtime for stat in stats), default=0.0))
+    about = {"name": str(path.relative_to(folder)), "changed": f"{changed:%Y-%m-%d %H:%M}"}
+    return row | about | {"size [MB]": sum(stat.st_size for stat in stats)}
 
 
 def _of_store(path: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Distances of many operating points from severe wear, as a table."""
+"""Distances of many operating points from severe wear, as a data frame."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.band import BAND
-from pipeline.analysis.dataset import dataset_of, entry_dims, plane_of
+from pipeline.analysis.dataset import dataset_of, plane_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin, judge_of
 from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.scenes import columns_of, joined, scenes
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.scenes import frame_by_scene
+from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.store.place import PathLike
 from tribo import InputError
 
@@ -23,8 +24,8 @@ def margin_table(
     ds: xr.Dataset | PathLike,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]],
     **conditions: Any,
-) -> Table:
-    r"""Table of the distances of operating points from severe wear, without a new simulation.
+) -> pd.DataFrame:
+    """Distances of operating points from severe wear, without a new simulation.
 
     Parameters
     ----------
@@ -39,10 +40,14 @@ def margin_table(
 
     Returns
     -------
-    Table
-        A row for each operating point, mild or severe beyond the error of its temperature; over
-        several surfaces the medians, and the number of surfaces with severe wear. A point that the
-        sweep says nothing about has a note instead.
+    DataFrame
+        A row for each operating point: ``load [N]``, ``velocity [m/s]``, the ``verdict`` beyond the
+        error of its temperature, ``decisive temperature [°C]``, ``temperature error [K]``, the
+        ``distance [K]`` below the critical temperature, ``velocity factor``, ``critical velocity
+        [m/s]``, ``load factor``, ``critical load [N]``, and the outcome along each axis. Over
+        several surfaces it has medians, the numbers of ``variants`` and of those that are
+        ``severe`` and ``undecided``, and the ends of the band, ``distance low [K]`` and ``high``. A
+        point that the sweep says nothing about has a ``note`` instead.
 
     Raises
     ------
@@ -53,87 +58,66 @@ def margin_table(
     --------
     >>> import pipeline
     >>> points = {"load": ["500 N", "600 N"], "velocity": ["1.6 m/s", "2 m/s"]}
-    >>> table = pipeline.margin_table("results/first_try.zarr", points)
-    >>> print(*table.without(table.as_dict().keys() - {"load", "verdict"}).lines(), sep="\n")
-    load [N]   verdict
-    500        mild
-    600        severe
+    >>> pipeline.margin_table("results/first_try.zarr", points)[["load [N]", "verdict"]]
+       load [N] verdict
+    0     500.0    mild
+    1     600.0  severe
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
-    ds = dataset_of(ds)
-    names = entry_dims(ds)
-    parts = (
-        ([scene[name].item() for name in names], _table_of(scene, read, conditions))
-        for scene in scenes(ds)
-    )
-    return joined(columns_of(ds["status"]), parts)
+
+    def of_scene(scene: xr.Dataset) -> pd.DataFrame:
+        judge = judge_of(plane_of(scene), **conditions)
+        if scene.sizes.get("realization", 1) == 1:
+            return frame_of_points(read, _HEADS, lambda *place: _of_one(*judge(*place)))
+        return frame_of_points(read, _HEADS_OF_SEVERAL, lambda *place: _of_several(judge(*place)))
+
+    return frame_by_scene(dataset_of(ds), of_scene)
 
 
-def _table_of(ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]) -> Table:
-    """Table of one scene."""
-    judge = judge_of(plane_of(ds), **conditions)
-    if ds.sizes.get("realization", 1) == 1:
-        return table_of_points(points, _COLUMNS, lambda *place: _of_one(*judge(*place)))
-    return table_of_points(points, _COLUMNS_OF_SEVERAL, lambda *place: _of_several(judge(*place)))
-
-
-def table_of_points(
+def frame_of_points(
     points: OperatingPoints,
-    columns: Sequence[Column],
+    heads: Sequence[str],
     answer: Callable[[float, float], Sequence[Any]],
-) -> Table:
-    """Table with the further columns of each operating point, its place, an answer, and a note.
+) -> pd.DataFrame:
+    """Frame with the further columns of each operating point, its place, an answer, and a note.
 
     The answer ends with the note; where an `InputError` stands for it, the first of the columns, a
     verdict, is not known.
     """
     rows = []
-    for number, place in enumerate(points.places):
+    for place in points.places:
         try:
-            values = answer(*place)
+            rows.append((*place, *answer(*place)))
         except InputError as error:
-            values = ("not known", *[None] * (len(columns) - 1), str(error))
-        passed = (cells[number] for cells in points.others.values())
-        rows.append((*passed, *place, *values))
-    results = (*_PLACE, *columns, Column("note", "note"))
-    taken = {word for column in results for word in (column.name, column.head)}
-    others = (f"{head} (given)" if head in taken else head for head in points.others)
-    return Table((*(Column(head, head) for head in others), *results), tuple(rows))
+            rows.append((*place, "not known", *[None] * (len(heads) - 1), str(error)))
+    results = frame_of(["load [N]", "velocity [m/s]", *heads, "note"], rows)
+    others = {
+        f"{head} (given)" if head in {*results, *as_dict(results)} else head: values
+        for head, values in points.others.items()
+    }
+    return pd.concat([pd.DataFrame(others, index=results.index), results], axis="columns")
 
 
-def notes_of(table: Table) -> list[str]:
-    """Notes of a table of operating points, each with its place in words."""
-    columns = table.as_dict()
-    noted = zip(columns["load"], columns["velocity"], columns["note"], strict=True)
-    return [f"{load:g} N at {velocity:g} m/s: {note}" for load, velocity, note in noted if note]
+LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")
+"""Columns for which a terminal or a page is too narrow."""
+_HEADS = (
+    "verdict", "decisive temperature [°C]", "temperature error [K]", "distance [K]",
+    "velocity factor", "critical velocity [m/s]", "velocity outcome",
+    "load factor", "critical load [N]", "load outcome",
+)  # fmt: skip
+_FIELDS = [*as_dict(pd.DataFrame(columns=[*_HEADS]))]
+_HEADS_OF_SEVERAL = (
+    "verdict", "severe", "undecided", "variants", "decisive temperature [°C]",
+    "temperature error [K]", "distance [K]", "distance low [K]", "distance high [K]",
+    "velocity factor", "load factor",
+)  # fmt: skip
 
 
-_PLACE = Column("load", "load", "N", 6), Column("velocity", "velocity", "m/s", 6)
-_COLUMNS = (
-    Column("verdict", "verdict"),
-    Column("decisive_temperature", "deciding temperature", "°C"),
-    Column("temperature_error", "error", "K", 2),
-    Column("distance", "below the critical", "K", 3),
-    Column("velocity_factor", "velocity factor", digits=3),
-    Column("critical_velocity", "critical velocity", "m/s"),
-    Column("velocity_outcome", "along the velocity"),
-    Column("load_factor", "load factor", digits=3),
-    Column("critical_load", "critical load", "N"),
-    Column("load_outcome", "along the load"),
-)
-_COLUMNS_OF_SEVERAL = (
-    Column("verdict", "verdict"),
-    Column("severe", "severe"),
-    Column("undecided", NOT_DECIDED),
-    Column("variants", "of"),
-    Column("decisive_temperature", "deciding temperature", "°C"),
-    Column("temperature_error", "largest error", "K", 2),
-    Column("distance", "below the critical", "K", 3),
-    Column("distance_low", f"below it, {100 * BAND[0]:g} %", "K", 3),
-    Column("distance_high", f"below it, {100 * BAND[-1]:g} %", "K", 3),
-    Column("velocity_factor", "velocity factor", digits=3),
-    Column("load_factor", "load factor", digits=3),
-)
+def notes_of(frame: pd.DataFrame) -> list[str]:
+    """Notes of a frame of operating points, each with its place in words."""
+    noted = frame[["load [N]", "velocity [m/s]", "note"]].dropna()
+    rows = noted.itertuples(index=False, name=None)
+    return [f"{load:g} N at {velocity:g} m/s: {note}" for load, velocity, note in rows if note]
 
 
 def _note(margins: Sequence[Margin]) -> str | None:
@@ -147,7 +131,7 @@ def _note(margins: Sequence[Margin]) -> str | None:
 
 
 def _of_one(margin: Margin) -> tuple[Any, ...]:
-    return *(getattr(margin, column.name) for column in _COLUMNS), _note([margin])
+    return *(getattr(margin, name) for name in _FIELDS), _note([margin])
 
 
 def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:

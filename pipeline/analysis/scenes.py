@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import dataset_of, entry_dims, with_wear_rates
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.tables import frame_of
 from pipeline.scene.quantities import display
 from pipeline.scene.units import to_si
 from pipeline.store.place import PathLike
@@ -122,14 +123,13 @@ def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Datas
         yield values, part.drop_vars([*names, *attributes]).assign_attrs(attributes)
 
 
-def columns_of(ds: xr.Dataset | xr.DataArray) -> tuple[Column, ...]:
-    """Columns of a table for the entries that have several values."""
-    columns = []
+def entry_heads(ds: xr.Dataset | xr.DataArray) -> dict[str, str]:
+    """Heads in a data frame of the entries that have several values, by their paths."""
+    heads = {}
     for name in entry_dims(ds):
-        unit, usual = str(ds[name].attrs.get("units", "")), _usual_unit(ds[name])
-        plain = bool(usual) or unit in ("", "1")
-        columns.append(Column(name, name if plain else f"{name} [{unit}]", usual))
-    return tuple(columns)
+        unit = _usual_unit(ds[name]) or str(ds[name].attrs.get("units", "1"))
+        heads[name] = name if unit in ("", "1") else f"{name} [{unit}]"
+    return heads
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
@@ -140,17 +140,16 @@ def _usual_unit(axis: xr.DataArray) -> str:
     return _SHOWN.get(unit, "")
 
 
-def joined(columns: tuple[Column, ...], parts: Iterable[tuple[Sequence[Any], Table]]) -> Table:
-    """One table of those of several scenes, with the values of their entries in front."""
-    tables = list(parts)
-    heads = dict.fromkeys(column for _, table in tables for column in table.columns)
-    rows = []
-    for values, table in tables:
-        held = table.as_dict()
-        nothing = [None] * len(table.rows)
-        cells = zip(*(held.get(column.name, nothing) for column in heads), strict=True)
-        rows += [(*values, *row) for row in cells]
-    return Table((*columns, *heads), tuple(rows))
+def frame_by_scene(
+    ds: xr.Dataset, frame_of_scene: Callable[[xr.Dataset], pd.DataFrame]
+) -> pd.DataFrame:
+    """Frames of all scenes below each other, with the values of their entries in front."""
+    heads, frames = entry_heads(ds["status"]), []
+    for scene in scenes(ds):
+        frame = frame_of_scene(scene)
+        values = frame_of([*heads.values()], [[scene[name].item() for name in heads]] * len(frame))
+        frames.append(pd.concat([values, frame], axis="columns"))
+    return pd.concat(frames, ignore_index=True)
 
 
 def differing(

@@ -1,199 +1,148 @@
-"""Tables of results: one description from which text, JSON, CSV, Markdown and HTML are written."""
+"""Data frames of results, with the units in their heads: as text, JSON, CSV, Markdown and HTML."""
 
 from __future__ import annotations
 
-import csv
-import html
-import io
 import math
 import os
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, TypeGuard
 
-from pipeline.scene.quantities import shown_in
+import pandas as pd
+
+from pipeline.scene.quantities import is_shown_unit, shown_in, si_of
 from tribo import InputError
 
 TABLES = (".csv", ".md")
 FIGURES = (".pdf", ".png", ".svg")
 """Endings of the files that a table, or a figure, may be written to."""
+_HEAD = re.compile(r"(.+) \[(.+)\]")
+_BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
+_LONG = 1e4  # from which a number in text has no decimals
 
 
-class Column(NamedTuple):
-    """Column of a table.
-
-    Attributes
-    ----------
-    name : str
-        Key of its values, in SI, in a JSON document.
-    title : str
-        Heading, without the unit.
-    unit : str
-        Unit in which values are shown; empty for numbers without one, and for words.
-    digits : int
-        Significant digits in text.
-    write : callable, optional
-        Writes a number in SI with its unit in text, in place of the digits.
+def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
+    """Data frame of rows in SI, in the units of its heads such as ``load [N]``.
 
     Examples
     --------
-    >>> column = Column("bulk", "bulk temperature", "°C")
-    >>> column.head, column.text(298.15)
-    ('bulk temperature [°C]', '25')
+    >>> frame_of(["load [N]", "bulk temperature [°C]"], [(400.0, 298.15), (600.0, None)])
+       load [N]  bulk temperature [°C]
+    0     400.0                   25.0
+    1     600.0                    NaN
     """
-
-    name: str
-    title: str
-    unit: str = ""
-    digits: int = 4
-    write: Callable[[float], str] | None = None
-
-    @property
-    def head(self) -> str:
-        """Heading with the unit."""
-        return f"{self.title} [{self.unit}]" if self.unit else self.title
-
-    def shown(self, value: Any) -> Any:
-        """Value in the unit of the column; numbers that are missing are None."""
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            return value
-        if not math.isfinite(value):
-            return None
-        return shown_in(value, self.unit) if self.unit else value
-
-    def text(self, value: Any) -> str:
-        """Value as it stands in text, without its unit."""
-        if self.write is not None and isinstance(value, int | float):
-            return self.write(value)
-        value = self.shown(value)
-        if isinstance(value, bool):
-            return "yes" if value else "no"
-        if isinstance(value, float):
-            return f"{value:.{self.digits}g}"
-        return "" if value is None else str(value)
+    units = [_parts(head)[1] for head in heads]
+    shown = [
+        tuple(
+            shown_in(value, unit) if unit and _is_number(value) else value
+            for value, unit in zip(row, units, strict=True)
+        )
+        for row in rows
+    ]
+    return pd.DataFrame(shown, columns=pd.Index(heads))
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
-    r"""Result as columns and rows.
-
-    Attributes
-    ----------
-    columns : tuple of Column
-        Names, headings and units.
-    rows : tuple of tuple
-        Values by column, quantities in SI; None or NaN where there is none.
+def as_dict(frame: pd.DataFrame) -> dict[str, list[Any]]:
+    """Values in SI, by the heads without units and blanks, as JSON documents have them.
 
     Examples
     --------
-    >>> columns = Column("load", "load", "N"), Column("bulk", "bulk temperature", "°C")
-    >>> table = Table(columns, ((400.0, 298.15), (600.0, None)))
-    >>> print(*table.lines(), sep="\n")
-    load [N]   bulk temperature [°C]
-    400        25
-    600        -
-    >>> table.as_dict()
-    {'load': [400.0, 600.0], 'bulk': [298.15, None]}
-    >>> next(table.records())
-    {'load [N]': 400.0, 'bulk temperature [°C]': 25.0}
+    >>> as_dict(pd.DataFrame({"load [N]": [400.0], "bulk temperature [°C]": [25.0]}))
+    {'load': [400.0], 'bulk_temperature': [298.15]}
     """
-
-    columns: tuple[Column, ...]
-    rows: tuple[tuple[Any, ...], ...]
-
-    def as_dict(self) -> dict[str, list[Any]]:
-        """Values in SI by the names of the columns."""
-        return {
-            column.name: [row[place] for row in self.rows]
-            for place, column in enumerate(self.columns)
-        }
-
-    def records(self) -> Iterator[dict[str, Any]]:
-        """Rows as they are written to files: values in the units of the headings."""
-        for row in self.rows:
-            pairs = zip(self.columns, row, strict=True)
-            yield {column.head: column.shown(value) for column, value in pairs}
-
-    def without(self, names: Container[str]) -> Table:
-        """The table without columns of these names."""
-        kept = [place for place, column in enumerate(self.columns) if column.name not in names]
-        columns = tuple(self.columns[place] for place in kept)
-        return Table(columns, tuple(tuple(row[place] for place in kept) for row in self.rows))
-
-    def without_empty(self) -> Table:
-        """The table without columns that hold nothing."""
-        columns = zip(self.columns, zip(*self.rows, strict=True), strict=True)
-        return self.without(
-            [column.name for column, values in columns if not any(map(column.text, values))]
-        )
-
-    def crossed(
-        self,
-        title: str,
-        name: Callable[[dict[str, Any]], Any],
-        across: str,
-        heads: Mapping[Any, str],
-        cell: Callable[[dict[str, Any]], str],
-    ) -> Table:
-        """Cells of rows with the same name beside each other, a column for each value of another.
-
-        The function `name` gives the first cell of a row, below the title, `cell` the text of one
-        value.
-        """
-        rows: dict[Any, dict[Any, str]] = {}
-        for row in self.rows:
-            values = {column.name: value for column, value in zip(self.columns, row, strict=True)}
-            rows.setdefault(name(values), {})[values[across]] = cell(values)
-        columns = (Column(title, title), *(Column(head, head) for head in heads.values()))
-        lines = ((first, *(cells.get(key) for key in heads)) for first, cells in rows.items())
-        return Table(columns, tuple(lines))
-
-    def cells(self) -> list[list[str]]:
-        """Values as text, without the headings."""
-        return [
-            [column.text(value) for column, value in zip(self.columns, row, strict=True)]
-            for row in self.rows
-        ]
-
-    def lines(self) -> Iterator[str]:
-        """Lines of text with aligned columns, the headings first."""
-        rows = [[column.title if column.write else column.head for column in self.columns]]
-        rows += [[cell or "-" for cell in row] for row in self.cells()]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        for row in rows:
-            cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
-            yield "   ".join(cells).rstrip()
-
-    def html(self) -> str:
-        """The table as HTML."""
-        heads = "".join(f"<th>{html.escape(column.head)}</th>" for column in self.columns)
-        rows = (
-            "".join(f"<td>{html.escape(cell) or '–'}</td>" for cell in row) for row in self.cells()
-        )
-        body = "".join(f"<tr>{row}</tr>\n" for row in rows)
-        return f"<table><thead><tr>{heads}</tr></thead>\n<tbody>{body}</tbody></table>"
-
-    _repr_html_ = html  # in a notebook
-
-    def write(self, out: str | Path) -> Path:
-        """Write the table to a file, .csv or .md."""
-        return write_tables([self], writable_path(out, TABLES))
+    held = {}
+    for head in frame:
+        name, unit = _parts(str(head))
+        values = [None if pd.isna(value) else value for value in frame[head].tolist()]
+        if unit:
+            values = [si_of(value, unit) if _is_number(value) else value for value in values]
+        held[name.replace(" ", "_")] = values
+    return held
 
 
-def write_tables(tables: Sequence[Table], out: Path) -> Path:
-    """Write the rows of tables below each other; a column that a table lacks stays empty there."""
-    rows = [record for table in tables for record in table.records()]
-    heads = list(dict.fromkeys(column.head for table in tables for column in table.columns))
-    cells = [heads, *([_written(row.get(head)) for head in heads] for row in rows)]
-    if out.suffix.lower() == ".md":
-        lines = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in cells]
-        lines.insert(1, "|---" * len(heads) + "|")
-        return write_text("\n".join([*lines, ""]), out)
-    file = io.StringIO()
-    csv.writer(file, lineterminator="\n").writerows([*map(_harmless, line)] for line in cells)
-    return write_text(file.getvalue(), out)
+def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
+    """The frame without columns that hold nothing, and without those of some heads."""
+    return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
+
+
+def lines_of(frame: pd.DataFrame) -> list[str]:
+    r"""Lines of text with aligned columns, the heads first.
+
+    Examples
+    --------
+    >>> print(*lines_of(pd.DataFrame({"load [N]": [400.0], "is severe": [True]})), sep="\n")
+    load [N]   is severe
+    400        yes
+    """
+    rows = [[*map(str, frame)], *_cells(frame, "-")]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "   ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def html_of(frame: pd.DataFrame) -> str:
+    """The frame as HTML."""
+    cells = pd.DataFrame(_cells(frame, "–"), columns=frame.columns)
+    with pd.option_context("display.max_colwidth", None):
+        text: str = cells.to_html(index=False, border=0, justify="left")
+    return text.replace(' style="text-align: left;"', "")  # which a page's policy forbids
+
+
+def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
+    """Write the rows of frames below each other, as CSV or Markdown by the ending of the file."""
+    frame = pd.concat(frames).rename(columns=_harmless)
+    if out.suffix.lower() == ".csv":
+        text = frame.map(_harmless).to_csv(index=False, float_format="%.6g")
+        return write_text(text, out)
+    return write_text("\n".join([*markdown_of(frame), ""]), out)
+
+
+def _harmless(cell: Any) -> Any:
+    """A cell that a spreadsheet takes for text where it would compute it, as ``=1+1``."""
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(("=", "@")) else cell
+
+
+def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
+    """Lines of a table of Markdown."""
+    for number, row in enumerate([[*map(str, frame)], *_cells(frame, "")]):
+        yield f"| {' | '.join(cell.replace('|', '/') for cell in row)} |"
+        if number == 0:
+            yield "|---" * len(row) + "|"
+
+
+def _cells(frame: pd.DataFrame, missing: str) -> list[list[str]]:
+    """Values as text."""
+    rows = frame.itertuples(index=False, name=None)
+    return [[missing if pd.isna(value) else _text(value) for value in row] for row in rows]
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if value in _BEYOND or not _is_number(value):
+        return str(_BEYOND.get(value, value))
+    return f"{value:.0f}" if abs(value) >= _LONG else f"{value:.4g}"
+
+
+def _is_number(value: Any) -> TypeGuard[float]:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and not math.isnan(value)
+
+
+def _parts(head: str) -> tuple[str, str]:
+    """Name and unit of a head; no unit where it is none of ours, as in a column that is passed on.
+
+    Examples
+    --------
+    >>> _parts("load [N]"), _parts("width [inch]"), _parts("verdict")
+    (('load', 'N'), ('width [inch]', ''), ('verdict', ''))
+    """
+    match = _HEAD.fullmatch(head)
+    return (match[1], match[2]) if match and is_shown_unit(match[2]) else (head, "")
 
 
 def write_text(text: str, out: Path) -> Path:
@@ -223,19 +172,3 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     if path.is_dir() or not os.access(path.parent, os.W_OK):
         raise InputError(f"cannot write {out}: it is a folder, or its folder is not writable")
     return path
-
-
-def is_table(out: str | Path | None) -> bool:
-    """True if a file is to hold a table, by its suffix."""
-    return out is not None and Path(out).suffix.lower() in TABLES
-
-
-def _harmless(cell: str) -> str:
-    """A cell that a spreadsheet takes for text where it would compute it, as ``=1+1``."""
-    return f"'{cell}" if cell.startswith(("=", "@")) else cell
-
-
-def _written(value: Any) -> str:
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
-        return ""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -9,20 +9,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary_tables import (
     BOUNDARIES,
+    JUDGED,
     by_friction,
+    frames_of,
     frictions_of,
-    readable,
-    tables_of,
 )
 from pipeline.analysis.cold_tracks import turns_left_out
-from pipeline.analysis.compared import compared, lines_of
+from pipeline.analysis.compared import compared, on_tests
 from pipeline.analysis.scenes import parts_of
+from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result
@@ -48,14 +50,14 @@ def boundary(options: argparse.Namespace) -> Result:
     text = [
         *text_of(crossings, command),
         *not_counted,
-        *(["", *lines_of(tests)] if tests else []),
+        *(["", *on_tests(tests)] if tests is not None else []),
         *after_boundary(attributes_of(ds), options.store),
     ]
     warned = pipeline.warned(ds, **conditions)
     document = document_of(crossings) | {"command": command, "not_counted": cold}
-    if tests:
-        document["tests"] = tests.as_dict()
-    return Result(document, text, warned, tables_of(crossings))
+    if tests is not None:
+        document["tests"] = as_dict(tests)
+    return Result(document, text, warned, frames_of(crossings))
 
 
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:
@@ -115,12 +117,13 @@ def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | 
     return more_of_boundary(ds, store, beyond[0])
 
 
-def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str]:
+def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str | pd.DataFrame]:
     """Lines of text on a boundary; the command computes points that it lacks, if any."""
     yield ", ".join(_conditions(crossings))
-    for table in readable(crossings):
+    alone = ["friction"] if len(frictions_of(crossings)) == 1 else []
+    for frame in frames_of(crossings):
         yield ""
-        yield from table.lines()
+        yield short(frame, [*alone, *JUDGED.values()])
     yield from _slow_rise(crossings)
     if "film_parameter_at_load" in crossings:
         yield ""

@@ -12,7 +12,7 @@ import numpy as np
 import pipeline
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.operating_points import OperatingPoints, Place
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, criterion_in, flags_of, opened, values_in
@@ -23,6 +23,7 @@ from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Goal, Limit, confirm
 from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pipeline.sweep.model import Sweep
@@ -59,10 +60,10 @@ def design(options: argparse.Namespace) -> Result:
         *_on_check(goal, limit, at, direct, reason),
         *notes(ensemble, weighed),
     ]
-    tables = [_table(limits) if first else _curve(limit)]
+    frames = [_table(limits) if first else _curve(limit)]
     draw = partial(pipeline.draw_design, [(dict(at), limit) for at, limit in limits], ensemble)
     return Result(
-        document, text, pipeline.warned(ds), tables, draw, beside(options.store, "_design.png")
+        document, text, pipeline.warned(ds), frames, draw, beside(options.store, "_design.png")
     )
 
 
@@ -198,24 +199,20 @@ def _line(limits: list[tuple[Any, Limit]]) -> dict[str, Any]:
     return {"line": [{"at": dict(at), **limit.as_dict()} for at, limit in limits]}
 
 
-def _table(limits: list[tuple[Any, Limit]]) -> Table:
+def _table(limits: list[tuple[Any, Limit]]) -> pd.DataFrame:
     """Limits of an entry by values of another one, in SI."""
     ((path, _),), first = limits[0][0], limits[0][1]
-    columns = Column(path, path), Column("side", "side"), Column("limit", first.entry.path)
     rows = ((at[0][1], one.side, one.value) for at, one in limits)
-    return Table(columns, tuple(rows))
+    return frame_of((path, "side", first.entry.path), rows)
 
 
-def _on_line(limits: list[tuple[Any, Limit]]) -> Iterator[str]:
+def _on_line(limits: list[tuple[Any, Limit]]) -> Iterator[str | pd.DataFrame]:
     goal, entry = limits[0][1].goal, limits[0][1].entry
     yield f"{entry.path} by {limits[0][0][0][0]}, in SI, for {_wanted(goal)}"
-    yield from _table(limits).lines()
+    yield _table(limits)
 
 
-def _curve(limit: Limit) -> Table:
+def _curve(limit: Limit) -> pd.DataFrame:
     """Probability by the values of an entry."""
-    columns = (
-        Column("value", f"{limit.entry.path} [{limit.entry.unit}]"),
-        Column("probability", "probability"),
-    )
-    return Table(columns, tuple(zip(limit.values, limit.probabilities, strict=True)))
+    heads = f"{limit.entry.path} [{limit.entry.unit}]", "probability"
+    return frame_of(heads, zip(limit.values, limit.probabilities, strict=True))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pipeline
 from pipeline.analysis.margin import NOT_DECIDED, verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point
-from pipeline.analysis.tables import TABLES, Column, Table, writable_path
+from pipeline.analysis.tables import TABLES, frame_of, writable_path
 from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, tell
 from pipeline.cli.progress import run_line, working
@@ -28,6 +28,8 @@ from pipeline.sweep.warned import MELTS, MOLTEN
 from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pipeline.run.inference import CriticalTemperatures
 
 _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
@@ -199,15 +201,15 @@ def infer(options: argparse.Namespace) -> Result:
         inferred = pipeline.critical_temperatures(
             sweep, tell=tell, out=options.kept, workers=options.workers, progress=progress
         )
-    tables = [_transitions(inferred)]
+    frames = [_transitions(inferred)]
     if tested:
         outcomes = [str(test.outcome) for test in tested]
-        return _of_tests(inferred, outcomes, sweep.about.name, tables)
-    return Result(inferred.as_dict(), _on_temperatures(inferred), tables=tables)
+        return _of_tests(inferred, outcomes, sweep.about.name, frames)
+    return Result(inferred.as_dict(), _on_temperatures(inferred), frames=frames)
 
 
 def _of_tests(
-    at_tests: CriticalTemperatures, outcomes: list[str], name: str, tables: list[Table]
+    at_tests: CriticalTemperatures, outcomes: list[str], name: str, frames: list[pd.DataFrame]
 ) -> Result:
     """Bounds of the critical temperature from tests, and the lines that would say more.
 
@@ -239,7 +241,7 @@ def _of_tests(
         *toml, "", f"and samples = 64 in [sweep]; then irg run {name}.toml, irg infer {name}.toml",
     ]  # fmt: skip
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
-    return Result(document | {"toml": "\n".join(toml)}, text, tables=tables)
+    return Result(document | {"toml": "\n".join(toml)}, text, frames=frames)
 
 
 def _of_stores(options: argparse.Namespace) -> Result:
@@ -275,23 +277,19 @@ def _on_temperatures(inferred: CriticalTemperatures) -> Iterator[str]:
     yield f"on average {pipeline.display(inferred.mean, '°C', 4)}{apart}"
 
 
-def _transitions(inferred: CriticalTemperatures) -> Table:
-    """Table with a row for each measured transition."""
+def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
+    """Frame with a row for each measured transition."""
     seeds = inferred.surfaces if inferred.spreads[0] else ()
-    columns = (
-        Column("load", "load", "N"),
-        Column("velocity", "velocity", "m/s"),
-        Column("friction", "friction"),
-        Column("critical_temperature", "critical temperature", "°C"),
-        Column("spread", "spread", "K"),
-        *(Column(f"surface_{seed}", f"surface {seed}", "°C") for seed in seeds),
+    heads = (
+        *("load [N]", "velocity [m/s]", "friction", "critical temperature [°C]", "spread [K]"),
+        *(f"surface {seed} [°C]" for seed in seeds),
     )
     rows = zip(
         inferred.transitions, inferred.temperatures, inferred.means, inferred.spreads, strict=True
     )
-    return Table(
-        columns,
-        tuple(
+    return frame_of(
+        heads,
+        (
             (test.normal_load, test.velocity, test.friction, mean, spread, *(seeds and values))
             for test, values, mean, spread in rows
         ),
@@ -322,9 +320,8 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
         basis,
     ]
     document = asdict(rate) | {"duration": end.time}
-    columns = [Column(name, name, "mm³/(N m)") for name in asdict(rate)]
-    columns.append(Column("duration", "duration", "s"))
-    return Result(document, text, tables=[Table(tuple(columns), (tuple(document.values()),))])
+    heads = *(f"{name} [mm³/(N m)]" for name in asdict(rate)), "duration [s]"
+    return Result(document, text, frames=[frame_of(heads, [tuple(document.values())])])
 
 
 def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:

@@ -14,27 +14,22 @@ import pipeline
 from pipeline.analysis.band import BAND
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, margins_at
-from pipeline.analysis.margin_table import notes_of
+from pipeline.analysis.margin_table import LONG, notes_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import words
+from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, in_words, outcomes
 from pipeline.cli.next_steps import commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.scenes import by_samples, conditions_in, flags_of, opened, values_in
-from pipeline.cli.unknowns import about, notes, on_risk, samples_of, table_of_intervals
+from pipeline.cli.unknowns import about, frame_of_intervals, notes, on_risk, samples_of
 from tribo import InputError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pipeline.analysis.margin import Margin
-    from pipeline.analysis.tables import Table
-
-
-_ONLY_IN_FILES = (
-    "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
-)  # fmt: skip
-"""Columns of a table of margins for which a terminal is too narrow."""
 
 
 def margin(options: argparse.Namespace) -> Result:
@@ -102,8 +97,8 @@ def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
     draws = measured.draws if measured else None
     if options.points is None:
         answer = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)
-        table = table_of_intervals(answer)
-        text = [on_risk(answer.risk), *table.lines()]
+        table = frame_of_intervals(answer)
+        text: list[str | pd.DataFrame] = [on_risk(answer.risk), table]
         document: dict[str, Any] = {"intervals": answer.as_dict()}
     else:
         table = pipeline.risk_table(ensemble, options.points, draws)
@@ -112,15 +107,15 @@ def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
     return Result(document, [*text, *notes(ensemble, measured)], pipeline.warned(ds), [table])
 
 
-def _on_points(options: argparse.Namespace, table: Table) -> tuple[dict[str, Any], list[str]]:
-    """Plain data and lines on a table of operating points."""
-    columns = table.as_dict()
-    verdicts = Counter(columns["verdict"])
+def _on_points(
+    options: argparse.Namespace, frame: pd.DataFrame
+) -> tuple[dict[str, Any], list[str | pd.DataFrame]]:
+    """Plain data, sentences and a frame on operating points."""
+    verdicts = Counter(frame["verdict"])
     counts = ", ".join(f"{number} {verdict}" for verdict, number in sorted(verdicts.items()))
-    text = [f"{counted(len(table.rows), 'operating point', 'operating points')}: {counts}"]
-    if options.output is None:
-        text += ["", *table.without(_ONLY_IN_FILES).without_empty().lines()]
-    return {"verdicts": verdicts, "margins": columns}, text + notes_of(table)
+    said = f"{counted(len(frame), 'operating point', 'operating points')}: {counts}"
+    shown = [] if options.output else ["", short(frame, LONG)]
+    return {"verdicts": verdicts, "margins": as_dict(frame)}, [said, *shown, *notes_of(frame)]
 
 
 def _is_incomplete(here: Margin) -> bool:

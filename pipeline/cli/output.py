@@ -8,14 +8,13 @@ import math
 import re
 import sys
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.analysis.tables import Table, is_table, write_tables
-
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
     from pipeline.store.progress import FailedPoint
@@ -28,32 +27,35 @@ QUIET = threading.Event()
 """Set if the user asked for no progress and no notes."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
+_TABLES = (".csv", ".md")
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Result of a command: a document, the same in lines of text, and tables or a figure for -o."""
+    """Result of a command: a document, the same as sentences and frames, and what -o writes."""
 
     document: dict[str, Any]
-    text: Iterable[str]
+    text: Iterable[str | pd.DataFrame]
     warned: Warned | None = None  # of its points
-    tables: Sequence[Table] = ()
+    frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Figure] | None = None
     out: Path | None = None  # file of the figure where the user names none
     code: int = DONE
 
 
 def show(options: argparse.Namespace, result: Result) -> None:
-    """Print a result, as text or as one JSON document, and write its tables or its figure."""
-    document, lines = dict(result.document), list(result.text)
+    """Print a result, as text or as one JSON document, and write its frames or its figure."""
+    document, lines = dict(result.document), [*lines_in(result.text)]
     if result.warned is not None:
         document["warnings"] = result.warned.as_dict()
         lines += result.warned.lines()
     out = result.out
-    if result.tables or result.draw:
+    if result.frames or result.draw:
         out = options.output or out
-    if out is not None and (result.draw is None or is_table(out)):
-        document["table"] = str(write_tables(result.tables, out))
+    if out is not None and (result.draw is None or out.suffix.lower() in _TABLES):
+        from pipeline.analysis.tables import write_frames  # pandas takes its time
+
+        document["table"] = str(write_frames(result.frames, out))
         lines.append(f"table: {out}")
     elif out is not None and result.draw is not None:
         from pipeline.figures.style import save_figure  # Matplotlib takes its time
@@ -65,6 +67,17 @@ def show(options: argparse.Namespace, result: Result) -> None:
         print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", written))
     elif lines:
         show_text(lines)
+
+
+def lines_in(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
+    """Lines of text, the frames in it as aligned columns."""
+    for part in text:
+        if isinstance(part, str):
+            yield part
+        else:
+            from pipeline.analysis.tables import lines_of  # with pandas
+
+            yield from lines_of(part)
 
 
 def show_text(text: Iterable[str]) -> None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pipeline
 from pipeline.analysis.listing import listing
-from pipeline.analysis.tables import Table
+from pipeline.analysis.tables import as_dict, short
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import criterion_in, opened
@@ -29,9 +28,9 @@ _MOST_POINTS = 10  # that are printed; files have all
 def status(options: argparse.Namespace) -> Result:
     """Count the points of a store, or list the stores and scenes below a folder."""
     if _is_folder_of_stores(options.store):
-        table = listing(Path(options.store))
-        text = list(table.lines()) if table.rows else [f"{options.store} holds none"]
-        return Result(table.as_dict(), text)
+        frame = listing(Path(options.store))
+        held = short(frame) if len(frame) else f"{options.store} holds none"
+        return Result(as_dict(frame), [held])
     state = pipeline.summary(options.store)
     selection = stored_selection(options.store)
     attributes = read_attributes(options.store) or {}
@@ -112,28 +111,25 @@ def diff(options: argparse.Namespace) -> Result:
     stores = opened(options), opened(options, options.other)
     criterion = criterion_in(options)
     between = pipeline.diff(*stores, **criterion)
-    text = [f"A {options.store}", f"B {options.other}", ""]
-    text += between.entries.lines() if between.entries.rows else ["their scenes are equal"]
-    text.append("")
-    if between.boundary.rows:
-        text += between.boundary.without_empty().lines()
-    else:
-        text.append("no boundaries to compare: no common load, no critical temperature, or samples")
-    differing = len(between.points.rows)
-    changes = [abs(change) for change in between.points.as_dict()["change"] if isfinite(change)]
-    unlike = f" (by up to {100 * max(changes):.2g} % of the rise)" if changes else ""
-    text += [
+    entries, crossings, points = between.entries, between.boundary, between.points
+    changes = points["change [%]"].dropna().abs()
+    unlike = f" (by up to {changes.max():.2g} % of the rise)" if len(changes) else ""
+    text = [
+        *(f"A {options.store}", f"B {options.other}", ""),
+        entries if len(entries) else "their scenes are equal",
+        "",
+        short(crossings)
+        if len(crossings)
+        else "no boundaries to compare: no common load, no critical temperature, or samples",
         "",
         f"points: {between.alike} alike, {len(changes)} unlike{unlike}, "
-        f"{differing - len(changes)} done in one alone",
+        f"{len(points) - len(changes)} done in one alone",
     ]
-    if differing:
-        first = Table(between.points.columns, between.points.rows[:_MOST_POINTS])
-        text += first.without_empty().lines()
-    if differing > _MOST_POINTS:
-        text.append(f"and {differing - _MOST_POINTS} more, which -o TABLE.csv writes")
-    if differing:
+    if len(points):
+        text.append(short(points.head(_MOST_POINTS)))
+    if len(points) > _MOST_POINTS:
+        text.append(f"and {len(points) - _MOST_POINTS} more, which -o TABLE.csv writes")
+    if len(points):
         text.append("rise: the highest of the contact at the end of the point, at friction 1")
-    tables = [between.entries, between.boundary, between.points]
     warned = sum((pipeline.warned(ds, **criterion) for ds in stores), NO_WARNING)
-    return Result(between.as_dict(), text, warned, tables)
+    return Result(between.as_dict(), text, warned, [entries, crossings, points])

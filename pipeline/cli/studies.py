@@ -10,14 +10,15 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.tables import Column, Table
-from pipeline.analysis.transition import CROSSES, outcomes
+from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.output import Result, tell
 from pipeline.cli.progress import run_line
 from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pipeline.run.vary import Variations
 
 
@@ -44,26 +45,18 @@ def vary(options: argparse.Namespace) -> Result:
             workers=options.workers,
             progress=progress,
         )
-    table = _critical_velocities(result)
+    frame = _critical_velocities(result)
     return Result(
         result.as_dict(),
-        _on_variations(result, table),
+        _on_variations(result, frame),
         warned=result.warned,
-        tables=[table],
+        frames=[frame],
         draw=partial(pipeline.draw_variations, result),
     )
 
 
-def _critical_velocities(result: Variations) -> Table:
-    """Table with a row for each value and load."""
-    columns = (
-        Column("entry", "entry"),
-        Column("value", "value"),
-        Column("load", "load", "N"),
-        Column("critical_velocity", "critical velocity", "m/s"),
-        Column("change", "change"),
-        Column("outcome", "outcome"),
-    )
+def _critical_velocities(result: Variations) -> pd.DataFrame:
+    """Frame with a row for each value and load."""
     rows: list[tuple[Any, ...]] = []
     for variation in (result.base, *itertools.chain(*result.by_key().values())):
         name, changes = "as it is", [math.nan] * len(result.loads)
@@ -73,28 +66,13 @@ def _critical_velocities(result: Variations) -> Table:
             result.loads, variation.critical_velocities, changes, variation.outcomes, strict=True
         )
         rows += [(name, variation.value, *row) for row in values]
-    return Table(columns, tuple(rows))
+    heads = "entry", "value", "load [N]", "critical velocity [m/s]", "change [%]", "outcome"
+    return frame_of(heads, rows)
 
 
-def _on_variations(result: Variations, table: Table) -> Iterator[str]:
-    """The table with a column for each load, and physics that the scene leaves out."""
-    effects = {effect.key[0] for effect in result.physics}
-
-    def name(row: dict[str, Any]) -> str:
-        is_alone = row["value"] == result.base.value or row["entry"] in effects
-        return str(row["entry"]) if is_alone else f"{row['entry']} = {row['value']}"
-
-    def cell(row: dict[str, Any]) -> str:
-        if not math.isfinite(row["critical_velocity"]):
-            return str(row["outcome"])
-        change = f"  {100 * row['change']:+.1f} %" if math.isfinite(row["change"]) else ""
-        return f"{row['critical_velocity']:.3g}{change}"
-
-    heads = {load: f"at {load:g} N" for load in result.loads}
-    yield from table.crossed("critical velocity [m/s]", name, "load", heads, cell).lines()
-    if set(table.as_dict()["outcome"]) - {outcomes("velocity")[CROSSES]}:
-        yield ""
-        yield "in words: no transition between the sweep's velocities"
+def _on_variations(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+    """The frame, and physics that the scene leaves out."""
+    yield short(frame)
     yield ""
     yield f"from {result.points} points on the contacts of {result.contacts}"
     for state, group in itertools.groupby(
@@ -116,4 +94,4 @@ def trade(options: argparse.Namespace) -> Result:
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
     draw = partial(pipeline.draw_trade, measured)
-    return Result(measured.as_dict(), [str(measured)], tables=[measured.table], draw=draw)
+    return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)

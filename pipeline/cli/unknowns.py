@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import astuple
 from functools import partial
-from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import pipeline
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.tables import as_dict, frame_of, short
+from pipeline.analysis.transition import UNITS
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
@@ -27,11 +27,13 @@ from pipeline.cli.scenes import (
     values_in,
     weighing,
 )
-from pipeline.uncertain.answers import table_of_lines
+from pipeline.uncertain.answers import frame_of_lines
+from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pipeline.uncertain.ensemble import Ensemble
@@ -40,7 +42,6 @@ if TYPE_CHECKING:
     from pipeline.uncertain.weigh import Posterior
 
 
-_LOAD = Column("load", "load", "N")
 _SHOWN = 12  # candidates
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
@@ -71,7 +72,7 @@ def risk(options: argparse.Namespace) -> Result:
         return Result(document, text, warned)
     with working("finding probabilities over the plane"):
         plane = pipeline.probabilities(ensemble, draws)
-        lines = table_of_lines(ensemble, draws)
+        lines = frame_of_lines(ensemble, draws)
     return Result(
         document | _document(lines),
         text if place else [*text, *_on_lines(lines)],
@@ -102,22 +103,22 @@ def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iter
         yield f"next: {given_tests}: add --given-measured"
 
 
-def _cells(plane: xr.DataArray) -> Table:
+def _cells(plane: xr.DataArray) -> pd.DataFrame:
     """Probability over the plane, a row for each load and velocity."""
-    columns = _LOAD, Column("velocity", "velocity", "m/s"), Column("probability", "probability")
-    frame = plane.to_dataframe().reset_index()
-    return Table(columns, tuple(frame.itertuples(index=False, name=None)))
+    rows = plane.to_dataframe().reset_index().itertuples(index=False, name=None)
+    return frame_of(("load [N]", "velocity [m/s]", "probability"), rows)
 
 
-def _document(lines: Table) -> dict[str, Any]:
+def _document(lines: pd.DataFrame) -> dict[str, Any]:
     """Velocities of some probabilities by load, as plain data; null where they lie beyond."""
-    columns = lines.as_dict()
-    return {"load": columns.pop("load"), "velocity_of_probability": columns}
+    loads, *velocities = as_dict(lines).values()
+    shares = map(str, QUANTILES)
+    return {"load": loads, "velocity_of_probability": dict(zip(shares, velocities, strict=True))}
 
 
-def _on_lines(lines: Table) -> Iterator[str]:
-    yield "velocity [m/s] at which wear is severe with a probability of 5, 50 and 95 %"
-    yield from lines.lines()
+def _on_lines(lines: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+    yield "velocity at which wear is severe with a probability of 5, 50 and 95 %"
+    yield lines
 
 
 def boundary_of_samples(
@@ -126,7 +127,7 @@ def boundary_of_samples(
     """Print the velocities at which wear is severe with some probabilities."""
     ensemble, weighed = samples_of(options, ds, **conditions)
     with working("finding probabilities at each load"):
-        lines = table_of_lines(ensemble, weighed.draws if weighed else None)
+        lines = frame_of_lines(ensemble, weighed.draws if weighed else None)
     document = {"given_measured": weighed is not None, **about(ensemble), **_document(lines)}
     text = [*_on_lines(lines), *notes(ensemble, weighed)]
     if ensemble.tests and not (weighed or conditions):
@@ -134,32 +135,22 @@ def boundary_of_samples(
     return Result(document, text, pipeline.warned(ds), [lines])
 
 
-def table_of_intervals(answer: MarginIntervals) -> Table:
+def frame_of_intervals(answer: MarginIntervals) -> pd.DataFrame:
     """Distance of an operating point from severe wear, a quantity a row."""
     place, temperature = answer.risk, answer.decisive_temperature
     rows: list[tuple[Any, ...]] = [
-        ("deciding temperature [°C]", *(value - 273.15 for value in astuple(temperature))),
-        ("below the critical [K]", *astuple(answer.distance)),
+        ("decisive temperature [°C]", *(value - 273.15 for value in astuple(temperature))),
+        ("distance below the critical [K]", *astuple(answer.distance)),
     ]
-    for name, unit, interval, here, ends in (
-        ("velocity", "m/s", answer.critical_velocity, place.velocity, answer.velocity_range),
-        ("load", "N", answer.critical_load, place.load, answer.load_range),
+    for name, interval, here in (
+        ("velocity", answer.critical_velocity, place.velocity),
+        ("load", answer.critical_load, place.load),
     ):
         if interval is not None:
-            values = astuple(interval)
-            factors = (_within(value / here, [end / here for end in ends]) for value in values)
-            rows.append((f"critical {name} [{unit}]", *(_within(value, ends) for value in values)))
-            rows.append((f"{name} factor", *factors))
-    heads = (("low", "5 %"), ("middle", "middle"), ("high", "95 %"))
-    columns = (Column("quantity", "quantity"), *(Column(*head) for head in heads))
-    return Table(columns, tuple(rows))
-
-
-def _within(value: float, ends: Sequence[float]) -> float | str:
-    """A critical value; beyond the sweep, where it is 0 or infinite, its end in words."""
-    if 0 < value < math.inf:
-        return value
-    return f"> {ends[1]:.3g}" if value else f"< {ends[0]:.3g}"
+            values = [value or -math.inf for value in astuple(interval)]  # 0 below the sweep
+            rows.append((f"critical {name} [{UNITS[name]}]", *values))
+            rows.append((f"{name} factor", *(value / here for value in values)))
+    return frame_of(("quantity", "5 %", "50 %", "95 %"), rows)
 
 
 def sensitivity(options: argparse.Namespace) -> Result:
@@ -170,54 +161,48 @@ def sensitivity(options: argparse.Namespace) -> Result:
         indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
     target = None if most.kind == "list" else most.path
-    table = _indices(indices)
+    frame = _indices(indices)
     text = [
         *notes(ensemble, weighed),
-        *_on_indices(indices, table),
+        *_on_indices(indices, frame),
         f"next: {most.path} moves the boundary most; tests to make: "
         f"{next_tests([options.store], options.scatter, target)}",
     ]
     draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
     document = about(ensemble) | indices.as_dict()
-    return Result(document, text, pipeline.warned(ds), [table], draw)
+    return Result(document, text, pipeline.warned(ds), [frame], draw)
 
 
-def _indices(indices: Sensitivity) -> Table:
+def _indices(indices: Sensitivity) -> pd.DataFrame:
     """Sobol' indices with the ends of their 90 % intervals, a row for each load and input."""
-    columns = [_LOAD, Column("input", "input")]
-    for kind in ("first", "total"):
-        ends = (Column(f"{kind}_{end}", f"{kind}, {end}") for end in ("low", "high"))
-        columns += [Column(kind, kind), *ends]
+    heads = (
+        "load [N]", "input", "first", "first low", "first high", "total", "total low", "total high",
+        "velocity spread [%]", "emulator error [%]",
+    )  # fmt: skip
     parts = (indices.first, *indices.first_interval, indices.total, *indices.total_interval)
     values = np.stack(parts, axis=-1).tolist()
-    rows = [
-        (load, indices.unknown[number].path, *values[place][number])
-        for place, load in enumerate(indices.loads)
-        for number in np.argsort(-indices.first.mean(axis=0))
-    ]
-    return Table(tuple(columns), tuple(rows))
+    rows = zip(indices.loads, indices.spread, indices.velocity_error, values, strict=True)
+    order = np.argsort(-indices.first.mean(axis=0))
+    return frame_of(
+        heads,
+        (
+            (load, indices.unknown[number].path, *at_load[number], spread, error)
+            for load, spread, error, at_load in rows
+            for number in order
+        ),
+    )
 
 
-def _on_indices(indices: Sensitivity, table: Table) -> Iterator[str]:
-    """A table for each kind of index: an input a row, a load a column."""
-    heads = {load: f"{load:g} N" for load in indices.loads}
-    has_total = bool(np.isfinite(indices.total).all())
-    for kind in ("first", "total") if has_total else ("first",):
-
-        def cell(row: dict[str, Any], kind: str = kind) -> str:
-            return f"{row[kind]:.2f} ({row[f'{kind}_low']:.2f}–{row[f'{kind}_high']:.2f})"
-
-        crossed = table.crossed(f"{kind} index", itemgetter("input"), "load", heads, cell)
-        yield from crossed.lines()
-    if not has_total:
+def _on_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+    """The frame, and what its numbers rest on."""
+    yield short(frame)
+    if not np.isfinite(indices.total).all():
         given_measured = "given the measurements"
         reason = given_measured if indices.given_measured else "as the scene correlates them,"
         yield f"no total index: {reason} the inputs depend on one another"
-    rows = tuple(zip(indices.loads, indices.spread, indices.velocity_error, strict=True))
-    spreads = Column("spread", "spread of velocity", "%", 2)
-    columns = _LOAD, spreads, Column("error", "emulator errs by", "%", 2)
-    yield from Table(columns, rows).lines()
-    for load, spread, error in rows:
+    for load, spread, error in zip(
+        indices.loads, indices.spread, indices.velocity_error, strict=True
+    ):
         if error > _GOOD * spread:
             yield (
                 f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, of a "

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.tables import frame_of
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
@@ -19,6 +19,7 @@ from pipeline.sweep.warned import NO_WARNING
 from tribo import InputError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pipeline.sweep.unknown import Unknown
@@ -101,7 +102,7 @@ def _next(options: argparse.Namespace, weighed: Posterior) -> tuple[dict[str, An
     return document, lines
 
 
-def _on_inputs(weighed: Posterior) -> Iterator[str]:
+def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     """Lines on each input, before and after, and on each test."""
     samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
     yield f"{weighed.evidence}, {scatter_in_words(weighed)}; {samples} samples"
@@ -111,8 +112,7 @@ def _on_inputs(weighed: Posterior) -> Iterator[str]:
     yield draws_in_words(weighed)
     heads = ("input", "before", "after", "90 % within")
     summaries = zip(weighed.summary(), weighed.unknown, strict=True)
-    rows = tuple(_before_and_after(*pair) for pair in summaries)
-    yield from Table(tuple(Column(head, head) for head in heads), rows).lines()
+    yield frame_of(heads, (_before_and_after(*pair) for pair in summaries))
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")
         yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
@@ -149,16 +149,16 @@ def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:
     return unknown.path, before, after, f"{within}{unit}"
 
 
-def _in_si(weighed: Posterior) -> Table:
+def _in_si(weighed: Posterior) -> pd.DataFrame:
     """Mean and spread of each input before and after, in SI."""
     words = {"prior": "before", "posterior": "after"}
     moments = [(name, moment) for name in words for moment in ("mean", "sd")]
-    columns = (Column(f"{name}_{moment}", f"{words[name]} {moment}") for name, moment in moments)
+    heads = "input", "unit", *(f"{words[name]} {moment}" for name, moment in moments)
     rows = (
         (row["path"], row["unit"], *(row[name].get(moment) for name, moment in moments))
         for row in weighed.summary()
     )
-    return Table((Column("input", "input"), Column("unit", "unit"), *columns), tuple(rows))
+    return frame_of(heads, rows)
 
 
 def _place(weighed: Posterior, judged: Judged) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.units import SI_UNITS, UnitError, to_si
 from tribo import InputError
 
 _FACTORS = {
@@ -60,6 +60,22 @@ def shown_in(value: float, unit: str) -> float:
     (25.0, 2.0)
     """
     return value - 273.15 if unit == "°C" else value * _FACTORS.get(unit, 1.0)
+
+
+def si_of(value: float, unit: str) -> float:
+    """Value in SI of one in a unit in which such quantities are shown.
+
+    Examples
+    --------
+    >>> si_of(25.0, "°C"), si_of(2.0, "mm")
+    (298.15, 0.002)
+    """
+    return round(value + 273.15, 9) if unit == "°C" else value / _FACTORS.get(unit, 1.0)
+
+
+def is_shown_unit(unit: str) -> bool:
+    """Whether quantities are shown in a unit: one of SI, or of those that have factors here."""
+    return unit == "°C" or unit in _FACTORS or unit in SI_UNITS
 
 
 def display(value: float, unit: str, digits: int = 6) -> str:

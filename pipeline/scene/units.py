@@ -47,6 +47,9 @@ _USUAL = {
 The keys are the units in SI as CF writes them, the first entries as scenes do.
 """
 
+SI_UNITS = {*_USUAL, *(next(iter(units)) for units in _USUAL.values())}
+"""Units of SI, as CF and as scenes write them."""
+
 RANGES = {
     "m": ("1e-12 m", "1e5 m"),
     "m s-1": ("1e-9 m/s", "1e5 m/s"),

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from pipeline.analysis.tables import Column, Table
+import pandas as pd
+
+from pipeline.analysis.tables import frame_of, lines_of
 from pipeline.sweep.model import Point
 from tribo import Fidelity
 
@@ -188,11 +190,10 @@ class Trade:
         )
 
     @property
-    def table(self) -> Table:
+    def table(self) -> pd.DataFrame:
         """Cost and errors of the choices, one in a row."""
-        names = [column.name for column in _COLUMNS]
-        rows = (tuple(getattr(choice, name) for name in names) for choice in self.choices)
-        return Table(_COLUMNS, tuple(rows))
+        names = [head.split(" [")[0].replace(" ", "_") for head in _HEADS]
+        return frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
 
     def as_dict(self) -> dict[str, Any]:
         """Return all of it as plain data."""
@@ -207,7 +208,7 @@ class Trade:
             f"{self.title}: speed against accuracy at",
             f"  {_places(self.points)}",
             "",
-            *self.table.lines(),
+            *lines_of(self.table),
             "",
             "Largest errors at these points: of boundary velocity, decisive rise, contact width",
             "and failed share; and of contact area, mean pressure and share of the contact at the",
@@ -241,30 +242,8 @@ def shown(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _percent(value: float) -> str:
-    return f"{100 * value:.2f} %" if math.isfinite(value) else "none"
-
-
-def _signed_percent(value: float) -> str:
-    return f"{100 * value:+.1f} %"
-
-
-def _megabytes(value: float) -> str:
-    return f"{1e-6 * value:.0f} MB"
-
-
-_COLUMNS = (
-    Column("name", "choice"),
-    Column("velocity_error", "velocity error", "%", write=_percent),
-    Column("rise_error", "rise error", "%", write=_percent),
-    Column("width_error", "width error", "%", write=_percent),
-    Column("share_error", "share error", write="{:.3f}".format),
-    Column("area_error", "area error", "%", write=_signed_percent),
-    Column("pressure_error", "pressure error", "%", write=_signed_percent),
-    Column("saturated_error", "saturated error", write="{:+.3f}".format),
-    Column("seconds", "time", "s", write="{:.3f} s".format),
-    Column("speedup", "faster", digits=3),
-    Column("saving", "less work", digits=3),
-    Column("convolutions", "convolutions"),
-    Column("peak_bytes", "memory", "MB", write=_megabytes),
-)
+_HEADS = (
+    "name", "velocity error [%]", "rise error [%]", "width error [%]", "share error",
+    "area error [%]", "pressure error [%]", "saturated error", "seconds [s]", "speedup", "saving",
+    "convolutions", "peak bytes [MB]",
+)  # fmt: skip

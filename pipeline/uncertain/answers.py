@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.tables import frame_of
 from pipeline.uncertain.emulator import Groups
 from pipeline.uncertain.ensemble import Axis, Ensemble
 from pipeline.uncertain.inputs import QUANTILES, Draws, prior
@@ -103,25 +104,15 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
     return QUANTILES, np.array(lines)
 
 
-def table_of_lines(ensemble: Ensemble, draws: Draws | None = None) -> Table:
+def frame_of_lines(ensemble: Ensemble, draws: Draws | None = None) -> pd.DataFrame:
     """Velocities of some probabilities at the loads of the sweep, which every answer prints.
 
-    They are below 0, or infinite, beyond the velocities of the sweep.
+    They are negatively or positively infinite below or above the velocities of the sweep.
     """
-    lowest, highest = ensemble.velocities
-    velocities = np.geomspace(lowest, highest, 4 * (STEPS - 1) + 1)
+    velocities = np.geomspace(*ensemble.velocities, 4 * (STEPS - 1) + 1)
     shares, lines = risk_lines(probabilities(ensemble, draws, ensemble.loads, velocities))
-
-    def write(velocity: float) -> str:
-        if math.isfinite(velocity):
-            return f"{velocity:.3g}"
-        return f"> {highest:.3g}" if velocity > 0 else f"< {lowest:.3g}"
-
-    columns = (
-        Column(str(share), f"velocity of {100 * share:g} %", "m/s", write=write) for share in shares
-    )
     rows = np.column_stack([ensemble.loads, np.where(lines > 0, lines, -math.inf)]).tolist()
-    return Table((Column("load", "load", "N"), *columns), tuple(map(tuple, rows)))
+    return frame_of(["load [N]", *(f"velocity of {100 * q:g} % [m/s]" for q in shares)], rows)
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:

@@ -8,12 +8,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margin_table import table_of_points
+from pipeline.analysis.margin_table import frame_of_points
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.slow_rise import SLOWEST
-from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
@@ -240,8 +240,8 @@ def risk_table(
     ensemble: Ensemble,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]],
     draws: Draws | None = None,
-) -> Table:
-    """Table of the probability of severe wear at operating points, and of their distance from it.
+) -> pd.DataFrame:
+    """Probability of severe wear at operating points, and their distance from it.
 
     Parameters
     ----------
@@ -254,10 +254,12 @@ def risk_table(
 
     Returns
     -------
-    Table
-        A row for each operating point: mild or severe where 95 % of the probability says so, the
-        probability, and the distance to the critical temperature with 5, 50 and 95 % of it below.
-        A point that the samples say nothing about has a note instead.
+    DataFrame
+        A row for each operating point: ``load [N]``, ``velocity [m/s]``, the ``verdict`` where 95 %
+        of the probability says so, the ``probability`` of severe wear and its standard ``error``,
+        and the ``distance [K]`` below the critical temperature, with 5 % of it below ``distance low
+        [K]`` and 95 % below ``distance high [K]``. A point that the samples say nothing about has a
+        ``note`` instead.
 
     Raises
     ------
@@ -269,7 +271,7 @@ def risk_table(
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> points = {"load": ["400 N", "400 N"], "velocity": ["1 m/s", "2.2 m/s"]}
-    >>> pipeline.risk_table(ensemble, points).as_dict()["verdict"]
+    >>> pipeline.risk_table(ensemble, points)["verdict"].to_list()
     ['mild', 'not decided']
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
@@ -280,7 +282,7 @@ def risk_table(
         ends = distance.middle, distance.low, distance.high
         return here.verdict, here.probability, here.error, *ends, None
 
-    return table_of_points(read, _COLUMNS, answer)
+    return frame_of_points(read, _HEADS, answer)
 
 
 def _judged(
@@ -337,11 +339,6 @@ def _with_error(
     return excess, np.clip(slope, SLOWEST, 1.0) * math.log1p(ensemble.velocity_error or 0.0)
 
 
-_COLUMNS = (
-    Column("verdict", "verdict"),
-    Column("probability", "probability of severe wear", write="{:.3f}".format),
-    Column("error", "standard error", write="{:.3f}".format),
-    Column("distance", "below the critical", "K", 3),
-    Column("distance_low", f"below it, {100 * QUANTILES[0]:g} %", "K", 3),
-    Column("distance_high", f"below it, {100 * QUANTILES[-1]:g} %", "K", 3),
-)
+_HEADS = (
+    "verdict", "probability", "error", "distance [K]", "distance low [K]", "distance high [K]",
+)  # fmt: skip

@@ -202,8 +202,8 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     assert (one["pin.radius"], other["pin.radius"]) == (0.002, 0.004)
     assert one["distance"] < other["distance"]
     (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
-    table = pipeline.margin_table(swept, folder / "duty.csv").as_dict()
-    assert table["distance"] == [one["distance"], other["distance"]]
+    table = pipeline.margin_table(swept, folder / "duty.csv")
+    assert table["distance [K]"].to_list() == [one["distance"], other["distance"]]
     assert "2 values of pin.radius" in irg("check", folder / "scene.toml")
     irg("status", swept)
 

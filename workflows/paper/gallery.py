@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from pipeline.analysis.tables import markdown_of
 from workflows.paper.report import Report
 
 _PAGE = Path(__file__).with_name("gallery.md")
@@ -29,7 +30,7 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
         yield f"\n## {name}\n"
         yield f"{title[0].upper()}{title[1:]}. `python -m workflows.paper {name}`\n"
         yield f"![{title}]({name}.png)\n"
-        yield from report.table.markdown()
+        yield from markdown_of(report.table)
         yield ""
         for finding in report.findings:
             verdict = "agrees" if finding.agrees else "differs"

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, in_house_style
 from tribo import InputError, Ramp
 from tribo.types import Array
-from workflows.paper.report import Report, Table, line
+from workflows.paper.report import Report, line, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, Wear, history, worn
 
@@ -57,7 +57,7 @@ def fig5(study: Study) -> Report:
             "hold": max(hold["swept wear"], hold["local wear"]) < 0,
             "pace": max(pace["swept wear"], pace["local wear"]) < pace["no wear"],
         },
-        table=Table(
+        table=texts(
             ("highest temperature [°C]", *(f"{time:g} s" for time in times), "in the hold"),
             [line(name, [*marks[name], f"{hold[name]:+.1f}"], ".1f") for name in curves],
         ),

@@ -21,7 +21,7 @@ from workflows.paper.publication import (
     TABLE_4,
     TABLE_6,
 )
-from workflows.paper.report import Report, Table, agree, line, mean, spread
+from workflows.paper.report import Report, agree, line, mean, spread, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import (
     Tested,
@@ -79,7 +79,7 @@ def inverse(study: Study) -> Report:
             and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *chosen),
             "heating": heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
         },
-        table=Table(
+        table=texts(
             ("", "printed", "computed"),
             (
                 ("critical temperature [°C], from each transition",),

@@ -16,7 +16,7 @@ from tribo import Cylinder, Grid, InputError, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
 from workflows.paper.publication import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
-from workflows.paper.report import Report, Table, cells
+from workflows.paper.report import Report, cells, texts
 from workflows.paper.study import Study
 
 _LOOKS = {
@@ -64,7 +64,7 @@ def fig4(study: Study) -> Report:
             "ends": end > 1.5 * middle["free"],
             "compensation": abs(over["nearest_image"]) < 0.02,
         },
-        table=Table(
+        table=texts(
             ("", "p at the centre [GPa]", "highest p [GPa]", "centre against Hertz"),
             (
                 ("printed (Hertz)", f"{CYLINDER_PEAK_PRESSURE / 1e9:.2f}", "", ""),

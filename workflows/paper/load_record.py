@@ -12,7 +12,7 @@ from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heatin
 from tribo import InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE
-from workflows.paper.report import Report, Table, cells
+from workflows.paper.report import Report, cells, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, celsius_of, end_at, history
 
@@ -67,7 +67,7 @@ def fig8(study: Study) -> Report:
             "rate": abs(rate / LOADING_RATE - 1) < 0.02,
             "fit": abs(values["off"]) < _SAME,
         },
-        table=Table(
+        table=texts(
             ("loading", "lasts [s]", "slides [m]", f"on {_share(sweep)} [°C]", "highest [°C]"),
             [
                 (

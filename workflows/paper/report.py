@@ -15,8 +15,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
+from pipeline.analysis.tables import lines_of
 from tribo.types import Array
 
 WORDS: dict[str, Any] = tomllib.loads(
@@ -110,38 +112,10 @@ def agree(computed: Any, printed: Any, zero: Any = 0.0) -> bool:
     return bool((np.abs(mean(computed) - printed) <= allowed).all())
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Texts in columns; a row of one text is a heading within the table."""
-
-    columns: Sequence[str]
-    rows: Sequence[Sequence[str]]
-
-    def lines(self) -> Iterator[str]:
-        r"""Aligned text: the first column to the left, the others to the right.
-
-        Examples
-        --------
-        >>> table = Table(("load", "a", "b"), (("width",), ("750 N", "1", "22")))
-        >>> print(*table.lines(), sep="\n")
-        load   a   b
-        width
-        750 N  1  22
-        """
-        full = [self.columns, *(row for row in self.rows if len(row) > 1)]
-        widths = [max(map(len, column)) for column in zip(*full, strict=True)]
-        for first, *others in (self.columns, *self.rows):
-            cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=False)]
-            yield "  ".join([first.ljust(widths[0]), *cells]).rstrip()
-
-    def markdown(self) -> Iterator[str]:
-        """The same as a table of Markdown, headings in bold."""
-        blank = ("",) * (len(self.columns) - 1)
-        yield f"| {' | '.join(self.columns)} |"
-        yield "|---" * len(self.columns) + "|"
-        for row in self.rows:
-            cells = (f"**{row[0]}**", *blank) if len(row) == 1 else row
-            yield f"| {' | '.join(cells)} |"
+def texts(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> pd.DataFrame:
+    """Texts in columns; a row of one text is a heading within them."""
+    filled = ((*row, *[""] * (len(columns) - len(row))) for row in rows)
+    return pd.DataFrame(filled, columns=pd.Index(columns))
 
 
 def line(label: str, values: Iterable[Any], form: str = ".0f") -> tuple[str, ...]:
@@ -175,7 +149,7 @@ class Report:
         Name of the result, as in `python -m workflows.paper --list`.
     title : str
         One line on what is shown.
-    table : Table
+    table : DataFrame
         The numbers, written for reading.
     findings : tuple of Finding
         Statements of the paper beside what is computed.
@@ -193,7 +167,7 @@ class Report:
 
     name: str
     title: str
-    table: Table
+    table: pd.DataFrame
     findings: tuple[Finding, ...]
     notes: tuple[str, ...]
     data: dict[str, Any]
@@ -231,7 +205,7 @@ class Report:
         """Lines of text for a terminal."""
         yield f"{self.name}: {self.title}"
         yield ""
-        yield from self.table.lines()
+        yield from lines_of(self.table)
         yield ""
         yield from map(str, self.findings)
         yield from (f"note     {note}" for note in self.notes)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
@@ -15,7 +16,7 @@ from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius,
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Finding, Report, Table, judged, line, mean, spread
+from workflows.paper.report import Finding, Report, judged, line, mean, spread, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, worn
 
@@ -132,7 +133,7 @@ def _neighbours(pressure: Array) -> float:
     return float(np.corrcoef(rows[:-1].ravel(), rows[1:].ravel())[0, 1])
 
 
-def _table(by_elements: Mapping[str, _Row], by_increments: Mapping[str, _Row]) -> Table:
+def _table(by_elements: Mapping[str, _Row], by_increments: Mapping[str, _Row]) -> pd.DataFrame:
     sides = list(by_elements["maximum"])
     counts = sorted({count for row in by_increments.values() for count in row})
     width = max(len(sides), len(counts))
@@ -146,7 +147,7 @@ def _table(by_elements: Mapping[str, _Row], by_increments: Mapping[str, _Row]) -
         "10 %": "exceeded on 10 % [°C]",
         "one step": "highest, unworn [°C]",
     }
-    return Table(
+    return texts(
         padded("a  elements", (f"{side}²" for side in sides)),
         (
             *(padded(text, (by_elements[n][side] for side in sides)) for n, text in labels.items()),

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, cast
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
@@ -16,7 +17,7 @@ from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius,
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, cells, mean
+from workflows.paper.report import Report, cells, mean, texts
 from workflows.paper.smooth import SmoothContact, load_speed_exponent
 from workflows.paper.study import Study
 from workflows.paper.transitions import beside_boundary, film_parameter, name_of, on_surfaces
@@ -175,7 +176,7 @@ def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
     }
 
 
-def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditions) -> Table:
+def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditions) -> pd.DataFrame:
     rows = [
         (
             f"{its.name} [{its.unit}]",
@@ -186,7 +187,7 @@ def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditio
     ]
     label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
     columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
-    return Table(
+    return texts(
         ("", *map(name_of, TABLE_4), *columns),
         [*rows, (label, *cells(film, ".2f"), "", "", "")],
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -15,7 +16,7 @@ from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius,
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, cells, mean, spread
+from workflows.paper.report import Report, cells, mean, spread, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, beside_boundary, celsius_of, on_surfaces, worn
 
@@ -160,7 +161,7 @@ def _width_off(widths: Array) -> float:
     return float(np.mean(widths / (1e6 * TABLE_4.unworn_width) - 1))
 
 
-def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Table:
+def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> pd.DataFrame:
     rows: list[tuple[str, ...]] = []
     for kind, variants in outcomes.items():
         rows.append((kind,))
@@ -175,7 +176,7 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Ta
         ]
     velocities = (f"velocity at {load:g} N" for load in TABLE_4.normal_load)
     share = f"on {100 * sweep.conditions.failing_share:g} % [°C]"
-    return Table(("", share, "highest [°C]", *velocities, "unworn width"), rows)
+    return texts(("", share, "highest [°C]", *velocities, "unworn width"), rows)
 
 
 @in_house_style

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Sweep, vary
 from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from tribo.simulation import contacts, heated
 from tribo.types import Array
-from workflows.paper.report import Report, Table, agree, line
+from workflows.paper.report import Report, agree, line, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import celsius_of, end_at, oil_a, white_oil
 
@@ -121,10 +122,10 @@ def _boundary(study: Study) -> dict[str, Any]:
 
 def _table(
     names: list[str], means: Mapping[str, Mapping[float, Array]], boundary: Mapping[str, Any]
-) -> Table:
+) -> pd.DataFrame:
     velocities = zip(boundary["load"], boundary["soft"], boundary["hard"], strict=True)
     soft, hard = (np.concatenate([its[K] for its in means.values()]) for K in (_SOFT, _HARD))
-    return Table(
+    return texts(
         ("", f"K {_SOFT:g} W/(m K)", f"K {_HARD:g} W/(m K)"),
         (
             ("critical velocity at friction 0.1 [m/s]",),

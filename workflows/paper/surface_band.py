@@ -6,7 +6,7 @@ from pipeline import boundary
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.variants import surfaces
 from tribo import InputError
-from workflows.paper.report import Report, Table, cells
+from workflows.paper.report import Report, cells, texts
 from workflows.paper.study import Study
 
 _SURFACES = 8
@@ -57,7 +57,7 @@ def band(study: Study) -> Report:
             "surfaces": max(spreads) < _SMALL,
             "friction": inside == len(measured),
         },
-        table=Table(
+        table=texts(
             (*columns, f"median at friction {most:g} to {least:g}"),
             [
                 (

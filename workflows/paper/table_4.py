@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
@@ -13,7 +14,7 @@ from pipeline.figures.style import GREY, celsius, in_house_style
 from pipeline.sweep.criterion import rise_limit
 from tribo.thermal import Criterion
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4
-from workflows.paper.report import Report, Table, agree, line, mean
+from workflows.paper.report import Report, agree, line, mean, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import (
     HIGHEST,
@@ -122,7 +123,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
     }
 
 
-def _table(data: dict[str, Any], conditions: Conditions) -> Table:
+def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
     critical = celsius(conditions.known_critical_temperature())
     needed = data["friction_for_printed_share"]
     alike = f"  swept, friction {conditions.friction:g} at each"
@@ -130,7 +131,7 @@ def _table(data: dict[str, Any], conditions: Conditions) -> Table:
     def by_wear(key: str, form: str = ".0f") -> list[tuple[str, ...]]:
         return [line(f"  {wear}", data[key][wear], form) for wear in ("swept", "local", "unworn")]
 
-    return Table(
+    return texts(
         ("", *map(name_of, TABLE_4)),
         (
             ("unworn contact width [µm]",),

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import celsius, in_house_style
 from tribo.types import Array
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from workflows.paper.report import Report, Table, agree, line, mean, spread
+from workflows.paper.report import Report, agree, line, mean, spread, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import HIGHEST, beside, celsius_of, ensemble, name_of, oil_a
 
@@ -114,8 +115,8 @@ def _levels(at_room: Array) -> dict[str, Any]:
     }
 
 
-def _table(data: dict[str, Any], names: Sequence[str], share: str) -> Table:
-    return Table(
+def _table(data: dict[str, Any], names: Sequence[str], share: str) -> pd.DataFrame:
+    return texts(
         ("", *names),
         (
             ("highest temperature [°C]",),

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from pipeline import boundary
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import GREEN
-from workflows.paper.report import Report, Table
+from workflows.paper.report import Report, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import worn
 
@@ -32,12 +32,12 @@ def fig10(study: Study) -> Report:
         pair = critical(load), critical(load, entry.friction)
         errors = [velocity / measured - 1 for velocity in pair]
         off.append(errors[0])
-        texts = [
+        cells = [
             text
             for velocity, error in zip(pair, errors, strict=True)
             for text in (f"{velocity:.2f}", f"{100 * error:+.0f} %")
         ]
-        rows.append((f"{load:g}", f"{measured:g}", *texts))
+        rows.append((f"{load:g}", f"{measured:g}", *cells))
         transitions.append(
             {
                 "load": load,
@@ -62,7 +62,7 @@ def fig10(study: Study) -> Report:
         "fig10",
         values,
         verdicts={"velocities": max(map(abs, off)) < _GOOD},
-        table=Table((*columns, "measured friction", "off"), rows),
+        table=texts((*columns, "measured friction", "off"), rows),
         data={
             "transitions": transitions,
             "computed": outcome.computed,

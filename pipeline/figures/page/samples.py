@@ -14,7 +14,7 @@ from pipeline.figures.page.content import packed_array, record
 from pipeline.figures.page.fields import png_of
 from pipeline.figures.uncertainty import PALE, RISK_COLOURS
 from pipeline.store.schema import DONE
-from pipeline.uncertain.answers import probabilities, risk_lines, table_of_lines
+from pipeline.uncertain.answers import frame_of_lines, probabilities, risk_lines
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo.types import Array
@@ -45,7 +45,7 @@ def content_of_samples(
         "scale": _coloured(np.linspace([0.0], [1.0], 64).T),
         "shares": list(shares),
         "lines": np.clip(lines, *ensemble.velocities).tolist(),
-        "table": table_of_lines(ensemble, draws),
+        "table": frame_of_lines(ensemble, draws),
         "samples": ds.sizes["variant"],
         "done": int((ds["status"] == DONE).sum()),
         "record": record(attributes),

@@ -17,12 +17,11 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import dataset_of, has_plane, with_wear_rates
 from pipeline.analysis.scenes import entries_in_words, with_all_wear_rates
-from pipeline.analysis.tables import Column, Table, writable_path, write_text
+from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content
 from pipeline.figures.page.controls import Control, scene_choice, surface_choice
 from tribo import InputError
 
-_ENTRY = Column("entry", "entry"), Column("value", "value")
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
     "scene", "criterion", "lines", "rise", "plot", "conditions",
@@ -196,19 +195,19 @@ def _of_samples(held: dict[str, Any]) -> str:
         "samples.html",
         _of_both(
             held,
-            f"{len(table.rows)} loads, {held['samples']} samples, {held['done']} points done",
+            f"{len(table)} loads, {held['samples']} samples, {held['done']} points done",
         )
         | {
             "basis": "".join(f"<li>{html.escape(one)}</li>" for one in held["basis"]),
             "evidence": html.escape(held["evidence"]),
-            "table": table.html(),
+            "table": html_of(table),
         },
     )
 
 
 def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:
     """Title, form of the operating point, record and data of a scene."""
-    entries = Table(_ENTRY, tuple(held["record"].items())).html()
+    entries = html_of(frame_of(("entry", "value"), held["record"].items()))
     return {
         "operating": _text("operating.html"),
         "title": html.escape(str(held["title"] or held["name"])),

@@ -5,22 +5,23 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, TypeAlias
 
+import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.boundary_tables import readable
+from pipeline.analysis.boundary_tables import JUDGED, frames_of
 from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, entry_dims, has_plane, variant_of
 from pipeline.analysis.entries import entries_of
-from pipeline.analysis.margin_table import margin_table, notes_of
+from pipeline.analysis.margin_table import LONG, margin_table, notes_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import parts_of, scenes, words
-from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.tables import frame_of, html_of, short
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
@@ -34,13 +35,9 @@ from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.selection import error_in_words
 from tribo import InputError
 
-Part = str | Table | Figure
+Part: TypeAlias = str | pd.DataFrame | Figure
 """A paragraph, a table or a picture of a section."""
 
-_LONG = {
-    "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
-}  # fmt: skip
-"""Columns of a table of margins for which a page is too narrow."""
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
     "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
@@ -90,8 +87,8 @@ def _or_reason(write: Callable[[], Iterable[Part]]) -> list[Part]:
 
 def _html(part: Part) -> str:
     """A table, a paragraph or a figure as HTML."""
-    if isinstance(part, Table):
-        return part.html()
+    if isinstance(part, pd.DataFrame):
+        return html_of(part)
     if isinstance(part, str):
         return f"<p>{html.escape(part)}</p>"
     return f'<figure role="img" aria-label="Transition diagram">{svg_of(part)}</figure>'
@@ -144,8 +141,7 @@ def _answer(boundaries: xr.Dataset) -> str:
 def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
     """Tables of the boundary."""
     boundaries = boundary(ds, **conditions)
-    for table in readable(boundaries):
-        yield table.without_empty()
+    yield from (short(frame, JUDGED.values()) for frame in frames_of(boundaries))
     if missing := sum(part.attrs["missing_points"] for _, part in parts_of(boundaries)):
         yield f"{missing} points are pending or failed and were left out."
     if "film_parameter_at_load" in boundaries:
@@ -162,7 +158,7 @@ def _operating_points(
     if points is None:
         return
     table = margin_table(ds, points, **conditions)
-    yield table.without(_LONG).without_empty()
+    yield short(table, LONG)
     yield from (f"{note}." for note in notes_of(table))
     yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
@@ -176,8 +172,7 @@ def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
     if not warnings.points:
         yield "No computed point carries a warning."
         return
-    columns = Column("kind", "kind"), Column("points", "points")
-    yield Table(columns, tuple(warnings.kinds.items()))
+    yield frame_of(("kind", "points"), warnings.kinds.items())
     total = int((ds["status"] == DONE).sum())
     beside = (
         "" if warnings.at_boundary is None else f", {warnings.at_boundary} of them at the boundary"
@@ -190,17 +185,19 @@ def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Entries of the scene with their units, and the sources of those of the library."""
     if surface := attributes.get("surface"):
         yield f"Surface of the disk: {surface}."
-    rows = tuple(
+    rows = (
         (path, text, _meaning(path))
         for path, text in entries_of(attributes).items()
         if not path.startswith(("fidelity", "measured", "tested"))
     )
-    yield Table(_ENTRY, rows)
+    yield frame_of(("entry", "value", "meaning"), rows)
     library = attributes.get("library") or []
     origin = "other values" if library else "all values"
     if library:
-        rows = tuple((entry["key"], entry["value"], entry["source"]) for entry in library)
-        yield Table(_LIBRARY, rows)
+        yield frame_of(
+            ("from the library", "value", "source"),
+            ((entry["key"], entry["value"], entry["source"]) for entry in library),
+        )
     yield f"Source: {origin} from the scene {attributes.get('name')}.toml."
 
 
@@ -210,19 +207,13 @@ def _tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
     if table is None:
         return
     yield agreement(table)
-    yield table.without({"note"}).without_empty()
+    yield short(table, ["note"])
     yield (
         "Each is computed at its own friction and bulk temperature. A transition agrees within two "
         "standard deviations of its velocity (5 % each if it gives none); a test agrees if its "
         "outcome is the computed one beyond the error of the temperature."
     )
     yield from (f"{note}." for note in notes_of(table))
-
-
-_ENTRY = Column("entry", "entry"), Column("value", "value"), Column("meaning", "meaning")
-_LIBRARY = (
-    Column("key", "from the library"), Column("value", "value"), Column("source", "source"),
-)  # fmt: skip
 
 
 def _meaning(path: str) -> str:
@@ -236,10 +227,9 @@ def _fidelity(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Numerical choices, and the error of the boundary that they bring."""
     words = error_in_words(attributes)
     yield f"{words[0].upper()}{words[1:]}."
-    columns = Column("entry", "choice"), Column("value", "value")
     choices = entries_of({"scene": {"fidelity": (attributes.get("scene") or {}).get("fidelity")}})
     rows = ((path.removeprefix("fidelity."), text) for path, text in choices.items())
-    yield Table(columns, tuple(rows))
+    yield frame_of(("choice", "value"), rows)
 
 
 def _versions(attributes: Mapping[str, Any]) -> Iterator[Part]:

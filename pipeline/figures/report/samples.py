@@ -6,24 +6,25 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.margin_table import notes_of
 from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.tables import Table
-from pipeline.uncertain.answers import table_of_lines
+from pipeline.analysis.tables import short
+from pipeline.uncertain.answers import frame_of_lines
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.risks import risk_table
 
 
 def sections(
     ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
-) -> dict[str, Callable[[], Iterator[str | Table]]]:
+) -> dict[str, Callable[[], Iterator[str | pd.DataFrame]]]:
     """Writers of the sections that a sweep of samples has in place of the usual ones."""
     ensemble = Ensemble.of(ds, **changed)
-    lines = table_of_lines(ensemble)
+    lines = frame_of_lines(ensemble)
 
-    def question() -> Iterator[str | Table]:
+    def question() -> Iterator[str | pd.DataFrame]:
         yield (
             "At which load and sliding velocity does wear of this lubricated contact turn from "
             "mild to severe adhesive wear (scuffing), with inputs that are not known exactly? "
@@ -31,20 +32,20 @@ def sections(
         )
         yield f"Not known exactly: {'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}."
         words = []
-        for load, *row in dict.fromkeys([lines.rows[0], lines.rows[-1]]):
+        for load, *row in dict.fromkeys(lines.iloc[[0, -1]].itertuples(index=False, name=None)):
             low, middle, high = (_velocity(velocity, ensemble) for velocity in row)
             words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
         yield f"Answer: wear is as likely severe as mild {' and '.join(words)}."
 
-    def numbers() -> Iterator[str | Table]:
+    def numbers() -> Iterator[str | pd.DataFrame]:
         yield lines
         yield "Velocities at which wear is severe with these probabilities."
 
-    def operating_points() -> Iterator[str | Table]:
+    def operating_points() -> Iterator[str | pd.DataFrame]:
         if points is None:
             return
         table = risk_table(ensemble, points)
-        yield table.without({"note"}).without_empty()
+        yield short(table, ["note"])
         yield from (f"{note}." for note in notes_of(table))
 
     return {

@@ -36,8 +36,8 @@ CRITICAL = pipeline.boundary(synthetic.sweep())["critical_velocity"].sel(load=60
     ],
 )
 def test_a_test_agrees_beyond_the_error_at_its_own_conditions(case, computed, agrees):
-    columns = compared(sweep(case)).as_dict()
-    assert (columns["computed"], columns["agrees"]) == ([computed], [agrees])
+    (row,) = compared(sweep(case)).to_dict("records")
+    assert (row["computed"], row["agrees"]) == (computed, agrees)
 
 
 def test_the_tests_that_agree_are_counted():

@@ -20,22 +20,21 @@ def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(mo
     b = b.assign_attrs({"scene": {"pin": {"type": "Ball", "radius": 3e-3}}})
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: {"a": a, "b": b}[str(path)])
     difference = pipeline.diff(a, b)
-    assert ("pin.radius", "2 mm", "3 mm") in difference.entries.rows
-    moved = difference.boundary.as_dict()
-    assert moved["load"] == synthetic.LOADS[1:].tolist()
+    assert ["pin.radius", "2 mm", "3 mm"] in difference.entries.to_numpy().tolist()
+    moved = difference.boundary
+    assert moved["load [N]"].to_list() == synthetic.LOADS[1:].tolist()
     expected = 1.1 ** (-1 / synthetic.VELOCITY_EXPONENT) - 1
-    np.testing.assert_allclose(moved["change"], expected, rtol=1e-3)
-    points = difference.points.as_dict()
-    alone = [change for change in points["change"] if np.isnan(change)]
-    assert len(alone) == len(synthetic.VELOCITIES)  # at the load that B lacks
-    np.testing.assert_allclose([c for c in points["change"] if not np.isnan(c)], 0.1)
-    assert pipeline.diff(a, a).points.rows == ()
+    np.testing.assert_allclose(moved["change [%]"], 100 * expected, rtol=1e-3)
+    changes = difference.points["change [%]"]
+    assert changes.isna().sum() == len(synthetic.VELOCITIES)  # at the load that B lacks
+    np.testing.assert_allclose(changes.dropna(), 10.0)
+    assert pipeline.diff(a, a).points.empty
 
 
 def test_points_are_listed_in_the_order_of_their_numbers():
     scene = {"scene": {"pin": {"type": "Ball", "radius": 2e-3}}}
     few, more = (synthetic.sweep(loads=of).assign_attrs(scene) for of in ([50.0], [90.0, 1000.0]))
-    loads = pipeline.diff(few, more).points.as_dict()["load"]
+    loads = pipeline.diff(few, more).points["load [N]"].to_list()
     assert loads == sorted(loads)
     assert set(loads) == {50.0, 90.0, 1000.0}
 

@@ -32,7 +32,7 @@ def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
     page = pipeline.report(sweep, tmp_path / "report.html", POINTS).read_text(encoding="utf-8")
     assert re.findall("<h2>(.*)</h2>", page) == list(HEADINGS)
     (margin, _) = (pipeline.margins(sweep, *place)[0] for place in ((300.0, 1.5), (500.0, 2.0)))
-    for words in ("pin.radius", "5 mm", "a &lt;handbook&gt;", "first", f"{margin.distance:.3g}"):
+    for words in ("pin.radius", "5 mm", "a &lt;handbook&gt;", "first", f"{margin.distance:.4g}"):
         assert f"<td>{words}</td>" in page
     crossing = pipeline.boundary(sweep)["critical_velocity"].sel(load=600).item()
     assert f"<td>{crossing:.4g}</td>" in page
@@ -66,10 +66,10 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
     assert middle == pytest.approx(critical, rel=0.03)
-    assert len(table.rows) == len(ensemble.loads)
+    assert len(table) == len(ensemble.loads)
     chance = pipeline.risk(ensemble, 400.0, 2.2)
-    columns = risks.as_dict()
-    assert columns["load"] == [400.0, 5000.0]
-    assert columns["probability"] == [chance.probability, None]
-    assert columns["error"] == [chance.error, None]
+    here, beyond = risks.to_dict("records")
+    assert (here["load [N]"], beyond["load [N]"]) == (400.0, 5000.0)
+    assert (here["probability"], here["error"]) == (chance.probability, chance.error)
+    assert np.isnan(beyond["probability"])
     assert "load is 5000 N; the samples have 200 to 750 N" in places
