@@ -99,20 +99,29 @@ def read_rows(
     return Rows(heads, rows, decimal, [*form, _MARKS[decimal]], faults)
 
 
-def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
-    """All lines of a text file as rows, words on its form, and its separator."""
-    content = path.read_bytes()
-    form = []
+def decoded(content: bytes) -> tuple[str, bool]:
+    """Text of a file in UTF-8, UTF-16 or Latin-1; true if it is the last.
+
+    Examples
+    --------
+    >>> decoded("1,5 µm".encode("latin-1")), decoded("1,5 µm".encode("utf-16"))
+    (('1,5 µm', True), ('1,5 µm', False))
+    """
+    encoding, is_latin = "utf-8-sig", False
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         encoding = "utf-16"
     else:
-        encoding = "utf-8-sig"
         try:
             content.decode(encoding)
         except UnicodeDecodeError:
-            encoding = "cp1252"
-            form.append("Latin-1")
-    text = content.decode(encoding, errors="replace").replace("\0", "")
+            encoding, is_latin = "cp1252", True
+    return content.decode(encoding, errors="replace").replace("\0", ""), is_latin
+
+
+def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
+    """All lines of a text file as rows, words on its form, and its separator."""
+    text, is_latin = decoded(path.read_bytes())
+    form = ["Latin-1"] if is_latin else []
     lines = text.splitlines()
     filled = [line for line in lines if line.strip()]
     # In a file with decimal commas these may be as many as semicolons.

@@ -7,6 +7,7 @@ blanks; with points or decimal commas; with holes as NaN, as nothing, or as a wo
 from __future__ import annotations
 
 import io
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pipeline.scene.rows import decoded
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array
@@ -36,7 +38,19 @@ _HOLES = [
 ]
 _COMMENT = ("#", "%", "//", ";#", "*")
 _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*([eE][+-]?\d+)?|[.,]\d+([eE][+-]?\d+)?|inf)")
-_SIZE = re.compile(r"^\W*(width|height|value units?|z[ -]unit)\s*[:=]\s*(.*)$", re.IGNORECASE)
+_SIZES = {
+    name: re.compile(rf"\W*(?:{words})\s*[:=\s]\s*(\S.*)", re.IGNORECASE)
+    for name, words in {
+        "width": r"width|breite|taille[ _]x|x[ -](?:axis[ -])?(?:size|length)",
+        "height": r"height|höhe|taille[ _]y|y[ -](?:axis[ -])?(?:size|length)",
+        "x step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?x|x[ -](?:spacing|step)",
+        "y step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?y|y[ -](?:spacing|step)",
+        "unit": r"value units?|z[ -](?:axis[ -])?units?|unité[ _]z|einheit(?:[ _]z)?|"
+        r"(?:heights?|z) in",
+    }.items()
+}
+"""Words for sizes, and for the unit of heights, at the beginning of a line or of a part of it."""
+_NO_DATA = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?[\d.]+)", re.IGNORECASE)
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
 _LEAST_PLACES = 9  # rows of three numbers from which on they are x, y and z
 _BLANKS = r"\s+"
@@ -73,22 +87,63 @@ def read_text(path: Path) -> TextScan:
     """
     if path.stat().st_size > _MOST_BYTES:
         raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
-    text = path.read_bytes().decode("utf-8-sig", errors="replace")
+    text, _ = decoded(path.read_bytes())
     head, body = _split(text.splitlines())
     if not body:
         raise InputError(f"{path}: no line of numbers; give heights as text, a row in a line")
     separator, decimal = _form(body)
     _require_equal_rows(path, head, body, separator)
     table = _table(path, body, separator, decimal)
+    if hole := _NO_DATA.search("\n".join(head)):
+        table[table == float(hole[1])] = np.nan
     sizes, units = _said(head)
     if table.shape[1] == 3 and (table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"):
         return _of_places(path, table, units)
-    unit = sizes.get("value")
+    unit = sizes.get("unit", units.get("z"))
     if {"width", "height"} <= sizes.keys():  # as Gwyddion writes it: a line for each y
         table = np.ascontiguousarray(table.T)
         x, y = sizes["width"] / table.shape[0], sizes["height"] / table.shape[1]
         return TextScan(table, (x, y), unit)
-    return TextScan(table, None, unit)
+    table, steps = _without_axes(table, head[-1:])
+    length = units.get("x", units.get("y"))
+    if steps and length:
+        return TextScan(table, (steps[0] * length, steps[1] * length), unit)
+    pixel = (sizes["x step"], sizes["y step"]) if {"x step", "y step"} <= sizes.keys() else None
+    return TextScan(table, pixel, unit)
+
+
+def _step(line: Array) -> float:
+    """Step of places that are evenly spaced; NaN if they are not."""
+    steps = np.diff(line)
+    if len(steps) < 3 or not np.allclose(steps, steps[0], rtol=_TOLERANCE) or not steps[0]:
+        return math.nan
+    return float(abs(steps[0]))
+
+
+def _without_axes(table: Array, above: list[str]) -> tuple[Array, tuple[float, float] | None]:
+    """Heights without a column, or a column and a row, of places; and the steps of these.
+
+    The row may be the line above the numbers. A matrix whose second column is as even has none.
+    """
+    if min(table.shape) < 5:
+        return table, None
+    for first in (1, 0):
+        down = _step(table[first:, 0])
+        across = _step(table[0, 1:]) if first else _step(np.array(_places_in(above)))
+        is_axis = math.isfinite(down) and not math.isfinite(_step(table[first:, 1]))
+        if is_axis and (math.isfinite(across) or not first):
+            steps = (down, across) if math.isfinite(across) else None
+            return np.ascontiguousarray(table[first:, 1:]), steps
+    return table, None
+
+
+def _places_in(lines: list[str]) -> list[float]:
+    """Numbers behind the first word of a line; none if others stand among them."""
+    for line in lines:
+        words = line.replace(";", "\t").replace(",", "\t" if "." in line else ".").split("\t")[1:]
+        if words and all(_NUMBER.fullmatch(word.strip()) for word in words):
+            return [float(word) for word in words]
+    return []
 
 
 def _require_equal_rows(path: Path, head: list[str], body: list[str], separator: str) -> None:
@@ -110,6 +165,9 @@ def _require_equal_rows(path: Path, head: list[str], body: list[str], separator:
                 )
     for line in head:
         if line.lstrip().startswith(_COMMENT):
+            continue
+        is_size = any(size.fullmatch(line.strip()) for size in _SIZES.values())
+        if is_size or math.isfinite(_step(np.array(_places_in([line])))):
             continue
         words = re.split(r"[;,\t ]+", line.strip())
         wrong = [word for word in words if not _NUMBER.fullmatch(word)]
@@ -175,12 +233,12 @@ def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
     sizes: dict[str, float] = {}
     units: dict[str, float] = {}
     for line in head:
-        if match := _SIZE.match(line):
-            name = match[1].lower()
-            text = match[2].strip()
-            name, text = (name, text) if name in ("width", "height") else ("value", f"1 {text}")
-            if (length := _length(text)) is not None:
-                sizes[name] = length
+        for part in re.split(r"[,;](?=\s)", line):
+            for name, size in _SIZES.items():
+                if match := size.fullmatch(part.strip()):
+                    text = f"1 {match[1]}" if name == "unit" else match[1].replace(",", ".")
+                    if (length := _length(text)) is not None:
+                        sizes[name] = length
         for axis, unit in _HEAD.findall(line):
             if (length := _length(f"1 {unit}")) is not None:
                 units[axis.lower()] = length

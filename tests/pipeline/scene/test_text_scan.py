@@ -34,6 +34,9 @@ TEXTS = {
     "gwyddion.txt": GWYDDION + saved(HEIGHTS.T, delimiter="\t"),
     "gwyddion.xyz": places(),
     "mountains.txt": "X [mm];Y [mm];Z [µm]\n" + places(1e-3, ";").replace(".", ","),
+    "mountains_matrix.txt": "Taille X\t4 µm\nTaille Y\t5 µm\nUnité Z\tµm\n"
+    + saved(HEIGHTS.T, delimiter="\t").replace(".", ","),
+    "spacings.csv": "# z in µm, dx = 1.0 µm, dy = 1.0 µm\n" + saved(HEIGHTS, delimiter=","),
 }
 
 
@@ -44,12 +47,32 @@ def test_a_matrix_or_rows_of_places_give_the_same_heights(name, tmp_path):
     np.testing.assert_allclose(surface.heights, 1e-6 * HEIGHTS, rtol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["gwyddion.txt", "mountains.txt"])
+SAID = {"gwyddion.txt": "utf-8", "mountains.txt": "utf-16", "mountains_matrix.txt": "latin-1"}
+
+
+@pytest.mark.parametrize("name", [*SAID, "spacings.csv"])
 def test_sizes_and_units_are_taken_from_the_text(name, tmp_path):
-    (tmp_path / name).write_text(TEXTS[name], encoding="utf-8")
+    (tmp_path / name).write_text(TEXTS[name], encoding=SAID.get(name, "utf-8"))
     surface = read_surface(tmp_path / name)
     assert surface.pixel_size == pytest.approx((1e-6, 1e-6))
     assert surface.heights[0, 0] == pytest.approx(0.25e-6)
+
+
+@pytest.mark.parametrize("corner", ["y\\\\x [um]", "0"])
+def test_places_beside_and_above_a_matrix_are_no_heights(corner, tmp_path):
+    rough = np.random.default_rng(0).normal(size=(6, 5))
+    lines = [",".join([corner, *(f"{1.2 * k:.2f}" for k in range(5))])]
+    lines += [",".join(map(str, [float(k), *row])) for k, row in enumerate(rough)]
+    (tmp_path / "scan.csv").write_text("\n".join(lines))
+    surface = read_surface(tmp_path / "scan.csv", 1e-6)
+    np.testing.assert_allclose(surface.heights, 1e-6 * rough)
+    assert surface.pixel_size == (pytest.approx((1e-6, 1.2e-6)) if corner != "0" else None)
+
+
+def test_the_word_of_a_file_for_a_hole_is_taken(tmp_path):
+    (tmp_path / "scan.asc").write_text("ncols 3\nNODATA_value -9999\n1 2 3\n4 -9999 6\n7 8 9\n")
+    heights = read_surface(tmp_path / "scan.asc", 1.0).heights
+    assert np.argwhere(np.isnan(heights)).tolist() == [[1, 1]]
 
 
 @pytest.mark.parametrize(
