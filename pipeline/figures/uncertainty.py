@@ -29,8 +29,8 @@ from pipeline.figures.style import (
 )
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import QUANTILES
+from pipeline.uncertain.posterior import Judged, Posterior
 from pipeline.uncertain.sensitivity import Sensitivity
-from pipeline.uncertain.weigh import Judged, Posterior
 from tribo.types import Array
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from pipeline.uncertain.answers import LEAST_SLOPE, log_crossings
+from pipeline.uncertain.discrepancy import Slopes
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.rig import Rig
 from tribo import InputError
@@ -67,23 +68,32 @@ def require_possible(ensemble: Ensemble) -> None:
 
 
 def distances_of(
-    ensemble: Ensemble, tests: Sequence[Test], inputs: Array, rig: Rig | None = None
+    ensemble: Ensemble,
+    tests: Sequence[Test],
+    inputs: Array,
+    rig: Rig | None = None,
+    slopes: Slopes | None = None,
 ) -> Distances:
     """Distances of draws of an ensemble's inputs, shape (n, n_unknown), from tests.
 
-    Without a rig the friction of a test is what was measured, or that of the draws.
+    Without a rig the friction of a test is what was measured, or that of the draws; without slopes
+    the model has no discrepancy.
     """
     values, variance, told = np.empty((3, len(tests), len(inputs)))
     for hold, held in ensemble.by_hold.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if part := [tests[number] for number in numbers]:
-            part_of = _of_one_hold(held, part, inputs, rig)
+            part_of = _of_one_hold(held, part, inputs, rig, slopes)
             values[numbers], variance[numbers], told[numbers] = part_of
     return Distances(values, variance, told)
 
 
 def _of_one_hold(
-    ensemble: Ensemble, tests: Sequence[Test], inputs: Array, rig: Rig | None
+    ensemble: Ensemble,
+    tests: Sequence[Test],
+    inputs: Array,
+    rig: Rig | None,
+    slopes: Slopes | None,
 ) -> Distances:
     """Distances of draws from tests that held the load as the ensemble does."""
     nodes = np.geomspace(*ensemble.velocities, _NODES)
@@ -92,7 +102,7 @@ def _of_one_hold(
     excess = ensemble.excess(inputs, loads, nodes)
     rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
     x = np.log(nodes)
-    conditions = ensemble.conditions
+    conditions, bulk = ensemble.conditions, ensemble.conditions.bulk_temperature
     # A friction that was measured stands in place of the scene's friction by velocity.
     table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
     values, variances, told = [], [], []
@@ -100,6 +110,9 @@ def _of_one_hold(
         number, friction = loads.index(test["normal_load"]), test.get("friction")
         is_given = friction is not None or rig is not None
         rise = rises[:, number] - table if is_given else rises[:, number]
+        if slopes is not None:
+            warmer = test.get("bulk_temperature", bulk) - bulk
+            rise = rise + slopes.log_factor(x - x.mean(), warmer)
         log_velocity = math.log(test["velocity"])
         by_friction, by_rig = _friction_error(test), np.zeros(1)
         if rig is not None:

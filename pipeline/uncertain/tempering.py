@@ -7,6 +7,7 @@ in normal scores, whose steps follow the covariance of the draws.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -26,27 +27,32 @@ def tempered(
     log_likelihood: Callable[[Array], Array],
     seed: int,
     count: int,
-) -> Array:
+) -> tuple[Array, float]:
     """Draws of equal weight from prior times likelihood, shape (count, n_unknown) [SI].
 
-    The logarithm of the likelihood is called with draws (n, n_unknown) [SI], and gives (n,).
+    The logarithm of the likelihood is called with draws (n, n_unknown) [SI], and gives (n,). The
+    second result is the logarithm of the evidence, the mean of the likelihood over the prior.
 
     Examples
     --------
     A normal prior of 0 ± 1 and a measurement of 3 ± 0.1:
 
     >>> inputs = [Unknown("friction.coefficient", "normal", (0.0, 1.0))]
-    >>> draws = tempered(inputs, lambda x: -0.5 * ((x[:, 0] - 3) / 0.1) ** 2, seed=0, count=1000)
-    >>> print(f"{draws.mean():.2f} {draws.std():.1f}")
-    2.97 0.1
+    >>> def log_likelihood(x):
+    ...     return -0.5 * ((x[:, 0] - 3) / 0.1) ** 2
+    >>> draws, evidence = tempered(inputs, log_likelihood, seed=0, count=1000)
+    >>> print(f"{draws.mean():.2f} {draws.std():.1f} {abs(evidence + 6.76) < 0.2}")
+    2.97 0.1 True
     """
     rng = np.random.default_rng(seed)
     scores = ndtri(sequence(seed, count)[:, : len(unknown)])
     likelihood = log_likelihood(at_scores(unknown, scores))
-    power = 0.0
+    power, evidence = 0.0, 0.0
     for _ in range(_STEPS):
         step = _step(likelihood, 1.0 - power)
-        weights = np.exp(step * likelihood - logsumexp(step * likelihood))
+        total = float(logsumexp(step * likelihood))
+        evidence += total - math.log(count)
+        weights = np.exp(step * likelihood - total)
         power += step
         places = (rng.random() + np.arange(count)) / count
         kept = np.searchsorted(np.cumsum(weights), places).clip(max=count - 1)
@@ -62,7 +68,7 @@ def tempered(
             scores[taken], likelihood[taken] = proposed[taken], other[taken]
         if power >= 1.0:
             break
-    return at_scores(unknown, scores)
+    return at_scores(unknown, scores), evidence
 
 
 def _step(likelihood: Array, most: float) -> float:

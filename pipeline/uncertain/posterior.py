@@ -1,0 +1,209 @@
+"""What tests leave of the unknown inputs, and each test beside all others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.sweep.unknown import Unknown, correlations
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.evidence import Test
+from pipeline.uncertain.inputs import Draws
+from pipeline.uncertain.rig import Places
+from tribo.types import Array
+
+_HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
+_CONTRADICTS = 0.02  # probability, by all others, below which a test contradicts them
+
+
+class Judged(NamedTuple):
+    """A test, beside what all others and all together say.
+
+    Attributes
+    ----------
+    test : mapping
+        Entries of the test.
+    sweep : int
+        Number of the sweep that it belongs to.
+    critical_velocity : tuple of float
+        Critical velocity there that 5, 50 and 95 % stay below, given all tests [m/s].
+    probability : float
+        Probability of its outcome, or of a transition as far off, given all others.
+    is_blamed : bool
+        False if the model does not fit the others, either, so that it may be wrong instead.
+
+    Examples
+    --------
+    >>> test = {"normal_load": 750.0, "velocity": 2.5}
+    >>> Judged(test, 0, (1.06, 1.14, 1.22), probability=0.003).contradicts
+    True
+    """
+
+    test: Test
+    sweep: int
+    critical_velocity: tuple[float, float, float]
+    probability: float
+    is_blamed: bool = True
+
+    @property
+    def contradicts(self) -> bool:
+        """True if the others hardly allow it, and the model fits them."""
+        return self.is_blamed and self.probability < _CONTRADICTS
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posterior:
+    """Joint distribution of the unknown inputs, given tests.
+
+    Attributes
+    ----------
+    ensembles : tuple of Ensemble
+        Sweeps whose samples it rests on.
+    unknown : tuple of Unknown
+        Inputs; those that each of several sweeps has of its own have its name before their path.
+    columns : tuple of ndarray of int
+        Inputs of each sweep, among all.
+    prior, draws : Draws
+        Values before and after they were weighed.
+    judged : tuple of Judged
+        Tests, beside what the others say.
+    scatter : float
+        Relative standard deviation that velocities are said to have.
+    inferred_scatter : tuple of float
+        That which 5, 50 and 95 % stay below, given the tests.
+    faults : tuple of str
+        Reasons why the model does not fit the tests, in words.
+    cut_off : {"", "above", "below"}
+        End at which the inferred scatter is cut off, since no larger or smaller one is considered.
+    rigs : tuple of Places or None
+        Inputs that are the friction of each sweep's rig, and its scatter between tests.
+    evidence_gain : float or None
+        Logarithm of the factor by which a discrepancy makes the tests likelier; None without one.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> weighed = pipeline.posterior(ensemble)
+    >>> len(weighed.judged), any(judged.contradicts for judged in weighed.judged)
+    (4, False)
+    """
+
+    ensembles: tuple[Ensemble, ...]
+    unknown: tuple[Unknown, ...]
+    columns: tuple[Any, ...]
+    prior: Draws
+    draws: Draws
+    judged: tuple[Judged, ...]
+    scatter: float
+    inferred_scatter: tuple[float, float, float]
+    faults: tuple[str, ...] = ()
+    cut_off: str = ""
+    rigs: tuple[Places | None, ...] = ()
+    evidence_gain: float | None = None
+
+    @property
+    def fits(self) -> bool:
+        """True if nothing speaks against the model; else no test is said to contradict others."""
+        return not self.faults
+
+    @property
+    def ensemble(self) -> Ensemble:
+        """The first sweep."""
+        return self.ensembles[0]
+
+    @property
+    def evidence(self) -> str:
+        """Numbers of measured transitions and of tests, in words."""
+        tests = sum("outcome" in judged.test for judged in self.judged)
+        transitions = len(self.judged) - tests
+        words = [
+            f"{number} {name}{'' if number == 1 else 's'}"
+            for number, name in ((transitions, "measured transition"), (tests, "test"))
+            if number
+        ]
+        return " and ".join(words) or "0 measured transitions"
+
+    def of_sweep(self, number: int) -> Draws:
+        """Draws of the inputs of one sweep."""
+        return Draws(self.draws.inputs[:, self.columns[number]], self.draws.weights)
+
+    def summary(self) -> Iterator[dict[str, Any]]:
+        """Mean, spread and 90 % interval of each input, before and after [SI].
+
+        Of an input that is one of a list, the probability of each of its values instead.
+        """
+        for number, quantity in enumerate(self.unknown):
+            row: dict[str, Any] = {"path": quantity.path, "unit": quantity.unit}
+            for name, draws in (("prior", self.prior), ("posterior", self.draws)):
+                column = draws.inputs[:, number]
+                if quantity.kind == "list":
+                    odds = {f"{v:g}": float(draws.mean(column == v)) for v in quantity.parameters}
+                    row[name] = {"probability": odds}
+                    continue
+                mean = float(draws.mean(column))
+                low, _, high = draws.interval(column)
+                row[name] = {
+                    "mean": mean,
+                    "sd": math.sqrt(float(draws.mean((column - mean) ** 2))),
+                    "interval": [low, high],
+                }
+            yield row
+
+    @property
+    def correlations(self) -> Array:
+        """Correlation of each two inputs, shape (n_unknown, n_unknown)."""
+        columns = zip(self.unknown, self.draws.inputs.T, strict=True)
+        values = np.stack([np.log(c) if u.is_relative else c for u, c in columns], axis=1)
+        covariance = np.cov(values, rowvar=False, aweights=self.draws.weights, ddof=0)
+        covariance = np.atleast_2d(covariance)
+        spread = np.sqrt(np.diag(covariance))
+        correlation: Array = covariance / np.maximum(np.outer(spread, spread), 1e-300)
+        return correlation
+
+    def hidden(self) -> Iterator[tuple[str, str, float]]:
+        """Pairs of inputs that the tests cannot tell apart, and their correlation.
+
+        Those that the scene correlates itself are not among them.
+        """
+        correlation, assumed = self.correlations, correlations(self.unknown)
+        paths = [quantity.path for quantity in self.unknown]
+        for i, j in zip(*np.triu_indices(len(paths), 1), strict=True):
+            if abs(correlation[i, j]) >= _HIDDEN and assumed[i, j] == 0:
+                yield paths[i], paths[j], float(correlation[i, j])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all results as plain data."""
+        return {
+            "inputs": list(self.summary()),
+            "correlations": self.correlations.tolist(),
+            "hidden": [{"inputs": [a, b], "correlation": c} for a, b, c in self.hidden()],
+            "tests": [
+                dict(judged.test)
+                | {
+                    "sweep": self.ensembles[judged.sweep].title,
+                    "critical_velocity": _by_share(judged.critical_velocity),
+                    "probability_by_others": judged.probability,
+                    "contradicts_others": judged.contradicts,
+                }
+                for judged in self.judged
+            ],
+            "fixed": {one.unknown.path: one.value for sw in self.ensembles for one in sw.fixed},
+            "scatter": self.scatter,
+            "inferred_scatter": _by_share(self.inferred_scatter),
+            "inferred_scatter_cut_off": self.cut_off or None,
+            "fits": self.fits,
+            "faults": list(self.faults),
+            "evidence_gain": self.evidence_gain,
+            "samples": [len(ensemble.inputs) for ensemble in self.ensembles],
+            "draws": len(self.draws.weights),
+            "effective_draws": self.draws.effective,
+        }
+
+
+def _by_share(values: tuple[float, float, float]) -> dict[str, float]:
+    return dict(zip(("5 %", "50 %", "95 %"), values, strict=True))
