@@ -182,9 +182,10 @@ def infer(options: argparse.Namespace) -> Result:
         _require_as_stored(options, store)
         options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
         return posterior(options, [store])
-    if options.next is not None or options.target or options.scatter is not None:
+    if given := values_in(options, "next", "until", "target", "scatter", "discrepancy"):
+        flags = flags_of(["for" if name == "target" else name for name in given])
         raise InputError(
-            "--next, --for and --scatter need samples of unknown inputs: give [unknown] and "
+            f"{flags} needs samples of unknown inputs: give [unknown] and "
             "sweep.samples in the scene"
         )
     if options.output is not None:

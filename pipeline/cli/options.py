@@ -237,6 +237,9 @@ SCATTER = Option(
 GIVEN_MEASURED = _flag(
     "--given-measured", "let the scene's measured transitions narrow down the unknown inputs"
 )
+CERTIFY = _flag(
+    "--certify", "find 25 boundaries of random inputs by simulations, and keep them in the store"
+)
 OF_INFER = (
     SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
     PRESET,
@@ -249,11 +252,20 @@ OF_INFER = (
         help="of samples: rank the measurements to make next, or plan so many tests at once",
     ),
     Option(
+        "--until", metavar="SPREAD",
+        help='with --next: plan tests until the target is known so well, like "5 %%" or "3 K"',
+    ),
+    Option(
         "--for", metavar="ENTRY", dest="target",
         help="target of the next test: an unknown input, such as temperature.critical, or a load, "
         'such as "400 N", for the boundary there; default: the whole boundary',
     ),
     SCATTER,
+    _flag(
+        "--discrepancy",
+        "of samples: infer slopes over velocity and bulk temperature that the model lacks, and "
+        "what they gain",
+    ),
     _quantity(
         "--contact-width", "W", "348 um",
         "width measured at --load and --velocity, to find the specific wear rate instead",

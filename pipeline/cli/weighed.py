@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -10,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.tables import frame_of
+from pipeline.cli.next_measurements import measurements_to_make
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.sweep.warned import NO_WARNING
+from pipeline.uncertain.difference import differences
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -23,17 +26,20 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.sweep.unknown import Unknown
+    from pipeline.uncertain.difference import Difference
     from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.weigh import Judged, Posterior
+    from pipeline.uncertain.posterior import Judged, Posterior
 
-_SHOWN = 12  # candidates
+_TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
+_SURE = math.log(1000.0)  # from which a power of ten will do
 
 
 def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     """Print and draw the inputs as the tests leave them, and the tests to make next."""
-    if options.next is None and (options.target or options.bulk_temperature):
-        name = "--for" if options.target else "--bulk-temperature"
-        raise InputError(f"{name} belongs to --next, which is not given")
+    belonging = {"for": options.target, "until": options.until}
+    belonging["bulk-temperature"] = options.bulk_temperature
+    if options.next is None and (given := [name for name, value in belonging.items() if value]):
+        raise InputError(f"--{given[0]} belongs to --next, which is not given")
     if any(isinstance(bulk, dict) for bulk in options.bulk_temperature or ()):
         raise InputError(
             "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
@@ -43,14 +49,20 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         pairs = zip(stores, datasets, strict=True)
         ensembles = [_ensemble(*pair, **criterion_in(options)) for pair in pairs]
     with working("weighing the inputs by the tests"):
-        weighed = pipeline.posterior(ensembles, **values_in(options, "scatter"))
+        weighed = pipeline.posterior(
+            ensembles, discrepancy=options.discrepancy, **values_in(options, "scatter")
+        )
     document, text = weighed.as_dict(), list(_on_inputs(weighed))
+    with working("comparing the sweeps"):
+        compared = list(differences(weighed))
+    document["differences"] = [one.as_dict() for one in compared]
+    text += map(_in_words, compared)
     if options.next is None:
         command = next_tests(stores, options.scatter)
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
-            more, lines = _next(options, weighed)
+            more, lines = measurements_to_make(options, weighed)
         document |= more
         text += lines
     draw = partial(pipeline.draw_posterior, weighed)
@@ -64,42 +76,6 @@ def _ensemble(store: Path, ds: xr.Dataset, **criterion: Any) -> Ensemble:
         return pipeline.Ensemble.of(ds, **criterion)
     except InputError as error:
         raise InputError(f"{store}: {error}") from error
-
-
-def _next(options: argparse.Namespace, weighed: Posterior) -> tuple[dict[str, Any], list[str]]:
-    """Measurements ranked for a target, or a batch of tests, as plain data and as text."""
-    about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
-    if options.next > 1:
-        ranked = planned = pipeline.plan_tests(weighed, options.next, **about)
-        head = f"{options.next} tests to make next, each beside those before it"
-    else:
-        ranked = pipeline.candidates(weighed, **about)
-        planned = tuple(one for one in ranked if one.test)[:1]
-        ranked = ranked[:_SHOWN]
-        head = "measurements to make next, the best first"
-    unknown = {one.path: one for one in weighed.unknown}.get(options.target or "")
-
-    def worded(spread: float) -> str:
-        if unknown is None or unknown.is_relative:
-            return f"± {100 * spread:.2g} %"
-        return f"± {unknown.spread.of(spread):.2g}{unknown.spread.suffix}"
-
-    target = options.target or "the boundary, in velocity"
-    lines = [f"{head}; {target} is known to {worded(ranked[0].before)} today"]
-    lines += [
-        f"  to {worded(test.spread):10} (by {100 * test.narrows:.0f} %)  {test.what}"
-        for test in ranked
-    ]
-    names = ("what", "test", "spread", "narrows")
-    document = {
-        "target": options.target,
-        "next": [{name: getattr(test, name) for name in names} for test in ranked],
-        "planned": [
-            {"tests": number, "what": test.what, "test": test.test, "sd": test.spread}
-            for number, test in enumerate(planned, 1)
-        ],
-    }
-    return document, lines
 
 
 def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
@@ -119,17 +95,40 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     for judged in weighed.judged:
         low, middle, high = judged.critical_velocity
         yield f"{_place(weighed, judged)}, computed {middle:.3g} ({low:.3g} to {high:.3g})"
+    if weighed.evidence_gain is not None:
+        yield _on_discrepancy(weighed.evidence_gain)
     if not weighed.fits:
         yield (
             f"warning: the model does not fit: {'; '.join(weighed.faults)}; look at the scene and "
             "at [unknown], no test is named"
         )
+        if weighed.evidence_gain is None:
+            yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
     yield from (
         f"warning: {_place(weighed, judged)}: the other tests leave this a probability of "
         f"{judged.probability:.1g}; look at the test, or leave it out"
         for judged in weighed.judged
         if judged.contradicts
     )
+
+
+def _in_words(one: Difference) -> str:
+    """Difference of two oils, in a line."""
+    size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
+    mean, sd, low, high = (
+        value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])
+    )
+    signed = f"{mean:+.3g} ± {sd:.2g} {unit} ({low:+.3g} to {high:+.3g})".replace("-", "−")
+    return f"2 over 1: {one.what} {signed}; more with a probability of {one.probability:.2g}"
+
+
+def _on_discrepancy(gain: float) -> str:
+    """What a discrepancy gains in evidence, in a line."""
+    times = f"{math.exp(gain):.2g}" if abs(gain) < _SURE else f"10^{gain / math.log(10):.0f}"
+    meaning = "neither is likelier"
+    if abs(gain) > _TELLS:
+        meaning = "the model lacks these slopes" if gain > 0 else "it is not needed"
+    return f"with the discrepancy the tests are {times} times as likely: {meaning}"
 
 
 def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:

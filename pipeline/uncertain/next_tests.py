@@ -21,10 +21,11 @@ from scipy.special import ndtri
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
 from pipeline.uncertain.answers import log_boundary
+from pipeline.uncertain.discrepancy import Slopes
 from pipeline.uncertain.evidence import distances_of
 from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
 from pipeline.uncertain.learning import Features, Knowledge, Observable
-from pipeline.uncertain.weigh import Posterior
+from pipeline.uncertain.posterior import Posterior
 from tribo import InputError
 from tribo.types import Array
 
@@ -103,7 +104,7 @@ def candidates(
     >>> best.spread < best.before
     True
     """
-    plan = _Plan(posterior, target, bulk_temperatures)
+    plan = Plan(posterior, target, bulk_temperatures)
     ranked = [plan.candidate(one, plan.left(one)) for one in plan.measurements()]
     return tuple(sorted([*ranked, *plan.lists()], key=lambda candidate: candidate.spread))
 
@@ -135,7 +136,7 @@ def plan_tests(
     """
     if count < 1:
         raise InputError(f"count is {count}; it must be at least 1")
-    plan = _Plan(posterior, target, bulk_temperatures)
+    plan = Plan(posterior, target, bulk_temperatures)
     tests = [one for one in plan.measurements() if one.test]
     planned = []
     for _ in range(count):
@@ -145,7 +146,7 @@ def plan_tests(
     return tuple(planned)
 
 
-class _Plan:
+class Plan:
     """Truths drawn from what is known today, what each has learnt so far, and the target."""
 
     def __init__(
@@ -161,7 +162,8 @@ class _Plan:
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
         self._target = self._slopes_of_target(target)
         self._known = Knowledge.of(self._features)
-        self._before = self._known.spread(self._target)
+        self._path = target
+        self.before = self.spread
 
     def _of_sweep(self, inputs: Array) -> Array:
         """Inputs of the sweep whose tests are planned, among all."""
@@ -203,6 +205,11 @@ class _Plan:
         scores = ndtri((self._chance.permutation(_TRUTHS) + 0.5) / _TRUTHS) / _SCORES_APART
         return np.asarray(middle * (high / low) ** scores)
 
+    @property
+    def spread(self) -> float:
+        """Spread of the target by what is known so far."""
+        return self._known.spread(self._target)
+
     def left(self, measurement: Observable) -> float:
         """Spread of the target that a measurement is expected to leave."""
         return self._known.expected(measurement, self._target)
@@ -213,8 +220,8 @@ class _Plan:
 
     def candidate(self, measurement: Observable, spread: float | None = None) -> Candidate:
         """A measurement with the spread that it leaves; that of today if not given."""
-        left = self._known.spread(self._target) if spread is None else spread
-        return Candidate(measurement.what, left, self._before, measurement.test)
+        left = self.spread if spread is None else spread
+        return Candidate(measurement.what, left, self.before, measurement.test)
 
     def measurements(self) -> Iterator[Observable]:
         """All that could be measured."""
@@ -230,8 +237,8 @@ class _Plan:
             yield Observable(what, values[0], slopes[0], np.hypot(WIDTH_SCATTER, error))
         of_sweeps = set(np.concatenate(self._posterior.columns).tolist())
         for number, quantity in enumerate(self._posterior.unknown):
-            if quantity.kind == "list" or number not in of_sweeps:
-                continue
+            if quantity.kind == "list" or number not in of_sweeps or quantity.path == self._path:
+                continue  # what is sought is no measurement of itself
             name = "friction" if quantity.path == FRICTION else quantity.path
             place = self._features.numbers(number).start
             values, slopes = self._features.of_truths[:, place], np.zeros_like(self._known.mean)
@@ -249,7 +256,7 @@ class _Plan:
             if quantity.kind == "list":
                 known = self._known.knowing(self._features.numbers(number))
                 left = known.spread(self._target)
-                yield Candidate(f"{quantity.path} itself", left, self._before)
+                yield Candidate(f"{quantity.path} itself", left, self.before)
 
     def _tests(self) -> Iterator[Observable]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""
@@ -288,7 +295,9 @@ class _Plan:
         place = math.log(test["velocity"])
 
         def critical(inputs: Array) -> Array:
-            distances = distances_of(self._ensemble, [test], self._of_sweep(inputs))
+            slopes = Slopes.of(inputs) if self._posterior.evidence_gain is not None else None
+            of_sweep = self._of_sweep(inputs)
+            distances = distances_of(self._ensemble, [test], of_sweep, slopes=slopes)
             return np.stack([place - distances.values[0], distances.variance[0]])
 
         (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
