@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.operating_points import OperatingPoints, Place
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, criterion_in, flags_of, opened, values_in
+from pipeline.cli.stored_scene import scene_with_of
 from pipeline.cli.unknowns import about, notes, samples_of
-from pipeline.cli.values import setting
-from pipeline.store.identity import describe, scene_hash
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Goal, Limit, confirmed, designed
 from tribo import InputError, TriboError
 
@@ -26,7 +24,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from pipeline.sweep.model import Sweep
     from pipeline.sweep.unknown import Unknown
     from pipeline.uncertain.design import Direct
     from pipeline.uncertain.ensemble import Ensemble
@@ -116,7 +113,7 @@ def _checked(
         return None, ""
     values = {**at, limit.entry.path: limit.value}
     try:
-        scene_with = _scene_of(ds)
+        scene_with = scene_with_of(ds)
         with working("simulating draws near the limit") as progress:
             check = confirmed(
                 ensemble, limit.goal, limit.binding, values, scene_with, draws, progress
@@ -124,24 +121,6 @@ def _checked(
     except (TriboError, OSError) as error:
         return None, str(error).splitlines()[0]
     return check, ""
-
-
-def _scene_of(ds: xr.Dataset) -> Callable[[Mapping[str, Any]], Sweep]:
-    """Reader of the scene of a store with other entries, if its file is still the same."""
-    attributes = attributes_of(ds)
-    path, *words = attributes.get("arguments") or [""]
-    given = [setting(word.removeprefix("--set=")) for word in words if word.startswith("--set=")]
-    presets = [word.removeprefix("--preset=") for word in words if word.startswith("--preset=")]
-    settings, preset = dict(given), presets[0] if presets else None
-    if any("hash" in part for part in attributes["scene"].values() if isinstance(part, dict)):
-        raise InputError("it has laws of its own, and no code runs because a store names it")
-    read = partial(pipeline.load_scene, path, preset)  # also without the user's own laws
-    if not path or scene_hash(describe(read(settings))) != attributes["scene_hash"]:
-        raise InputError(f"{path or 'the scene'} is not the scene of the store any more")
-    left_out = settings.pop("without", [])
-    left_out = [left_out] if isinstance(left_out, str) else left_out
-    alone = {"without": [*left_out, "unknown", "sweep.samples"]}
-    return lambda entries: read(settings | alone | dict(entries))
 
 
 def _worded(entry: Unknown, value: float, digits: int = 4) -> str:

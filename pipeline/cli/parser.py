@@ -111,8 +111,8 @@ COMMANDS = (
         "find the probability of severe wear, where inputs are not known exactly",
         f"results/uncertain.zarr {_AT}",
         (
-            o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.AT, o.CRITERION,
-            o.OWN_LAWS,
+            o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.CERTIFY, o.AT,
+            o.CRITERION, o.OWN_LAWS,
         ),
     ),
     Command(

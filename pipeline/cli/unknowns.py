@@ -27,7 +27,9 @@ from pipeline.cli.scenes import (
     values_in,
     weighing,
 )
+from pipeline.cli.stored_scene import scene_with_of
 from pipeline.uncertain.answers import frame_of_lines
+from pipeline.uncertain.certificate import certificate_of, certify
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
@@ -37,12 +39,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.posterior import Posterior
     from pipeline.uncertain.risks import MarginIntervals, Risk
     from pipeline.uncertain.sensitivity import Sensitivity
-    from pipeline.uncertain.weigh import Posterior
 
 
 _SHOWN = 12  # candidates
+_NO_CERTIFICATE = "no boundary was found directly to compare with; irg risk --certify finds 25"
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 
@@ -52,6 +55,8 @@ def risk(options: argparse.Namespace) -> Result:
     if len(place) == 1:
         raise InputError("only one of --load and --velocity is given; give both or neither")
     ds = opened(options)
+    if options.certify:
+        _certify(options, ds)
     ensemble, weighed = samples_of(options, ds, **criterion_in(options))
     draws = weighed.draws if weighed else None
     document = {"given_measured": weighed is not None, **about(ensemble)}
@@ -81,6 +86,18 @@ def risk(options: argparse.Namespace) -> Result:
         partial(pipeline.draw_risk, ensemble, plane, place, weighed),
         beside(options.store, "_risk.png"),
     )
+
+
+def _certify(options: argparse.Namespace, ds: xr.Dataset) -> None:
+    """Find boundaries directly, and keep how far those of the samples are off."""
+    if given := values_in(options, "at", "criterion"):
+        raise InputError(
+            f"--certify is of the samples as they were drawn; leave out {flags_of([*given])}"
+        )
+    ensemble = pipeline.Ensemble.of(ds)
+    if certificate_of(ensemble) is None:
+        with working("finding boundaries directly") as progress:
+            certify(ensemble, scene_with_of(ds), progress=progress)
 
 
 def on_risk(here: Risk) -> str:
@@ -228,11 +245,13 @@ def samples_of(
 
 def about(ensemble: Ensemble) -> dict[str, Any]:
     """Samples and inputs, as plain data."""
+    certificate = certificate_of(ensemble)
     return {
         "samples": len(ensemble.inputs),
         "samples_left_out": ensemble.missing,
         "unknown": [one.as_dict() for one in ensemble.unknown],
         "fixed": _fixed(ensemble),
+        "certificate": certificate and certificate.as_dict(),
     }
 
 
@@ -254,6 +273,7 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
         yield "  the error of the samples' fidelity is not known, and not counted"
     if ensemble.missing:
         yield f"  {ensemble.missing} samples are left out: not done at every load"
+    yield f"  {certificate_of(ensemble) or _NO_CERTIFICATE}"
 
 
 def draws_in_words(weighed: Posterior) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 
 _Index = tuple[int, ...]
+_KEPT = "status/kept-"  # of files beside the lock, which are no data
 _CLOSE = 1e-9  # relative distance of a coordinate that was scaled, and scaled back
 
 
@@ -39,6 +41,17 @@ class Reader:
     def positions(self, name: str) -> range:
         """All places along a dimension of the store."""
         return range(len(self._store.axes[name]))
+
+    def kept(self, name: str) -> bytes | None:
+        """What a command has kept in the store under a name; None if nothing."""
+        with suppress(OSError):
+            return self._store.place.read(_KEPT + name)
+        return None
+
+    def keep(self, name: str, content: bytes) -> None:
+        """Keep what a command found of the store, unless it cannot be written."""
+        with suppress(OSError):
+            self._store.place.create(_KEPT + name, content)
 
     def position(self, name: str, value: Any) -> int | None:
         """Place of a value along a dimension of the store; None if it has none."""

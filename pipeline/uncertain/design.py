@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -11,11 +11,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeline.analysis.operating_points import Place
-from pipeline.sweep.criterion import worst_rises
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import draws_of
+from pipeline.uncertain.direct import SceneWith, as_in_a_scene, log_rise
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
 from tribo import InputError
@@ -292,7 +290,7 @@ def confirmed(
     goal: Goal,
     place: Place,
     values: Mapping[str, float],
-    scene_with: Callable[[Mapping[str, Any]], Sweep],
+    scene_with: SceneWith,
     draws: Draws | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Direct:
@@ -327,23 +325,7 @@ def confirmed(
         if progress:
             progress(number, len(near))
         sweep = scene_with(as_in_a_scene(ensemble, inputs[row]))
-        columns = run_point(sweep, *place).columns
-        rise = float(worst_rises(columns, place.load, sweep.conditions))
-        severe[row] = math.log(rise) > limits[row]
+        severe[row] = log_rise(sweep, *place) > limits[row]
     chance = float(severe.mean())
     error = math.sqrt(max(chance * (1 - chance), 1 / _FRESH) / _FRESH)
     return Direct(chance, error, _FRESH, len(near))
-
-
-def as_in_a_scene(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
-    """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths."""
-    pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
-    pairs += [(one.unknown, one.value) for one in ensemble.fixed]
-    return {one.path: _entry(one, value) for one, value in pairs}
-
-
-def _entry(unknown: Unknown, value: float) -> float | int | str:
-    unit = unknown.shown
-    if unit.name != "1":
-        return f"{float(unit.of(value))!r} {unit.name}"
-    return int(value) if unknown.kind == "list" and value == int(value) else float(value)

@@ -22,6 +22,7 @@ from scipy.optimize import minimize
 from scipy.special import ndtr
 
 from pipeline.sweep.samples import WEAR_RATE, Design
+from pipeline.uncertain.kept import Keeper, kept_or_found
 from tribo.types import Array
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
@@ -75,8 +76,16 @@ class Emulator:
         return outputs, error, shared
 
 
-def fitted(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Emulator:
+def fitted(
+    features: Array,
+    dimensions: Groups,
+    contacts: Groups,
+    outputs: Array,
+    keeper: Keeper | None = None,
+) -> Emulator:
     """Fit a Gaussian process to outputs (n, n_output) of rows, some of which share a contact.
+
+    The constants of its kernel are kept in a store, and taken from there.
 
     Examples
     --------
@@ -91,7 +100,8 @@ def fitted(features: Array, dimensions: Groups, contacts: Groups, outputs: Array
     """
     mean = outputs.mean(axis=0)
     part = slice(0, _MOST_TO_FIT)
-    constants = _constants(features[part], dimensions, contacts[part], (outputs - mean)[part])
+    data = features[part], dimensions, contacts[part], (outputs - mean)[part]
+    constants = kept_or_found(keeper, data, lambda: _constants(*data))
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
     weights = cho_solve(factor, outputs - mean)

@@ -12,14 +12,13 @@ which is the excess, of which all answers are made.
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import CubicSpline, make_interp_spline
+from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
 from pipeline.analysis.attributes import attributes_of
@@ -30,7 +29,6 @@ from pipeline.analysis.soundness import require_sound
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
@@ -44,15 +42,17 @@ from pipeline.uncertain.fixed import (
     fixed_at,
     with_conditions,
 )
+from pipeline.uncertain.kept import Keeper
+from pipeline.uncertain.loads import between_loads
+from pipeline.uncertain.rises import columns_until, decisive_rises
 from tribo import InputError
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 Axis = Sequence[float] | Array
 """Loads [N] or velocities [m/s]."""
 # For the few draws of a wide distribution that cross what is possible, such as a negative friction.
 _LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
-_BEND = 0.02  # of ln(rise), unknown between two loads alone: ten times that of the shipped scenes
 _FEWEST = 12  # samples of which an emulator is made
 
 
@@ -117,6 +117,8 @@ class Ensemble:
         True if the friction of tests is that of the scene, False if it is another machine's.
     velocity_error : float or None
         Error of boundary velocities by the fidelity of the samples, relative; None if not known.
+    keeper : Keeper or None
+        Store in which fits are kept.
 
     Examples
     --------
@@ -143,6 +145,7 @@ class Ensemble:
     missing: int = 0
     same_rig: bool = True
     velocity_error: float | None = None
+    keeper: Keeper | None = None
 
     @classmethod
     def of(
@@ -195,7 +198,7 @@ class Ensemble:
         is_drawn = SHARE in paths and "share" not in changed
         shares = inputs[:, paths.index(SHARE)] if is_drawn else None
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
-        rises = _rises(columns, loads, conditions, shares)
+        rises = decisive_rises(columns, loads, conditions, shares)
         require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
         done = np.isfinite(rises.sum(axis=1))
         if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
@@ -206,9 +209,9 @@ class Ensemble:
         hold = float(about["scene"]["loading"].get("hold", 0.0))
         tests = (*about["measured"], *about["tested"])
         by_hold = {
-            other: _rises(until, loads, conditions, shares)[done]
+            other: decisive_rises(until, loads, conditions, shares)[done]
             for other in {float(test.get("hold", hold)) for test in tests}
-            if other < hold and (until := _until(columns, loads, other, done)) is not None
+            if other < hold and (until := columns_until(columns, loads, other, done)) is not None
         }
         return cls(
             title=str(about["title"]),
@@ -228,6 +231,7 @@ class Ensemble:
             missing=int(np.count_nonzero(~done)),
             same_rig=bool(about.get("same_rig", True)),
             velocity_error=velocity_error(about),
+            keeper=ds["status"].encoding.get("reader"),
         )
 
     @property
@@ -313,7 +317,7 @@ class Ensemble:
 
     def _fitted(self, values: Array) -> Emulator:
         features = features_of(self.design, self.inputs.T, self.sample_velocities)
-        return fitted(*features, self.contacts, np.log(values))
+        return fitted(*features, self.contacts, np.log(values), self.keeper)
 
     def _emulated(
         self, emulator: Emulator, draws: Array, load: Axis | float, velocity: Axis | float,
@@ -326,7 +330,8 @@ class Ensemble:
         if len(velocities) > _NODES:
             nodes = np.geomspace(velocities.min(), velocities.max(), _NODES)
         columns = [self.values(quantity.path, draws) for quantity in self.design.inputs]
-        weights, bends = map(np.array, zip(*map(self._between_loads, loads), strict=True))
+        between = (between_loads(self.loads, self.rises, one) for one in loads.tolist())
+        weights, bends = map(np.array, zip(*between, strict=True))
         at_nodes = []
         for node in nodes:
             features, _ = features_of(self.design, columns, np.full(len(draws), node))
@@ -340,22 +345,6 @@ class Ensemble:
         shape = len(draws), *np.shape(load), *np.shape(velocity)
         values, *errors = (part.reshape(shape) for part in parts)
         return Excess(values, *map(np.abs, errors))
-
-    def _between_loads(self, load: float) -> tuple[Array, float]:
-        """Weights of the outputs at each load by which to interpolate, and its error."""
-        x, place = np.log(self.loads), math.log(load)
-        if len(x) == 1:
-            return np.ones(1), 0.0
-        if len(x) == 2:
-            weights = _spline(x, place, 1)
-            return weights, _BEND * 4 * float(weights[0] * weights[1])
-        weights, rough = _spline(x, place, min(3, len(x) - 1)), _spline(x, place, 1)
-        if len(x) > 3:
-            near = np.sort(np.argsort(np.abs(x - place))[:3])
-            rough = np.zeros(len(x))
-            rough[near] = _spline(x[near], place, 2)
-        off = np.log(self.rises) @ (weights - rough)
-        return weights, float(np.sqrt(np.mean(off**2)))
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:
         """Raise an `InputError` for loads or velocities outside the sweep."""
@@ -373,39 +362,3 @@ class Ensemble:
                     f"{name} is {value:g} {unit}; the samples have {ends}: give one within, or "
                     "add to the sweep"
                 )
-
-
-def _spline(x: Array, place: float, degree: int) -> Array:
-    """Weights of values at nodes by which a spline through them is found at a place."""
-    return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
-
-
-def _until(
-    columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
-) -> dict[str, Array] | None:
-    """Columns without steps after a hold; None if it ends at no step with a temperature."""
-    time, normal_load = columns["time"], columns["normal_load"]
-    reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
-    since = time - reached
-    is_end = np.isclose(since, hold, rtol=1e-6, atol=1e-9) & np.isfinite(columns["mean_rise"])
-    if not is_end.any(axis=-1)[done].all():
-        return None
-    is_later = since > hold * (1 + 1e-6) + 1e-9
-    return {**columns, "normal_load": np.where(is_later, np.nan, normal_load)}
-
-
-def _rises(
-    columns: Mapping[str, Array], loads: Array, conditions: Conditions, shares: Array | None
-) -> Array:
-    """Decisive rise by sample and load [K]."""
-    if shares is None:
-        return worst_rises(columns, loads[:, None], conditions)
-    rows = [
-        worst_rises(
-            {name: values[i] for name, values in columns.items()},
-            loads[:, None],
-            replace(conditions, failing_share=share),
-        )
-        for i, share in enumerate(shares.tolist())
-    ]
-    return np.array(rows)

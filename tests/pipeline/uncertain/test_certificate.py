@@ -1,0 +1,54 @@
+"""Boundaries that are found directly, and fits that a store keeps, on a rise in closed form."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.uncertain import certificate, emulator
+from pipeline.uncertain.certificate import certificate_of, certify
+from tests.helpers.samples import ALL, ensemble, rise
+
+
+class Memory(dict):
+    """What a store keeps."""
+
+    kept, keep = dict.get, dict.setdefault
+
+
+@pytest.fixture
+def samples():
+    return dataclasses.replace(ensemble(), keeper=Memory())
+
+
+@pytest.mark.parametrize(("factor", "off", "held"), [(1.0, 0.003, 20), (1.1, 0.13, 0)])
+def test_a_certificate_says_how_far_the_emulator_is_off(samples, monkeypatch, factor, off, held):
+    units = dict(zip([one.path for one in ALL], [418.15, 1.2e-15, 0.1, 4.5e-6], strict=True))
+
+    def log_rise(entries, load, velocity):
+        inputs = np.array([[float(str(entries[path]).split()[0]) for path in units]])
+        return math.log(factor * rise(inputs, load, velocity)[0])
+
+    monkeypatch.setattr(certificate, "log_rise", log_rise)
+    assert certificate_of(samples) is None
+    found = certify(samples, dict)
+    assert len(found.found) == 25
+    assert found.error == pytest.approx(off, rel=0.1, abs=0.003)
+    assert held <= found.held <= held + 5
+    assert certificate_of(samples) == found
+    more = dataclasses.replace(samples, rises=1.01 * samples.rises)
+    assert certificate_of(more) is None
+
+
+def test_the_constants_of_an_emulator_are_found_once(samples, monkeypatch):
+    draws = ALL[0].parameters[0], 1.2e-15, 0.1, 4.5e-6
+    once = samples.excess(np.array([draws]), 400.0, 2.0)
+    monkeypatch.setattr(emulator, "_constants", None)  # as a second command has no need of it
+    again = dataclasses.replace(samples).excess(np.array([draws]), 400.0, 2.0)
+    assert again.values == once.values
+    assert again.error == once.error
+    (name,) = samples.keeper
+    samples.keeper[name] = samples.keeper[name].replace(b"1", b"2", 1)  # as a bit flips
+    with pytest.raises(TypeError):
+        dataclasses.replace(samples).excess(np.array([draws]), 400.0, 2.0)
