@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary_under
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import entry_dims
+from pipeline.analysis.dataset import has_one_scene
 from pipeline.sweep.turns import cold_bodies, on_cold_bodies, with_turns
 from tribo import Ball, Crowned, Cylinder, Material, Motion
 
@@ -31,7 +31,7 @@ def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> 
         Conditions that the boundary was judged by in place of the sweep's own.
     """
     scene = attributes_of(ds).get("scene", {})
-    if not scene.get("motion") or entry_dims(ds) or np.ndim(conditions.get("friction", 0.0)):
+    if not (scene.get("motion") and has_one_scene(ds)) or np.ndim(conditions.get("friction", 0.0)):
         return None
     judged = conditions_of(ds, **conditions)
     motion = _made(scene["motion"])

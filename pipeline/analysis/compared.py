@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,10 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import has_plane, plane_of
-from pipeline.analysis.margin import NOT_DECIDED, Margin, judge_of
+from pipeline.analysis.dataset import plane_of
+from pipeline.analysis.margin import NOT_DECIDED, Margin, Row, rows_of
 from pipeline.analysis.margin_table import notes_of
-from pipeline.analysis.scenes import frame_by_scene
+from pipeline.analysis.scenes import frame_by_scene, planes
 from pipeline.analysis.tables import frame_of, short
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
@@ -51,7 +51,7 @@ def compared(ds: xr.Dataset, **conditions: Any) -> pd.DataFrame | None:
     each if it gives none, or if the place is not decided. None if the scene has no tests.
     """
     tests = laboratory_tests(ds)
-    if not (tests and has_plane(ds)):
+    if not (tests and planes(ds)):
         return None
     return frame_by_scene(ds, lambda scene: frame_of(_HEADS, _rows(scene, conditions)))
 
@@ -79,7 +79,7 @@ def on_tests(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
 def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """Rows of one scene."""
     plane, conditions = plane_of(ds), conditions_of(ds, **changed)
-    judges: dict[Conditions, Callable[[float, float], tuple[Margin, ...]]] = {}
+    judges: dict[Conditions, tuple[Row, ...]] = {}
     held = (attributes_of(ds).get("scene") or {}).get("loading", {}).get("hold") or 0.0
     for test in laboratory_tests(ds):
         own = own_conditions(conditions, test)
@@ -94,8 +94,9 @@ def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...
                     for name, of in (("friction", "friction"), ("bulk_temperature",) * 2)
                     if test.get(of) is not None
                 }
-                judges[own] = judge_of(plane, **{**changed, **overrides})
-            computed, temperature, agrees = _answer(test, judges[own](*place))
+                judges[own] = rows_of(plane, **{**changed, **overrides})
+            margins = [row.at(*place) for row in judges[own]]
+            computed, temperature, agrees = _answer(test, margins)
         except InputError as error:
             computed, temperature, agrees, note = NOT_KNOWN, None, NOT_KNOWN, str(error)
         yield (*given, hold, computed, temperature, agrees, note)

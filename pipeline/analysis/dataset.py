@@ -148,9 +148,20 @@ def has_plane(ds: xr.Dataset) -> bool:
     return all(set(ds[name].dims) <= {name} for name in PLANE)
 
 
+def is_emulated(ds: xr.Dataset) -> bool:
+    """True if rows were drawn from distributions, and an emulator of them answers."""
+    return bool(attributes_of(ds).get("unknown"))
+
+
+def has_one_scene(ds: xr.Dataset) -> bool:
+    """True if no entry has several values."""
+    return not entry_dims(ds)
+
+
 def require_one_scene(ds: xr.Dataset) -> None:
     """Raise an `InputError` at a sweep in which entries have several values."""
-    if names := entry_dims(ds):
+    if not has_one_scene(ds):
+        names = entry_dims(ds)
         several = " and ".join(names)
         options = " ".join(f'--at "{name}=..."' for name in names)
         raise InputError(
@@ -188,19 +199,18 @@ def _in_order(array: xr.DataArray) -> xr.DataArray:
 
 def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     """Take the sweep on one of its surfaces by its seed, the first if not given."""
-    ds = at_surface(plane_of(ds), realization)
+    ds = at_labels(plane_of(ds), realization=realization)
     return ds.isel({name: 0 for name in _drawn(ds) if name in ds.dims})
 
 
-def at_surface(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
-    """Take the sweep on one of its surfaces by its seed, on all of them if not given."""
-    if realization is None:
-        return ds
-    seeds = ds.indexes.get("realization", pd.Index([]))
-    if realization not in seeds:
-        held = f"it holds {', '.join(map(str, seeds))}" if len(seeds) else "its scene has no others"
-        raise InputError(f"realization is {realization}, which the sweep does not hold; {held}")
-    return ds.sel(realization=realization)
+def at_labels(ds: xr.Dataset, **labels: int | None) -> xr.Dataset:
+    """Take the sweep at labels along dimensions in front, on all rows where one is not given."""
+    for name, label in labels.items():
+        held = ds.indexes.get(name, pd.Index([]))
+        if label is not None and label not in held:
+            others = f"it holds {', '.join(map(str, held))}" if len(held) else "it has no others"
+            raise InputError(f"{name} is {label}, which the sweep does not hold; {others}")
+    return ds.sel({name: label for name, label in labels.items() if label is not None})
 
 
 def drawn_row(ds: xr.Dataset) -> Variant:

@@ -8,7 +8,7 @@ import xarray as xr
 from pipeline.analysis.dataset import dataset_of, values_of
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.soundness import deciding, require_sound
-from pipeline.store.schema import DONE
+from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import columns_needed, rise_limit, worst_rises
 from tribo import InputError
@@ -20,7 +20,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
 
     It is the highest one from when the load of a point is reached on: at the end of the ramp or,
     where the load is held, at any later step at which the temperature was asked for. Dimensions
-    are (load, velocity), after ``realization`` over several surfaces, all ascending.
+    are (load, velocity), after those in front such as ``realization``, all ascending.
     """
     ds = _about_quantile(dataset_of(ds), conditions.decisive.quantile)
     for name in ("load", "velocity"):
@@ -33,15 +33,14 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     columns["quantile"] = ds["cooler_share"].values
     rises = worst_rises(columns, ds["load"].values[:, None, None], conditions)
-    axes = ("realization", "load", "velocity")
-    dims = [name for name in axes if name in ds.dims]
+    dims = [*(str(name) for name in ds["status"].dims if name not in PLANE), *PLANE]
     is_done = values_of(ds, "status") == DONE
     rises = np.where(is_done, rises, np.nan)
     limit = None if conditions.critical_temperature is None else rise_limit(conditions)
     require_sound(ds, deciding(is_done, rises, limit, *dims), *dims)
     return xr.DataArray(
         rises,
-        {name: ds[name].variable for name in axes if name in ds.coords},
+        {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords},
         dims,
         "decisive_rise",
         {"units": "K", "long_name": "decisive rise at friction 1"},

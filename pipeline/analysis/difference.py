@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.band import middle_of
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import asked, dataset_of, end_of_point, require_one_scene, variant_of
 from pipeline.analysis.entries import entries_of
@@ -129,17 +130,12 @@ def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
 def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
     """Critical velocity and outcome at each load; over several surfaces the median."""
     boundaries = boundary(ds, **criterion)
-    velocities, codes_at_load = boundaries["critical_velocity"], boundaries["outcome_at_load"]
-    meanings = outcomes("velocity")
-    if axis := variant_of(boundaries):
-        velocities = boundaries["critical_velocity_quantile"].sel(quantile=0.5)
-        words = [
-            ", ".join(meanings[code] for code in sorted(set(codes)))
-            for codes in codes_at_load.transpose("load", axis).values.tolist()
-        ]
-    else:
-        words = [meanings[code] for code in codes_at_load.values.tolist()]
-    values = zip(velocities.values.tolist(), words, strict=True)
+    meanings, outcome = outcomes("velocity"), boundaries["outcome_at_load"]
+    words = [
+        ", ".join(meanings[code] for code in np.unique(codes))
+        for codes in outcome.transpose("load", ...).values
+    ]
+    values = zip(middle_of(boundaries, "critical_velocity").values.tolist(), words, strict=True)
     return dict(zip(boundaries["load"].values.tolist(), values, strict=True))
 
 

@@ -10,8 +10,9 @@ distance, so it is mostly too large: it held at 54 of 60 random places of
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -201,8 +202,7 @@ def margins(
     """
     place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     others = friction, bulk_temperature, critical_temperature, share, criterion, own_laws
-    judges = (judge_of(plane_of(scene), *others) for scene in scenes(ds))
-    return tuple(margin for judge in judges for margin in judge(*place))
+    return tuple(row.at(*place) for row in rows_of(ds, *others))
 
 
 def margins_at(
@@ -210,54 +210,80 @@ def margins_at(
 ) -> Iterator[Margin]:
     """Margins at loads [N] and velocities [m/s]; none where the sweep does not tell."""
     places = list(places)
-    for scene in scenes(ds):
-        judge = judge_of(plane_of(scene), **conditions)
+    for row in rows_of(ds, **conditions):
         for place in places:
             with suppress(InputError):
-                yield from judge(*place)
+                yield row.at(*place)
 
 
-def judge_of(
-    ds: xr.Dataset, *others: Any, **conditions_given: Any
-) -> Callable[[float, float], tuple[Margin, ...]]:
-    """Function that gives `margins` at a load [N] and a velocity [m/s] under some conditions."""
-    conditions = conditions_of(ds, *others, **conditions_given)
-    limit, rise = rise_limit(conditions), decisive_rise(ds, conditions)
-    entries = {path: ds[path].item() for path in attributes_of(ds).get("entries", {})}
-    ends = {name: range_of(ds, name) for name in ("load", "velocity")}
-    axes = {name: rise[name].values for name in ends}
-    seeds = rise["realization"].values.tolist() if "realization" in rise.dims else [None]
-    is_missing = (rise.isnull() & asked(ds)).values.reshape(len(seeds), *rise.shape[-2:])
-    planes = [
-        _Plane(grid, missing, limit, ends)
-        for grid, missing in zip(grids_of(ds, rise), is_missing, strict=True)
-    ]
-    promised = velocity_error(attributes_of(ds))
+def rows_of(ds: xr.Dataset | PathLike, *others: Any, **given: Any) -> tuple[Row, ...]:
+    """The planes of a sweep along whatever stands in front, each judged by its conditions."""
+    rows = list[Row]()
+    for scene in map(plane_of, scenes(ds)):
+        conditions, about = conditions_of(scene, *others, **given), attributes_of(scene)
+        rise = decisive_rise(scene, conditions)
+        labels = {path: scene[path].item() for path in about.get("entries", {})}
+        front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
+        is_missing = (rise.isnull() & asked(scene)).values.reshape(-1, *rise.shape[-2:])
+        drawn = itertools.product(*front.values())
+        rows += [
+            Row(
+                labels=labels | dict(zip(front, values, strict=True)),
+                grid=grid,
+                is_missing=missing,
+                conditions=conditions,
+                promised=velocity_error(about),
+                ends={name: range_of(scene, name) for name in ("load", "velocity")},
+            )
+            for grid, missing, values in zip(grids_of(scene, rise), is_missing, drawn, strict=True)
+        ]
+    return tuple(rows)
 
-    def judge(load: float, velocity: float) -> tuple[Margin, ...]:
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Row:
+    """Decisive rises of one row of the table of variants by load and velocity, and how to judge.
+
+    Attributes
+    ----------
+    labels : mapping
+        Value of the row along each dimension in front.
+    grid : RisePlane
+        Its rises.
+    is_missing : ndarray of bool, shape (n_load, n_velocity)
+        Points that were asked for, and are not done.
+    conditions : Conditions
+        Conditions of severe wear.
+    promised : float or None
+        Relative error of its boundary velocities.
+    ends : mapping of tuple of float
+        Loads [N] and velocities [m/s] that its scene asks for, from the lowest to the highest.
+    """
+
+    labels: Mapping[str, Any]
+    grid: RisePlane
+    is_missing: Mask
+    conditions: Conditions
+    promised: float | None
+    ends: Mapping[str, tuple[float, float]]
+
+    def at(self, load: float, velocity: float) -> Margin:
+        """The margin at a load [N] and a velocity [m/s]; an `InputError` where it is not known."""
+        axes = {"load": self.grid.loads, "velocity": self.grid.velocities}
         for name, value in (("load", load), ("velocity", velocity)):
-            lowest, highest = min(axes[name][0], ends[name][0]), max(axes[name][-1], ends[name][1])
+            x, ends = axes[name], self.ends[name]
+            lowest, highest = min(x[0], ends[0]), max(x[-1], ends[1])
             if not (lowest <= value <= highest and value > 0):
                 raise InputError(
                     f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
                     f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
                 )
-        return tuple(
-            _margin(plane, load, velocity, conditions, promised, seed, entries)
-            for plane, seed in zip(planes, seeds, strict=True)
-        )
+        return _margin(self, load, velocity)
 
-    return judge
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Plane:
-    """Decisive rises by load and velocity on one surface, and the limit of mild wear [K]."""
-
-    grid: RisePlane
-    is_missing: Mask
-    limit: float
-    ends: Mapping[str, tuple[float, float]]
+    @property
+    def limit(self) -> float:
+        """Rise at friction 1 above which wear is severe [K]."""
+        return rise_limit(self.conditions)
 
     def at_velocity(self, velocity: float, continued: bool = False) -> Array:
         """Rise by load at one velocity [K]."""
@@ -299,34 +325,26 @@ class _Plane:
         return Crossing.along(x, going_on, limit, ends, missing, is_done)
 
 
-def _margin(
-    plane: _Plane,
-    load: float,
-    velocity: float,
-    conditions: Conditions,
-    promised: float | None,
-    seed: int | None,
-    entries: Mapping[str, float | str],
-) -> Margin:
-    """The margin on one surface."""
-    grid = plane.grid
-    rise = _at(grid.loads, plane.at_velocity(velocity, continued=True), load)
+def _margin(row: Row, load: float, velocity: float) -> Margin:
+    """The margin of one row."""
+    grid, conditions = row.grid, row.conditions
+    rise = _at(grid.loads, row.at_velocity(velocity, continued=True), load)
     if not math.isfinite(rise):
         raise InputError(
             f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep "
             "to its end, or add points there"
         )
-    is_within = math.isfinite(_at(grid.loads, plane.at_velocity(velocity), load))
+    is_within = math.isfinite(_at(grid.loads, row.at_velocity(velocity), load))
     here = grid.rises[np.ix_(grid.loads == load, grid.velocities == velocity)]
-    error = rise_error(grid, load, velocity, promised)
+    error = rise_error(grid, load, velocity, row.promised)
     through = load, velocity, rise if is_within else math.nan
-    along_velocity, along_load = (plane.along(axis, *through) for axis in ("velocity", "load"))
+    along_velocity, along_load = (row.along(axis, *through) for axis in ("velocity", "load"))
     return Margin(
         load=load,
         velocity=velocity,
-        realization=seed,
+        realization=row.labels.get("realization"),
         decisive_temperature=contact_temperature(rise, conditions),
-        is_severe=bool(Criterion.is_severe(rise, plane.limit)),
+        is_severe=bool(Criterion.is_severe(rise, row.limit)),
         error=error.times(conditions.rise_factor * rise),
         is_computed=bool(np.isfinite(here).any()),
         is_continued=not is_within,
@@ -339,7 +357,7 @@ def _margin(
         load_range=along_load.computed,
         velocity_bridged=along_velocity.bridged,
         load_bridged=along_load.bridged,
-        entries=entries,
+        entries={name: value for name, value in row.labels.items() if name != "realization"},
     )
 
 

@@ -11,8 +11,8 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.band import BAND
-from pipeline.analysis.dataset import dataset_of, plane_of
-from pipeline.analysis.margin import NOT_DECIDED, Margin, judge_of
+from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.margin import NOT_DECIDED, Margin, rows_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import as_dict, frame_of
@@ -66,10 +66,12 @@ def margin_table(
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
 
     def of_scene(scene: xr.Dataset) -> pd.DataFrame:
-        judge = judge_of(plane_of(scene), **conditions)
-        if scene.sizes.get("realization", 1) == 1:
-            return frame_of_points(read, _HEADS, lambda *place: _of_one(*judge(*place)))
-        return frame_of_points(read, _HEADS_OF_SEVERAL, lambda *place: _of_several(judge(*place)))
+        rows = rows_of(scene, **conditions)
+        if len(rows) == 1:
+            return frame_of_points(read, _HEADS, lambda *place: _of_one(rows[0].at(*place)))
+        return frame_of_points(
+            read, _HEADS_OF_SEVERAL, lambda *place: _of_several([row.at(*place) for row in rows])
+        )
 
     return frame_by_scene(dataset_of(ds), of_scene)
 

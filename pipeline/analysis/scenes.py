@@ -13,7 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, entry_dims, with_wear_rates
+from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, with_wear_rates
 from pipeline.analysis.tables import frame_of
 from pipeline.scene.quantities import display
 from pipeline.scene.units import to_si
@@ -82,6 +82,11 @@ def taken(
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
     """The sweep of each scene: with each combination of the values of its entries."""
     return map(dataset_of, with_all_wear_rates(ds))
+
+
+def planes(ds: xr.Dataset) -> list[xr.Dataset]:
+    """The sweep of each scene; none where rows have places of their own, and no plane."""
+    return [*scenes(ds)] if has_plane(ds) else []
 
 
 def with_all_wear_rates(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:

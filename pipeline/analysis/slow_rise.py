@@ -18,7 +18,7 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.scenes import scenes, stacked
+from pipeline.analysis.scenes import planes, stacked
 from pipeline.sweep.conditions import Conditions
 from tribo import CRITERIA
 from tribo.types import Array
@@ -38,10 +38,9 @@ def slow_rise(ds: xr.Dataset) -> xr.DataArray:
 
     It is the rise by friction, between bodies of equal temperature.
     """
-    if "velocity" not in ds["status"].dims:
-        return xr.zeros_like(ds["status"], bool)
-    parts = [_of_one(scene) for scene in scenes(ds)]
-    return stacked(parts, [ds[name] for name in entry_dims(ds)])
+    parts = [_of_one(scene) for scene in planes(ds)]
+    axes = [ds[name] for name in entry_dims(ds)]
+    return stacked(parts, axes) if parts else xr.zeros_like(ds["status"], bool)
 
 
 def _of_one(ds: xr.Dataset) -> xr.DataArray:

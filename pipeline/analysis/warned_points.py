@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane
+from pipeline.analysis.dataset import dataset_of, entry_dims
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.scenes import scenes, stacked, value_text
+from pipeline.analysis.scenes import planes, stacked, value_text
 from pipeline.analysis.slow_rise import WORDS, slow_rise
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -70,24 +70,23 @@ def warnings_of(ds: xr.Dataset) -> xr.DataArray:
 
 def _molten(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
     """Points at which steel would have melted; none where no single condition judges them."""
-    if "velocity" not in ds["status"].dims or isinstance(conditions.get("friction"), Iterable):
+    if isinstance(conditions.get("friction"), Iterable):
         return xr.zeros_like(ds["status"], bool)
     # Of a criterion that is code nothing runs here; the share serves as well.
     asked = conditions | {"criterion": "share"}
     parts = [
         contact_temperature(decisive_rise(scene, judged), judged) > MELTS
-        for scene in scenes(ds)
+        for scene in planes(ds)
         for judged in [conditions_of(scene, **asked)]
     ]
-    return stacked(parts, [ds[name] for name in entry_dims(ds)])
+    axes = [ds[name] for name in entry_dims(ds)]
+    return stacked(parts, axes) if parts else xr.zeros_like(ds["status"], bool)
 
 
 def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
     """Points beside the boundary of their scene; None where that is not known of all."""
-    if not has_plane(ds):
-        return None
-    near = [_beside_boundary(scene, conditions) for scene in scenes(ds)]
-    if any(marked is None for marked in near):
+    near = [_beside_boundary(scene, conditions) for scene in planes(ds)]
+    if not near or any(marked is None for marked in near):
         return None
     axes = [ds[name] for name in entry_dims(ds)]
     return stacked([marked for marked in near if marked is not None], axes)

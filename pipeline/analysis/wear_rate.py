@@ -14,7 +14,7 @@ import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, has_plane, own_wear_rate, with_wear_rates
+from pipeline.analysis.dataset import dataset_of, is_emulated, own_wear_rate, with_wear_rates
 from pipeline.scene.quantities import display, in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.variants import WEAR_RATE
@@ -62,7 +62,7 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
     if wear_rate is None:
         return ds
     rate = in_si("wear_rate", wear_rate, _EXAMPLE)
-    if not has_plane(ds):
+    if is_emulated(ds):
         raise InputError(
             f"wear_rate is {display(rate, 'mm³/(N m)', 4)}, but these samples have it as an input; "
             f'give --at "wear.specific_wear_rate={rate * 1e9:g} mm^3/(N m)", in Python '

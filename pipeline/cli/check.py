@@ -197,7 +197,7 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
 def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     """Cost of a sweep."""
     loads = counted(len(sweep.plane.loads), "load", "loads")
-    velocities = counted(len(sweep.plane.velocities), "velocity", "velocities")
+    velocities = counted(len(sweep.lines[0]), "velocity", "velocities")
     counted_as = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
     variants = "".join(
         f", {len(values)} {counted_as.get(name, f'values of {name}')}"
@@ -207,8 +207,7 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
         sought = f"between {sweep.plane.velocities[0]:g} and {sweep.plane.velocities[-1]:g} m/s"
         yield f"  points   about {cost.points}: the boundary is sought {sought}, {loads}{variants}"
     else:
-        shared = f", {velocities}" if sweep.variants.has_plane else ""
-        yield f"  points   {cost.points}: {loads}{shared}{variants}"
+        yield f"  points   {cost.points}: {loads}, {velocities}{variants}"
     yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not searched:
         yield f"  chains   {cost.chains}, each computed by one worker: more would be idle"

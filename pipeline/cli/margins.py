@@ -61,7 +61,7 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     document = documents[0] if len(parts) == 1 else {"scenes": documents}
     text = []
     for part in parts:
-        text += [f"{words(ds, part[0].entries)}:"] if part[0].entries else []
+        text += [f"{row}:" for row in [words(ds, part[0].entries)] if row]
         text += _on_surfaces(part) if part[1:] else _on_one(part[0])
     commands, lines = _next(options, ds, margins, conditions)
     text += lines

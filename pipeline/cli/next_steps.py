@@ -50,7 +50,8 @@ def commands_that_decide(
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
     attributes, undecided = attributes_of(ds), list(undecided)
-    if any(_words_of(attributes, margin.entries) is None for margin in undecided):
+    words_of = {id(one): _words_of(attributes, one.entries) for one in undecided}
+    if None in words_of.values():
         return [*dict.fromkeys(map(_in_python, undecided))]
     commands, sharpest, bound = dict[str, None](), math.inf, velocity_error(attributes)
     for margin in undecided:
@@ -65,8 +66,8 @@ def commands_that_decide(
             alone = None if bound is None else bound * _rise_of(margin, judged)
             accuracy = _accuracy_for(bound, margin.distance, alone)
             place = margin.load, margin.velocity, accuracy
-            words = {"arguments": _words_of(attributes, margin.entries)}
-            commands[_point(attributes | words, *place, judged, margin.realization)] = None
+            words = {"arguments": words_of[id(margin)]}
+            commands[_point(attributes | words, *place, judged, _on(margin.realization))] = None
     if math.isfinite(sharpest):
         commands[_more_accurate(attributes, store, sharpest)] = None
     return list(commands)
@@ -178,7 +179,7 @@ def point_that_decides(
     names = {"failing_share": "share"}
     own = {name: value for name, value in conditions.items() if names.get(name, name) not in others}
     about = {"arguments": list(sweep.about.arguments), "name": sweep.about.name, "conditions": own}
-    return [_point(about, load, velocity, accuracy, conditions, realization)]
+    return [_point(about, load, velocity, accuracy, conditions, _on(realization))]
 
 
 def _is_missing(ds: xr.Dataset, margin: Margin) -> bool:
@@ -202,16 +203,20 @@ def _point(
     velocity: float,
     accuracy: float | None,
     judged: Mapping[str, Any],
-    realization: int | None = None,
+    surface: Iterable[str] = (),
 ) -> str:
     """Command that computes an operating point by itself."""
-    surface = [] if realization is None else [f"--realization={realization}"]
     place = [f"--load={load:.6g} N", f"--velocity={velocity:.6g} m/s"]
     settings = _settings(attributes.get("conditions") or {}, judged)
     scene = _scene_of(attributes)
     if accuracy is not None:
         scene, place = _without_preset(scene), [*place, f"--accuracy={100 * accuracy:g}%"]
     return shlex.join(["irg", "point", *scene, *surface, *place, *settings])
+
+
+def _on(seed: int | None) -> list[str]:
+    """Option of a random surface."""
+    return [] if seed is None else [f"--realization={seed}"]
 
 
 def _words_of(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import has_plane
+from pipeline.analysis.dataset import is_emulated
 from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
 from pipeline.scene.over import notes_of
@@ -93,16 +93,15 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
     tell_of_another_law(options, ds)
     ds = pipeline.at_wear_rate(ds, getattr(options, "wear_rate", None))
     wanted = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
-    if has_plane(ds):
-        ds = pipeline.at_entries(ds, wanted)
-    else:
-        ds, to_fix = taken(ds, wanted)
-        if to_fix and options.command not in _FIXING:
-            raise InputError(
-                "--at fixes unknown inputs of samples in irg risk, irg margin, irg boundary and "
-                f"irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
-                "into another store"
-            )
+    if not is_emulated(ds):
+        return pipeline.at_entries(ds, wanted)
+    ds, to_fix = taken(ds, wanted)
+    if to_fix and options.command not in _FIXING:
+        raise InputError(
+            "--at fixes unknown inputs of samples in irg risk, irg margin, irg boundary and "
+            f"irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
+            "into another store"
+        )
     return ds
 
 
@@ -160,8 +159,8 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
 
 
 def by_samples(options: argparse.Namespace, ds: xr.Dataset) -> bool:
-    """True if the answer is one of samples: the sweep has no plane, or they are asked for."""
-    return not has_plane(ds) or bool(weighing(options))
+    """True if the answer is one of samples: the sweep has them, or they are asked for."""
+    return is_emulated(ds) or bool(weighing(options))
 
 
 def weighing(options: argparse.Namespace) -> list[str]:

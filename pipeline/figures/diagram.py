@@ -23,10 +23,11 @@ from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     asked,
-    at_surface,
+    at_labels,
     drawn_row,
     entry_dims,
-    has_plane,
+    has_one_scene,
+    is_emulated,
 )
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.scenes import scenes, value_text
@@ -95,14 +96,14 @@ def diagram(
     enclose a shaded area; where it has measured transitions or tests, they are marked; where its
     scene gives an oil, lines show where mixed lubrication and the full film begin.
     """
-    if not has_plane(ds) or given_measured or scatter is not None:
+    if is_emulated(ds) or given_measured or scatter is not None:
         judged = {k: changed.pop(k) for k in ("criterion", "own_laws") if k in changed}
         others = (friction, realization, ax, *changed.values())
         if any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log, **judged)
-    ds = at_surface(ds, realization)
-    if entry_dims(ds):
+    ds = at_labels(ds, realization=realization)
+    if not has_one_scene(ds):
         if isinstance(friction, Sequence):
             raise InputError(_ONE_LINE_EACH.format(entry_dims(ds)[0]))
         return _of_scenes(ds, {"friction": friction, **changed}, log, ax)

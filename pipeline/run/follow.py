@@ -22,7 +22,7 @@ from pipeline.store.write import Store
 from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.variants import Variant
-from tribo import InputError, Scene
+from tribo import Scene
 
 
 def follow_boundary(
@@ -70,17 +70,7 @@ def follow_boundary(
     11
     """
     sweep = sweep_of(sweep, own_laws)
-    if len(sweep.variants.wear_rates) > 1:
-        raise InputError(
-            "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "
-            "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the whole "
-            "sweep"
-        )
-    if not sweep.variants.has_plane:
-        raise InputError(
-            "the samples of a scene are computed by run_sweep, and the boundary follows from them; "
-            "leave out the search (--boundary-only)"
-        )
+    sweep.require_search()
     searches = {
         variant: BoundarySearch.of(sweep.variant(variant), tolerance, sweep.leads[variant].ratio)
         for variant in sweep.variants.names

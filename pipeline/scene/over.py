@@ -139,7 +139,7 @@ def with_rates_of(asked: Mapping[str, float] | None, sweep: Sweep, notes: list[s
     Velocities are added so that the scene's are covered at every rate: from k₁/k times the lowest
     to k₂/k times the highest, where k is the scene's own. A note names them.
     """
-    if not asked:
+    if not asked or sweep.variants.draw:  # whose inputs have it
         return sweep
     (low, high), wear = asked.values(), sweep.scene.wear
     if not isinstance(wear, Wear) or not sweep.scene.wears:

@@ -99,14 +99,8 @@ def load_scene(
         if sweep is not None:
             over = over_of(tables["sweep"]["over"], sweep, variant)
             samples = samples_of(tables, sweep, over, variant, faults, fixed_paths(document))
-            if samples and sweep.variants.columns:
-                raise tribo.InputError(
-                    "sweep.realizations and sweep.samples exclude each other; make the surface an "
-                    'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
-                )
             sweep = sweep.changed(variants=samples or over * sweep.variants)
-            if not samples:
-                sweep = with_rates_of(tables["sweep"]["wear_rates"], sweep, faults.notes)
+            sweep = with_rates_of(tables["sweep"]["wear_rates"], sweep, faults.notes)
             sweep = sweep.changed(notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error

@@ -139,6 +139,13 @@ def samples_of(
     if rates:  # the scene's own is one value of an input that all samples have
         (rate,) = (one for one in design.inputs if one.path == WEAR_RATE)
         known += (Fixed(rate, rate.parameters[0]),)
+    if sweep.variants.columns:
+        faults.note(
+            "sweep.realizations",
+            "sweep.samples excludes them; make the surface an unknown input: "
+            '"disk.roughness.seed" = [0, 1, 2, 3]',
+        )
+        return None
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         notes.append(f"sweep.samples: {count} are computed, which suffice for these unknown inputs")
@@ -229,9 +236,7 @@ def _drawn(
     drawn = [
         by_path.get(one.path, _Input(one, "m^2/N", is_whole=False)) for one in draw.design.inputs
     ]
-    if both := {one.unknown.path for one in drawn} & over.axes.keys():
-        faults.note("sweep.over", f"{', '.join(both)} differs from sample to sample; leave it out")
-        return None
+    table = over * drawn_rows(draw, count)
     values, _ = draw.design.draw(count)
     wrong = Faults()
 
@@ -248,7 +253,7 @@ def _drawn(
         reason = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
         faults.note("unknown", f"{reason}; give narrower distributions")
         return None
-    return replace(over * drawn_rows(draw, count), parts=parts)
+    return replace(table, parts=parts)
 
 
 def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:

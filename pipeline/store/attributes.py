@@ -15,7 +15,7 @@ from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.surface import surface_facts
-from pipeline.sweep.variants import VARIANT, Variants, written_of
+from pipeline.sweep.variants import Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES
 
 _OPTIONAL = (
@@ -110,20 +110,11 @@ def _of_table(sweep: Sweep) -> dict[str, Any]:
 
     ``coordinates`` is where readers of CF look for coordinates that are not dimensions.
     """
-    table = sweep.variants
-    along = [column.name for column in table.coordinates]
-    drawn = table.draw and {
-        "samples": len(table.axes[VARIANT]),
-        "sample_seed": table.draw.design.seed,
-        "unknown": [quantity.as_dict() for quantity in table.draw.unknown],
-        "fixed": [one.as_dict() for one in table.draw.fixed],
-    }
+    along = [column.name for column in sweep.variants.coordinates]
     return {
-        "realizations": list(table.axes.get("realization", ())),
         "boundary_only": sweep.plane.chosen is not None,
         **({"coordinates": " ".join(along)} if along else {}),
-        **({"wear_rates": [min(rates), max(rates)]} if (rates := table.wear_rates) else {}),
-        **(drawn or {}),
+        **sweep.variants.as_entries(),
     }
 
 

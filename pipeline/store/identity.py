@@ -86,7 +86,8 @@ class Simulated:
 
     def at(self, point: Point) -> str:
         """Hash of what is simulated at a point."""
-        return self.hashes[tuple(value for name, value in point.variant if name in self.entries)]
+        labels = dict(point.variant)
+        return self.hashes[tuple(labels[name] for name in self.entries)]
 
 
 def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> np.uint64:

@@ -237,6 +237,20 @@ class Sweep:
         velocity = lead and lead.velocity_for(point.velocity)
         return point[1:] if lead is None or velocity is None else (velocity, lead.variant)
 
+    def require_search(self) -> None:
+        """Raise an `InputError` where no boundary can be looked for along velocities."""
+        if self.variants.wear_rates:
+            raise InputError(
+                "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "
+                "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the "
+                "whole sweep"
+            )
+        if not self.variants.has_plane:
+            raise InputError(
+                "each row has a velocity of its own, such as of samples, and answers follow from "
+                "all; leave out the search (--boundary-only)"
+            )
+
     def _of_contact(self, name: Variant) -> Self:
         """The sweep of one row at the wear rate by which its contacts have their velocities."""
         if not (self.variants.wear_rates and isinstance(self.scene.wear, Wear)):

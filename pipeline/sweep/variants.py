@@ -221,6 +221,18 @@ class Variants:
         held = ", ".join(map(str, self.axes.get(key, ()))) or "none"
         raise InputError(f"{key} is {value}, which the sweep does not have; it has {held}")
 
+    def as_entries(self) -> dict[str, Any]:
+        """What the scene says of the rows, as plain data: seeds, wear rates, and unknown inputs."""
+        entries: dict[str, Any] = {"realizations": list(self.axes.get("realization", ()))}
+        if rates := self.wear_rates:
+            entries["wear_rates"] = [min(rates), max(rates)]
+        if self.draw:
+            entries["samples"] = len(self.axes[VARIANT])
+            entries["sample_seed"] = self.draw.design.seed
+            entries["unknown"] = [quantity.as_dict() for quantity in self.draw.unknown]
+            entries["fixed"] = [one.as_dict() for one in self.draw.fixed]
+        return entries
+
     def plane_of(
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -112,7 +112,8 @@ def estimate(
         require_count("workers", workers)
     sweep, cores = sweep_of(sweep, own_laws), os.cpu_count() or 1
     workers, (every, variants) = workers or cores, sweep.lines
-    searched = boundary_only and sweep.variants.has_plane
+    if searched := boundary_only:
+        sweep.require_search()
     velocities = _searched(sweep) if searched else len(every)
     ramps = velocities * variants
     points = (min(2, velocities) if searched else velocities) * len(sweep.plane.loads) * variants

@@ -23,7 +23,13 @@ from scipy.special import ndtr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import dataset_of, end_of_point, require_one_scene, values_of
+from pipeline.analysis.dataset import (
+    dataset_of,
+    end_of_point,
+    is_emulated,
+    require_one_scene,
+    values_of,
+)
 from pipeline.analysis.scenes import taken
 from pipeline.analysis.soundness import require_sound
 from pipeline.store.place import PathLike
@@ -174,7 +180,7 @@ class Ensemble:
             range, or a value to fix an input at lies outside the samples.
         """
         ds = dataset_of(ds)
-        if "sample" not in ds.coords:
+        if not is_emulated(ds):
             raise InputError(
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "
                 "it into a new store"

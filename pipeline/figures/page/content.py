@@ -12,6 +12,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
@@ -122,7 +123,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["cooler_share"].values.tolist(),
-        "surfaces": ds["realization"].values.tolist() if "realization" in ds.dims else None,
+        "surfaces": ds.indexes.get("realization", pd.Index([])).tolist() or None,
         "done": int(done.sum()),
         "status": packed_array(status, "i1"),
         "asked": packed_array(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),

@@ -85,7 +85,7 @@ def controls(
 
 def surface_choice(surfaces: Sequence[int] | None) -> str:
     """Choice of a surface, or of all of them; nothing where there is but one."""
-    if surfaces is None or len(surfaces) < 2:
+    if not surfaces or len(surfaces) < 2:
         return ""
     options = [f'<option value="">all {len(surfaces)} surfaces</option>'] + [
         f'<option value="{number}">surface {name}</option>' for number, name in enumerate(surfaces)

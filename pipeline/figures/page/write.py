@@ -15,7 +15,7 @@ from typing import Any
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, has_plane, with_wear_rates
+from pipeline.analysis.dataset import dataset_of, is_emulated, with_wear_rates
 from pipeline.analysis.scenes import entries_in_words, with_all_wear_rates
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content
@@ -133,7 +133,7 @@ def explore(
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     ds = with_wear_rates(ds)
     parts, judged = [*with_all_wear_rates(ds)], {"criterion": criterion, "own_laws": own_laws}
-    if not has_plane(ds):
+    if is_emulated(ds):
         from pipeline.figures.page.samples import content_of_samples  # with its libraries
 
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]

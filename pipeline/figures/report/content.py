@@ -16,7 +16,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import JUDGED, frames_of
 from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import asked, entry_dims, has_plane, variant_of
+from pipeline.analysis.dataset import asked, entry_dims, is_emulated, variant_of
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_table import LONG, margin_table, notes_of
 from pipeline.analysis.operating_points import OperatingPoints
@@ -62,7 +62,7 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
         "Versions": lambda: _versions(attributes),
         "Citation": citation,
     }
-    if not has_plane(ds):
+    if is_emulated(ds):
         from pipeline.figures.report.samples import sections as of_samples  # with its libraries
 
         sections |= of_samples(ds, points, conditions)
