@@ -10,7 +10,7 @@ from functools import cache
 
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.rows import Row
-from pipeline.scene.units import UnitError, si_unit
+from pipeline.scene.units import UnitError, si_unit, to_si
 
 _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]"),
@@ -33,15 +33,15 @@ _EXACT = {
 }  # fmt: skip
 _WORDS = {
     "load": (
-        r"\b(load|force|normalkraft|kraft|last|belastung|charge|f ?n|f ?z|f)\b",
+        r"\b(load|force|normalkraft|kraft|last|belastung|charge|carico|carga|f ?n|f ?z|f)\b",
         r"\b(friction|reib\w*|tangential\w*|cell|step|stage|stufe|rate|limit|f ?[rtxy])\b",
     ),
     "velocity": (
-        r"(\b(velocity|speed|v|vitesse)\b|geschw)",
+        r"(\b(velocity|speed|v|vitesse)\b|geschw|velocit|velocidad)",
         r"(\b(entrain\w*|roll\w*|mean|sum\w*|hydro\w*)\b|mittlere|summen)",
     ),
     "friction": (
-        r"(\b(cof|mu|µ|μ|friction)\b|reib(ungs)?(wert|zahl|koeff)|frottement)",
+        r"(\b(cof|mu|µ|μ|friction)\b|reib(ungs)?(wert|zahl|koeff)|frottement|attrito|rozamiento)",
         r"(\b(force|torque|work|power|energy)\b|kraft|moment)",
     ),
     "bulk_temperature": (
@@ -50,7 +50,7 @@ _WORDS = {
     ),
     "hold": (r"(\b(hold|dwell)\b|halte(zeit|dauer))", r"$^"),
     "outcome": (
-        r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat)\b"
+        r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat|esito|resultado)\b"
         r"|ergebnis|befund|bewertung|urteil|verschlei(ß|ss)(art|form)?$|fresse(r|n)\b)",
         r"\b(volume|rate|scar|depth|width|coefficient)\b",
     ),
@@ -110,6 +110,8 @@ def _usual_unit(unit: str) -> str:
     unit = unit.strip()
     if unit.startswith("(") and unit.endswith(")"):
         unit = unit[1:-1]
+    if unit == "C":  # no log is of charges
+        return "°C"
     return "" if unit in ("-", "–", "–", "1") else _EXPONENT.sub(r"^\1", unit)
 
 
@@ -201,12 +203,23 @@ def missing_columns(heads: Sequence[str], missing: Sequence[str]) -> str:
     for heading in map(heading_of, heads):
         meant = [name for name in missing if _has_words(heading, name)]
         if heading.unit and any(not _is_of(heading.unit, _DIMENSION.get(n, "1")) for n in meant):
-            wrong.append(f"{_listed([heading.text])} is in {heading.unit}")
+            said = f"{_listed([heading.text])} is in {heading.unit}"
+            wrong.append(said + _cure(heading.unit, _DIMENSION.get(meant[0], "1")))
     near = "".join(did_you_mean(heading_of(head).name, missing) for head in heads)
     units = {"load": "load [N]", "velocity": "velocity [m/s]"}
     wanted = _listed(units.get(name, name) for name in missing)
     hint = f" ({'; '.join(wrong)})" if wrong else near
-    return f"no column {wanted} in {_listed(heads)}{hint}"
+    choose = f'; name it, as columns = {{ {missing[0]} = "..." }} or --column "{missing[0]}=..."'
+    return f"no column {wanted} in {_listed(heads)}{hint or choose}"
+
+
+def _cure(unit: str, needed: str) -> str:
+    """What to give for a column in a unit of another dimension, such as rpm for m/s."""
+    try:
+        to_si(f"1 {unit}", f"1 {needed.replace(' s-1', '/s')}")
+    except UnitError as error:
+        return "".join(str(error).partition("; ")[1:])
+    return ""
 
 
 def _has_words(heading: Heading, name: str) -> bool:

@@ -29,10 +29,8 @@ from pipeline.scene.rows import Row, may_be_thousands, read_rows
 from pipeline.scene.schema import Table
 from tribo import InputError
 
-_MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser"
-_SEVERE = (
-    "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer"
-)
+_MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser buono bon bueno"
+_SEVERE = "grippato grippaggio grippage grippé gripado severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer"
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
 _SHOWN = 6  # rows of a fault that are named
 

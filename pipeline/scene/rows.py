@@ -14,6 +14,7 @@ from tribo.errors import reason_of, require_file
 ROW_FILES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx")
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas"}
 _COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,])(.*)", re.DOTALL)
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d")
 _MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
 _MARKS = {",": "decimal commas", ".": "decimal points"}
 
@@ -92,7 +93,7 @@ def read_rows(
         cells = (cell for row in below for cell in row.cells)
         decimal = "," if separator in ";\t" and any(map(_COMMA.fullmatch, cells)) else "."
     rows = [
-        Row(row.number, [_with_point(cell) if decimal == "," else cell for cell in row.cells])
+        Row(row.number, [_plain(cell, decimal) for cell in row.cells])
         for row in below
         if len(row.cells) == len(heads)
     ]
@@ -182,18 +183,20 @@ def _without_empty_end(cells: Sequence[str], least: int = 0) -> list[str]:
     return list(cells[:end])
 
 
-def _with_point(cell: str) -> str:
-    """Cell with a decimal point in place of a comma; one that may be thousands stays a fault.
+def _plain(cell: str, decimal: str) -> str:
+    """Cell with a decimal point and no marks of thousands; one that may have them stays a fault.
 
     Examples
     --------
-    >>> _with_point("1,75"), _with_point("1.250,5 N"), _with_point("0.4"), _with_point("04.05.2026")
-    ('1.75', '1250.5 N', '0.4', '04.05.2026')
+    >>> [_plain(cell, ",") for cell in ("1,75", "1.250,5 N", "0.4", "04.05.2026")]
+    ['1.75', '1250.5 N', '0.4', '04.05.2026']
+    >>> _plain("1,250.5 N", "."), _plain("1,250", ".")
+    ('1250.5 N', '1,250')
     """
-    if match := _COMMA.fullmatch(cell):
+    if decimal == "," and (match := _COMMA.fullmatch(cell)):
         whole, decimals, unit = match.groups()
         return f"{whole.replace('.', '')}.{decimals}{unit}"
-    return cell
+    return cell.replace(",", "") if decimal == "." and _THOUSANDS.match(cell) else cell
 
 
 def may_be_thousands(cell: str) -> bool:

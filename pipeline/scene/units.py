@@ -19,7 +19,7 @@ _GRAVITY = 9.80665  # [m/s²], of weights
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
-_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?!,)")
+_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?![\d,.])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
 _RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
 
@@ -192,6 +192,8 @@ def _parts(text: str) -> tuple[str, str]:
             hint = f'; write decimals with a point: "{short.replace(",", ".", 1)}"'
             if _THOUSANDS.match(text):
                 hint += f', and thousands without a comma: "{short.replace(",", "", 1)}"'
+        elif _THOUSANDS.match(text):
+            hint = f'; write thousands without a comma: "{text[:_LONGEST].replace(",", "")}"'
         raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
     return match[1], match[2]
 
