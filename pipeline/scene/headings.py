@@ -28,6 +28,7 @@ _DIMENSION = {
     "time": "s",
 }  # fmt: skip
 """Units in SI of quantities; of others nothing is guessed."""
+_TURNS = ("rpm", "1/min", "min^-1", "U/min")
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
 }  # fmt: skip
@@ -202,6 +203,8 @@ def missing_columns(heads: Sequence[str], missing: Sequence[str]) -> str:
     wrong = []
     for heading in map(heading_of, heads):
         meant = [name for name in missing if _has_words(heading, name)]
+        if "velocity" in missing and heading.unit in _TURNS:
+            meant = ["velocity"]
         if heading.unit and any(not _is_of(heading.unit, _DIMENSION.get(n, "1")) for n in meant):
             said = f"{_listed([heading.text])} is in {heading.unit}"
             wrong.append(said + _cure(heading.unit, _DIMENSION.get(meant[0], "1")))
@@ -209,8 +212,7 @@ def missing_columns(heads: Sequence[str], missing: Sequence[str]) -> str:
     units = {"load": "load [N]", "velocity": "velocity [m/s]"}
     wanted = _listed(units.get(name, name) for name in missing)
     hint = f" ({'; '.join(wrong)})" if wrong else near
-    choose = f'; name it, as columns = {{ {missing[0]} = "..." }} or --column "{missing[0]}=..."'
-    return f"no column {wanted} in {_listed(heads)}{hint or choose}"
+    return f"no column {wanted} in {_listed(heads)}{hint}"
 
 
 def _cure(unit: str, needed: str) -> str:
