@@ -304,7 +304,6 @@ OF_DESIGN = (
 OF_TRADE = (
     *OF_SCENE,
     Option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice"),
-    _flag("--diagram", "compare whole small diagrams"),
     FIGURE_OR_TABLE,
 )
 

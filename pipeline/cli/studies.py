@@ -90,8 +90,6 @@ def _on_variations(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd
 
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
-    measured = pipeline.trade(
-        scene_of(options), base=options.base, diagram=options.diagram, progress=tell
-    )
+    measured = pipeline.trade(scene_of(options), base=options.base, progress=tell)
     draw = partial(pipeline.draw_trade, measured)
     return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -204,9 +203,10 @@ class Trade:
         }
 
     def __str__(self) -> str:
+        places = ", ".join(f"{point.load:g} N {point.velocity:.3g} m/s" for point in self.points)
         lines = [
             f"{self.title}: speed against accuracy at",
-            f"  {_places(self.points)}",
+            f"  {places}",
             "",
             *lines_of(self.table),
             "",
@@ -223,18 +223,6 @@ class Trade:
             *(f"no result: {reason}" for reason in self.not_converged),
         ]
         return "\n".join(lines)
-
-
-def _places(points: Sequence[Point]) -> str:
-    """Loads and velocities of single points, or the axes of a diagram."""
-    loads = sorted({point.load for point in points})
-    velocities = sorted({point.velocity for point in points})
-    if len(velocities) == len(points):
-        return ", ".join(f"{point.load:g} N {point.velocity:.3g} m/s" for point in points)
-    return (
-        f"{', '.join(f'{load:g}' for load in loads)} N, "
-        f"{', '.join(f'{velocity:.3g}' for velocity in velocities)} m/s"
-    )
 
 
 def shown(value: Any) -> str:

@@ -1,10 +1,9 @@
 """Speed against accuracy, measured on a scene.
 
 The presets, and every numerical choice of one of them varied alone, are compared with the
-reference: at a few points on the boundary, each one simulated from the start, or on a whole small
-diagram. What counts is the error of the boundary velocity. At a point on the boundary it is the
-error of the logarithm of the rise, divided by the exponent with which the rise grows with
-velocity; in a diagram, that of the crossing.
+reference at a few points on the boundary, each simulated from the start. What counts is the error
+of the boundary velocity: that of the logarithm of the rise, divided by the exponent with which the
+rise grows with velocity.
 """
 
 from __future__ import annotations
@@ -14,26 +13,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from pipeline.analysis.interpolation import crossing
 from pipeline.scene.quantities import in_si
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import Probe, Target, fitted, near_the_boundary, probe, some_places
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from pipeline.tradeoff.yardstick import velocity_errors
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
-from tribo.types import Array
 
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
-_DIAGRAM_VELOCITIES = 5
-# A choice is wasted that saves as much work, and moves the boundary so little.
-_SAVES, _MOVES = 1.1, 0.002
+_SAVES, _MOVES = 1.1, 0.002  # a choice is wasted that saves so much, and moves so little
 
 
 def trade(
@@ -41,7 +34,6 @@ def trade(
     presets: Sequence[str] = _USUAL,
     base: str | None = "fine",
     loads: Sequence[float | str] | None = None,
-    diagram: bool = False,
     progress: Callable[[str], None] | None = None,
     own_laws: bool = False,
 ) -> Trade:
@@ -59,8 +51,6 @@ def trade(
     loads : sequence of float or str, optional
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given.
-    diagram : bool
-        True to compare small diagrams instead of single points.
     progress : callable, optional
         Called before each choice with a line: which it is, of how many, and the time to go.
     own_laws : bool
@@ -82,14 +72,12 @@ def trade(
     for name in (*presets, *([base] if base else [])):
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
-    limit = rise_limit(sweep.conditions)
-    if not math.isfinite(limit):
+    if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("friction is 0, so there is no boundary; give one above 0")
     without_surfaces = sweep.changed(variants=Variants())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
     asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
-    near, exponents = near_the_boundary(sweep, [Target(load) for load in asked])
-    places = _around(near) if diagram else near
+    places, exponents = near_the_boundary(sweep, [Target(load) for load in asked])
     exact = fitted(sweep, PRESETS["reference"])
     candidates = _candidates(sweep, presets, base)
     stages = staged(
@@ -102,10 +90,7 @@ def trade(
     reference = probe(sweep, exact, places, with_memory=True)
 
     def choice(name: str, varied: str | None, measured: Probe) -> Choice:
-        if diagram:
-            errors = _crossing_errors(places, measured, reference, limit)
-        else:
-            errors = velocity_errors(measured.readings, reference.readings, exponents)
+        errors = velocity_errors(measured.readings, reference.readings, exponents)
         return _choice(name, varied, measured, reference, errors)
 
     choices, failed = [], []
@@ -119,7 +104,7 @@ def trade(
     choices.append(choice("reference", None, reference))
     return Trade(
         title=sweep.about.title,
-        points=tuple(places),
+        points=places,
         base=base or "",
         choices=tuple(choices),
         wasted=_wasted(choices, base, fitted(sweep, PRESETS[base])) if base else (),
@@ -131,13 +116,6 @@ def _work(fidelity: Fidelity) -> float:
     """Steps times elements for each pixel, about."""
     coarse = fidelity.increments / fidelity.history_coarsening**2
     return (coarse + 1) / fidelity.pixels_per_element**2
-
-
-def _around(points: Sequence[Point]) -> tuple[Point, ...]:
-    """A small diagram about points on the boundary: every load at velocities across them."""
-    velocities = [point.velocity for point in points]
-    axis = np.geomspace(0.8 * min(velocities), 1.25 * max(velocities), _DIAGRAM_VELOCITIES)
-    return tuple(Point(point.load, float(velocity)) for point in points for velocity in axis)
 
 
 def _candidates(
@@ -215,27 +193,6 @@ def _choice(
         speedup=reference.seconds / max(measured.seconds, 1e-9),
         saving=reference.work / max(measured.work, 1.0),
     )
-
-
-def _crossing_errors(
-    points: Sequence[Point], measured: Probe, reference: Probe, limit: float
-) -> tuple[float, ...]:
-    """Relative errors of the boundary velocity at the loads of a diagram that have one."""
-    velocities = np.reshape([point.velocity for point in points], (-1, _DIAGRAM_VELOCITIES))
-
-    def crossings(probed: Probe) -> Array:
-        rises = np.reshape([reading.rise for reading in probed.readings], velocities.shape)
-        rows = zip(velocities, rises, strict=True)
-        return np.array([crossing(*row, limit) for row in rows])
-
-    ours, theirs = crossings(measured), crossings(reference)
-    crosses = ~np.isnan(theirs)
-    if not crosses.any():
-        raise InputError(
-            "the reference has no transition between these velocities; give lower or higher ones"
-        )
-    errors = np.where(np.isnan(ours), math.inf, ours / theirs - 1)
-    return tuple(errors[crosses].tolist())
 
 
 def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Finding, ...]:

@@ -17,6 +17,7 @@ YARDSTICK = replace(
 )
 """A quarter of the steps of the reference, and looser tolerances."""
 
+# Judged by `make promises`, as those of `pipeline.tradeoff.choose` are.
 _TOLERANCES = 2e-3  # the largest error seen that neither steps nor the heat model account for
 _HEAT_STEPS, _SMALL = 50, 2e4  # steps, and elements up to which they are the scene's own
 _LEFT = 0.5  # of what half the steps move is left to whole ones; a third, at second order

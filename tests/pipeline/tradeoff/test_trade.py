@@ -156,16 +156,6 @@ def test_no_name_in_the_figure_covers_another_or_a_point(measured):
     assert all(axes.get_window_extent().contains(name.x0, name.y1) for name in names)
 
 
-def test_whole_diagrams_are_compared_by_their_crossings():
-    table = trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS, diagram=True)
-    assert len(table.points) == 2 * 5
-    assert "  200, 750 N, " in str(table)
-    draft = named(table, "draft")
-    assert 0 < draft.velocity_error < 0.3
-    at_points = named(trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS), "draft")
-    assert draft.velocity_errors == pytest.approx(at_points.velocity_errors, abs=0.02)
-
-
 def test_memory_is_counted_whatever_was_computed_before():
     points, coarse = (Point(500.0, 1.5),), replace(PRESETS["standard"], fewest_elements=0)
     first, again = (probe(PAPER, coarse, points, with_memory=True).peak_bytes for _ in range(2))
@@ -173,14 +163,6 @@ def test_memory_is_counted_whatever_was_computed_before():
     finer = replace(coarse, pixels_per_element=1)
     # Four times as many elements.
     assert 2.5 < probe(PAPER, finer, points, with_memory=True).peak_bytes / again < 5
-
-
-def test_a_diagram_without_a_transition_is_refused():
-    cold = replace(
-        SCENES["smooth"], conditions=replace(PAPER.conditions, critical_temperature=5000.0)
-    )
-    with pytest.raises(InputError, match="no transition between"):
-        trade(cold, ("draft",), base=None, loads=LOADS, diagram=True)
 
 
 def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():
