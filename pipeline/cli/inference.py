@@ -182,7 +182,7 @@ def infer(options: argparse.Namespace) -> Result:
         _require_as_stored(options, store)
         options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
         return posterior(options, [store])
-    if given := values_in(options, "next", "until", "target", "scatter", "discrepancy"):
+    if given := values_in(options, "next", "until", "target", "scatter", "discrepancy", "at"):
         flags = flags_of(["for" if name == "target" else name for name in given])
         raise InputError(
             f"{flags} needs samples of unknown inputs: give [unknown] and "

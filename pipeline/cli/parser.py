@@ -104,7 +104,8 @@ COMMANDS = (
         "ask", "infer", "inference:infer",
         "find the critical temperature from measured transitions, or a wear rate from a contact "
         "width; from a store of samples, all unknown inputs by the transitions and tests",
-        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"', o.OF_INFER,
+        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
+        (*o.OF_INFER, o.AT),
     ),
     Command(
         "ask", "risk", "unknowns:risk",

@@ -183,7 +183,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
         *notes(ensemble, weighed),
         *_on_indices(indices, frame),
         f"next: {most.path} moves the boundary most; tests to make: "
-        f"{next_tests([options.store], options.scatter, target)}",
+        f"{next_tests([options.store], options.scatter, at_in(options), target)}",
     ]
     draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
     document = about(ensemble) | indices.as_dict()

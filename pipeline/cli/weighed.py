@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from pipeline.cli.next_measurements import measurements_to_make
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import criterion_in, values_in
+from pipeline.cli.scenes import at_in, criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.difference import differences
@@ -47,7 +47,8 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     with working("reading samples"):
         datasets = [pipeline.open_sweep(store) for store in stores]
         pairs = zip(stores, datasets, strict=True)
-        ensembles = [_ensemble(*pair, **criterion_in(options)) for pair in pairs]
+        at, criterion = at_in(options), criterion_in(options)
+        ensembles = [_ensemble(*pair, at, **criterion) for pair in pairs]
     with working("weighing the inputs by the tests"):
         weighed = pipeline.posterior(
             ensembles, discrepancy=options.discrepancy, **values_in(options, "scatter")
@@ -58,7 +59,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     document["differences"] = [one.as_dict() for one in compared]
     text += map(_in_words, compared)
     if options.next is None:
-        command = next_tests(stores, options.scatter)
+        command = next_tests(stores, options.scatter, at)
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
@@ -70,10 +71,10 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     return Result(document, text, warned, [_in_si(weighed)], draw)
 
 
-def _ensemble(store: Path, ds: xr.Dataset, **criterion: Any) -> Ensemble:
+def _ensemble(store: Path, ds: xr.Dataset, at: Mapping[str, Any], **criterion: Any) -> Ensemble:
     """Samples of one store among several, which an error names."""
     try:
-        return pipeline.Ensemble.of(ds, **criterion)
+        return pipeline.Ensemble.of(ds, at, **criterion)
     except InputError as error:
         raise InputError(f"{store}: {error}") from error
 

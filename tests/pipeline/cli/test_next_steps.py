@@ -102,6 +102,8 @@ def test_missing_points_come_before_those_of_other_conditions(status, friction, 
 
 def test_tests_are_ranked_for_all_stores_as_they_were_weighed():
     stores = ["my rig.zarr", "other.zarr"]
-    options = parse(shlex.split(next_tests(stores, 0.08, "temperature.critical"))[1:])
+    at = {"pin.radius": "2 mm"}
+    options = parse(shlex.split(next_tests(stores, 0.08, at, "temperature.critical"))[1:])
     assert list(map(str, options.scene)) == stores
+    assert options.at == [*at.items()]
     assert (options.next, options.target, options.scatter) == (1, "temperature.critical", 0.08)

@@ -146,6 +146,10 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     assert lines == plane["velocity_of_probability"]
     for share in ("0.05", "0.5", "0.95"):
         assert lines[share][1] is None or 0.5 < lines[share][1] < 4.0
+    rate = next(one["path"] for one in there["unknown"] if one["path"].startswith("wear."))
+    assert rate not in [
+        one["path"] for one in said("infer", store, "--at", f"{rate}=1.3e-15 m^2/N")["inputs"]
+    ]
     assert "next: add --given-measured" in irg("boundary", store)
     assert "next:" not in irg("boundary", store, "--friction", "0.1")  # not to be given together
     after = said("boundary", store, "--given-measured")["velocity_of_probability"]
