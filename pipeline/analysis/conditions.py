@@ -1,4 +1,10 @@
-"""The conditions that a sweep is judged by: its own, and those that are given in their place."""
+"""The conditions that a sweep is judged by: its own, and those that are given in their place.
+
+The wear rate is one of them where the table of variants has several. A point at the velocity V and
+the sweep's own rate k has the contacts of V' = Vk/k' at the rate k', so that rows at several rates
+share contacts. Between them the logarithm of the rise is interpolated over that of the rate, as it
+is between velocities.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +14,20 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
+import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import dataset_of, is_emulated, own_wear_rate, with_wear_rates
 from pipeline.scene.faults import quoted
-from pipeline.scene.quantities import in_si, share_of
+from pipeline.scene.quantities import display, in_si, share_of
+from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions, changes_of
 from pipeline.sweep.criterion import require_bulks
 from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.variants import WEAR_RATE
 from tribo import InputError
+from tribo.types import Array
 
 Bulk = float | str | Mapping[str, float | str]
 """A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
@@ -102,3 +113,118 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
     if "corrections" in plain:
         plain["corrections"] = json.dumps(plain["corrections"])
     return plain
+
+
+_EXAMPLE = "2e-6 mm^3/(N m)"
+
+
+def at_wear_rate(ds: xr.Dataset | PathLike, wear_rate: float | str | None) -> xr.Dataset:
+    """Take a sweep at a specific wear rate, without a new simulation.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store, of a scene with
+        ``[sweep] wear_rates``.
+    wear_rate : float or str or None
+        Specific wear rate [m²/N] or text such as ``"2e-6 mm^3/(N m)"``, within those of the sweep;
+        its own if None.
+
+    Returns
+    -------
+    Dataset
+        The sweep with its contacts at the velocities at which this rate has them, and their rises;
+        these only from when the load of a point is reached on. Without fields, since those were
+        stored at the sweep's own rate alone. The attribute ``wear_rate`` is the rate [m²/N].
+
+    Raises
+    ------
+    InputError
+        If the sweep does not answer for that wear rate.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> pipeline.at_wear_rate(ds, "2e-6 mm^3/(N m)")
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: wear_rate is 2e-06 mm³/(N m); the sweep was computed for its own \
+rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into another store
+    """
+    rows, ds = with_wear_rates(ds), dataset_of(ds)
+    if wear_rate is None:
+        return ds
+    rate = in_si("wear_rate", wear_rate, _EXAMPLE)
+    if is_emulated(ds):
+        raise InputError(
+            f"wear_rate is {display(rate, 'mm³/(N m)', 4)}, but these samples have it as an input; "
+            f'give --at "wear.specific_wear_rate={rate * 1e9:g} mm^3/(N m)", in Python '
+            "pipeline.Ensemble.of"
+        )
+    attributes = attributes_of(ds)
+    stored_rate = own_wear_rate(ds)
+    if rate == stored_rate:
+        return ds.assign_attrs(wear_rate=rate)
+    _require_known(rate, stored_rate, rows)
+
+    def at_rate(name: str) -> xr.DataArray:
+        values = rows[name].transpose(*ds[name].dims, WEAR_RATE).values
+        return ds[name].copy(data=_power_law(rows[WEAR_RATE].values, values, rate))
+
+    quantile = at_rate("rise_quantile")
+    highest = quantile.isel(cooler_share=-1).assign_attrs(ds["max_rise"].attrs)
+    scale = stored_rate / rate
+    velocities = ds["velocity"] * scale
+    own_range = [velocity * scale for velocity in attributes.get("velocities", [])]
+    left_out = [name for name in ds.data_vars if "x" in ds[name].dims]
+    return (
+        ds.drop_vars(left_out)
+        .assign(
+            rise_quantile=quantile,
+            mean_rise=at_rate("mean_rise"),
+            max_rise=highest,
+            sliding_distance=(ds["sliding_distance"] * scale).assign_attrs(
+                ds["sliding_distance"].attrs
+            ),
+            pin_heat_share=at_rate("pin_heat_share"),
+        )
+        .assign_coords({"velocity": velocities.assign_attrs(ds["velocity"].attrs), WEAR_RATE: rate})
+        .assign_attrs(
+            wear_rate=rate,
+            velocities=json.dumps(own_range),
+            title=f"{attributes.get('title')}, wear rate {display(rate, 'mm³/(N m)', 4)}",
+        )
+    )
+
+
+def _require_known(rate: float, stored_rate: float, rows: xr.Dataset) -> None:
+    text = f"wear_rate is {display(rate, 'mm³/(N m)', 4)}; the sweep was computed for"
+    if not stored_rate:
+        raise InputError(f"{text} a pin that does not wear, and has no others")
+    if WEAR_RATE not in rows.dims:
+        raise InputError(
+            f"{text} its own rate alone, {display(stored_rate, 'mm³/(N m)', 4)}: give its scene "
+            "sweep.wear_rates, and run it into another store"
+        )
+    low, high = rows[WEAR_RATE].values[[0, -1]].tolist()
+    if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
+        ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
+        raise InputError(f"{text} {ends}: give one within")
+
+
+def _power_law(rates: Array, rises: Array, rate: float) -> Array:
+    """Rises at a rate, between those at others along the last axis; NaN where one is not known.
+
+    Examples
+    --------
+    >>> rates = np.array([1.0, 2.0, 4.0])
+    >>> _power_law(rates, np.array([10 * rates**-0.5, [0.0, 0.0, 0.0]]), 3.0).round(3)
+    array([5.774, 0.   ])
+    """
+    positive = np.all(rises > 0, axis=-1, keepdims=True)
+    logarithms = np.log(np.where(positive, rises, 1.0))
+    curve = scipy.interpolate.PchipInterpolator(np.log(rates), logarithms, axis=-1)
+    power_law = np.exp(curve(np.log(rate)))
+    is_finite = np.isfinite(rises).all(axis=-1)
+    return np.where(is_finite, np.where(positive[..., 0], power_law, 0.0), np.nan)

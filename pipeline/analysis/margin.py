@@ -1,7 +1,7 @@
 """Distance of an operating point from severe wear: in temperature, in velocity and in load.
 
 The decisive rise is interpolated along the velocity at each load, then along the load
-(`pipeline.analysis.interpolation`). Its error has three parts (`pipeline.analysis.margin_error`):
+(`pipeline.analysis.transition`). Its error has three parts (`pipeline.analysis.margin_error`):
 interpolation, preset and warned points. The interpolation error is estimated by leaving out the
 points next to the place, and asking how far interpolation misses them. That spans twice the
 distance, so it is mostly too large: it held at 54 of 60 random places of
@@ -24,10 +24,9 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import asked, plane_of
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import UNITS, Crossing, outcomes, range_of
+from pipeline.analysis.transition import UNITS, Crossing, certain, interpolated, outcomes, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions

@@ -19,8 +19,7 @@ import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.slow_rise import SLOWEST
-from pipeline.analysis.warned_points import warnings_of
+from pipeline.analysis.warned_points import SLOWEST, warnings_of
 from pipeline.sweep.selection import velocity_error
 from tribo import WarningKind
 from tribo.types import Array, Indices

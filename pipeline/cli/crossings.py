@@ -21,11 +21,11 @@ from pipeline.analysis.boundary_tables import (
     frames_of,
     frictions_of,
 )
-from pipeline.analysis.cold_tracks import turns_left_out
 from pipeline.analysis.compared import compared, on_tests
 from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes
+from pipeline.analysis.warned_points import turns_left_out
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result
 from pipeline.cli.scenes import by_samples, conditions_in, opened

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.analysis.operating_points import OperatingPoints, Place
+from pipeline.analysis.margin_table import OperatingPoints, Place
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working

@@ -42,7 +42,7 @@ def plot(options: argparse.Namespace) -> Result:
 
 def _watched(options: argparse.Namespace, look: dict[str, Any]) -> Result:
     """Draw the figure as points come."""
-    from pipeline.figures.live import watch  # with xarray
+    from pipeline.figures.plot import watch  # with xarray
 
     state = watch(
         options.store,

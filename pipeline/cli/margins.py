@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.analysis.band import BAND
+from pipeline.analysis.boundary import BAND
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, margins_at
-from pipeline.analysis.margin_table import LONG, notes_of
-from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.margin_table import LONG, OperatingPoints, notes_of
 from pipeline.analysis.scenes import words
 from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, in_words, outcomes

@@ -44,7 +44,7 @@ COMMANDS = (
         'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SCAN,
     ),
     Command(
-        "run", "tests", "laboratory:tests",
+        "run", "tests", "begin:tests",
         "print what is understood of a laboratory's log, and the lines of a scene for it",
         "log.csv --word Fresser=severe", o.OF_TESTS,
     ),

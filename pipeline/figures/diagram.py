@@ -17,8 +17,7 @@ from matplotlib.patches import Patch
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.band import BAND
-from pipeline.analysis.boundary import boundary_under
+from pipeline.analysis.boundary import BAND, boundary_under
 from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.compared import own_conditions
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.transition import crossing
 from pipeline.figures.style import BLACK, GREY
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit

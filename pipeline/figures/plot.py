@@ -7,6 +7,8 @@ a matplotlib figure, without touching pyplot's state.
 from __future__ import annotations
 
 import inspect
+import os
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,10 +21,13 @@ from pipeline.analysis.dataset import dataset_of
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.fit import fitted
+from pipeline.figures.points import PendingError
 from pipeline.figures.ramp import ramp
 from pipeline.figures.style import figure_path, save_figure
 from pipeline.figures.temperatures import temperature
 from pipeline.scene.quantities import in_si
+from pipeline.store.place import PathLike
+from pipeline.store.progress import Summary, summary
 from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
@@ -123,3 +128,48 @@ def options_of(kind: str) -> list[str]:
     """Names of the options that a kind of figure has."""
     _, *names, _ = inspect.signature(KINDS[kind]).parameters  # between the dataset and **changed
     return list(dict.fromkeys((*CONDITIONS, *names)))
+
+
+_INTERVAL = 1.0  # [s] between two drawings at least
+_SHARE = 2  # times the duration of a drawing between two, so that a run keeps its cores
+
+
+def watch(
+    store: PathLike,
+    out: Path,
+    kind: str,
+    read: Callable[[], xr.Dataset],
+    progress: Callable[[Summary], None],
+    **options: Any,
+) -> Summary:
+    """Draw a figure into a file as the points of a store come, until its run in a process ends.
+
+    The file is replaced whole each time. `read` gives the dataset to draw, `progress` is called
+    after each drawing, and `options` are those of `pipeline.plot`. Returns the state at the end.
+    """
+    path, drawn = figure_path(out), None
+    while True:
+        state = summary(store)
+        began = time.monotonic()
+        if state.done + len(state.failed) != drawn:
+            try:
+                _replace(path, lambda beside: plot(read(), kind, beside, **options))
+            except PendingError:
+                if state.running is None:
+                    raise
+            else:
+                drawn = state.done + len(state.failed)
+                progress(state)
+        if state.running is None and summary(store).done == state.done:
+            return state
+        time.sleep(max(_INTERVAL, _SHARE * (time.monotonic() - began)))
+
+
+def _replace(path: Path, draw: Callable[[Path], Any]) -> None:
+    """Draw beside a file, and put it in the file's place."""
+    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        draw(beside)
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import on_surface
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.transition import crossing, interpolated
 from pipeline.figures.points import PendingError, index_of_load
 from pipeline.figures.style import (
     BLUE,

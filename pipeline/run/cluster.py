@@ -1,14 +1,23 @@
-"""The Dask scheduler of a sweep and its workers, as the driver deals with them."""
+"""The Dask scheduler of a sweep and its workers, as the driver deals with them.
+
+The workers are processes of this machine, or those of a scheduler that is given. A worker on
+another machine, or one that was started before the code changed, may run other code than its
+driver. Its numbers must not enter the same store, so versions are compared.
+"""
 
 from __future__ import annotations
 
 import gc
+import hashlib
 import json
 import logging
+import multiprocessing
+import os
+import platform
 import time
 import warnings
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
@@ -17,12 +26,132 @@ from pathlib import Path
 from typing import Any
 
 import dask
-from distributed import Client, Future
+import numpy as np
+import scipy
+from distributed import Client, Future, LocalCluster, Security, Status
 from distributed.utils import silence_logging_cmgr
 
-from pipeline.run.local import processes
-from pipeline.run.source import CONFIGURATION, PATIENCE, SAFE, ExecutionError, Source, Tell, unheard
-from pipeline.run.versions import Versions, other_packages, versions
+import tribo
+from pipeline.run import forkserver
+from pipeline.run.forkserver import UNGUARDED, interrupts_put_off
+from pipeline.run.source import (
+    CONFIGURATION,
+    PATIENCE,
+    SAFE,
+    THREADS,
+    ExecutionError,
+    Source,
+    Tell,
+    unheard,
+)
+
+Versions = Mapping[str, str]
+
+_FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
+_PACKAGES = ("python", "numpy", "scipy")
+
+
+def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
+    """Hash of the source files of packages, by their names and contents."""
+    digest = hashlib.sha256()
+    for folder in folders:
+        for file in sorted(folder.rglob("*.py")):
+            name = os.fspath(file.relative_to(folder.parent))
+            digest.update(f"{name} {file.stat().st_size}\n".encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+# Taken as this module is imported, so that a process that runs on after its files have changed
+# names the code that it runs, and not the files.
+_HERE: Versions = {
+    "code": hash_of_code(),
+    "numpy": np.__version__,
+    "scipy": scipy.__version__,
+    "python": platform.python_version(),
+    "folder": os.fspath(_FOLDERS[1].parent),
+}
+
+
+def versions() -> Versions:
+    """Versions of this process, and the folder that its code was loaded from."""
+    return _HERE
+
+
+def packages_of(theirs: Versions) -> dict[str, str]:
+    """Versions of Python, NumPy and SciPy alone."""
+    return {name: theirs[name] for name in _PACKAGES}
+
+
+def other_packages(theirs: Versions) -> str:
+    """Differences in Python, NumPy and SciPy between a worker and this process, in words."""
+    return ", ".join(
+        f"{name} {version} (here {_HERE[name]})"
+        for name, version in packages_of(theirs).items()
+        if version != _HERE[name]
+    )
+
+
+_UNSTARTED = "the worker processes do not start"
+_STARTS = 3  # to start workers, one of which may be killed meanwhile
+_START = 120.0  # [s] that the workers may take to start
+_END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
+
+
+class Processes(Source):
+    """Processes of this machine, each with a nanny that starts it again."""
+
+    def keep(self) -> None:
+        """Start a worker in place of each whose nanny could not start it again."""
+        lost = [
+            name
+            for name, nanny in list(self.cluster.workers.items())
+            if nanny.status in (Status.closed, Status.failed)
+        ]
+        for name in lost:
+            del self.cluster.workers[name]
+        if lost:
+            self.cluster.scale(len(self.cluster.worker_spec))
+
+
+@contextmanager
+def processes(workers: int, dashboard: bool = False) -> Iterator[Processes]:
+    """Start worker processes, which talk on loopback and to this user alone, and end them."""
+    forkserver.start()
+    with interrupts_put_off():
+        cluster = _started(workers, dashboard)
+    try:
+        yield Processes(cluster)
+    finally:
+        with interrupts_put_off():
+            try:
+                cluster.close(timeout=_END)
+            except (OSError, AssertionError):  # not in time, or a worker was just starting
+                for process in multiprocessing.active_children():
+                    process.kill()  # or Python would wait for them in the end
+
+
+def _started(workers: int, dashboard: bool, attempts: int = _STARTS) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=THREADS,
+            security=Security.temporary(),
+            death_timeout=_START,
+            dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
+            scheduler_kwargs={"dashboard": dashboard},
+            silence_logs=logging.CRITICAL,
+        )
+    except (TimeoutError, AssertionError):  # the latter if a process has not even begun
+        raise ExecutionError(f"{_UNSTARTED}: none has after {_START:g} s") from None
+    except (OSError, RuntimeError) as error:
+        if attempts > 1:  # one that is killed as it starts fails all of them
+            return _started(workers, dashboard, attempts - 1)
+        raise ExecutionError(
+            f"{_UNSTARTED}: {error}; memory, threads or processes may be limited (ulimit -a): "
+            f"take fewer workers; {UNGUARDED}"
+        ) from None
+
 
 LOST = f"the Dask scheduler is lost; {SAFE}"
 _INSTALL = f"install the same version in both places and restart the workers; {SAFE}"

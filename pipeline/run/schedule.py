@@ -28,11 +28,17 @@ import numpy as np
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import LOST, Connection, require_same_code, sent_once, threads_of
-from pipeline.run.reports import Reports
+from pipeline.run.cluster import (
+    LOST,
+    Connection,
+    other_packages,
+    packages_of,
+    require_same_code,
+    sent_once,
+    threads_of,
+)
 from pipeline.run.source import SAFE, ExecutionError
-from pipeline.run.suspects import STARTS, Suspects
-from pipeline.run.versions import other_packages, packages_of
+from pipeline.run.tally import STARTS, Reports, Suspects
 from pipeline.run.work import Report, compute_points
 from pipeline.run.writer import Writer
 from pipeline.store.schema import FAILED

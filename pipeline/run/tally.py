@@ -1,13 +1,18 @@
-"""Progress of a run, and the time to go; in a notebook, a line below the cell."""
+"""What becomes of the points of a run: what workers tell, deadly points, and the progress.
+
+In a notebook the progress is a line below the cell.
+"""
 
 from __future__ import annotations
 
 import re
 import sys
+import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +20,10 @@ import numpy as np
 
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError
+from pipeline.run.work import Report, report
 from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.store.write import Store
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from tribo.types import Array
@@ -212,3 +219,100 @@ def reported(
         line.update({"text/plain": str(progress)}, raw=True)
 
     yield show
+
+
+TRIALS = 5
+"""Times that a point may be lost alone before it is called failed."""
+STARTS = 3
+"""Workers that may leave in the midst of a point before it is called failed."""
+
+
+class Suspects:
+    """Points that were on a worker as it died, and how often each was lost while tried alone.
+
+    Examples
+    --------
+    >>> suspects, point = Suspects(), Point(600.0, 1.5)
+    >>> suspects.accuse(point, alone=False), [*suspects.besides(())]
+    (False, [Point(load=600.0, velocity=1.5, variant=())])
+    >>> [suspects.accuse(point, alone=True) for _ in range(TRIALS)]
+    [False, False, False, False, True]
+    """
+
+    def __init__(self) -> None:
+        self._losses: dict[Point, int] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._losses)
+
+    def besides(self, tried: Collection[Point]) -> Iterator[Point]:
+        """Suspects that are not being tried, those first that were lost least often."""
+        in_order = sorted(self._losses, key=lambda point: self._losses[point])
+        return (point for point in in_order if point not in tried)
+
+    def accuse(self, point: Point, alone: bool) -> bool:
+        """Count a loss if the point was alone; return whether it has been lost often enough."""
+        self._losses[point] = self._losses.get(point, 0) + alone
+        return self._losses[point] >= TRIALS
+
+    def acquit(self, point: Point) -> None:
+        """Forget a point that is done, or has failed for good."""
+        self._losses.pop(point, None)
+
+
+_THREADS = 8  # requests at a time, of some milliseconds each
+_ANSWER = 10.0  # [s] that a worker may take; one that is frozen must not hold up the others
+
+
+class Reports:
+    """Requests to workers, one at a time to each, and their answers, which are `news`."""
+
+    def __init__(self, connection: Connection, news: threading.Event) -> None:
+        self._client, self._news = connection.client, news
+        self._threads = ThreadPoolExecutor(_THREADS, "reports")
+        self._asked: dict[str, Future[Any]] = {}
+        self._now: dict[str, str | None] = {}
+
+    def __enter__(self) -> Reports:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    def wake(self, _: object) -> None:
+        """Tell the driver that there is something to look at."""
+        self._news.set()
+
+    def ask(self, workers: Collection[str], keys: list[str]) -> None:
+        """Ask workers that have answered before for the records of these tasks."""
+        for worker in workers:
+            if worker not in self._asked:
+                self._asked[worker] = self._threads.submit(self._answer, worker, keys)
+                self._asked[worker].add_done_callback(self.wake)
+
+    def answers(self) -> Iterator[tuple[str, Report]]:
+        """Answers that have come since the last call, by worker."""
+        for worker in [worker for worker, asked in self._asked.items() if asked.done()]:
+            answer = self._asked.pop(worker).result()
+            self._now[worker] = answer.now if answer else None
+            if answer:
+                yield worker, answer
+
+    def computes(self, workers: Collection[str]) -> bool:
+        """True if one of these workers computed when it answered last."""
+        return any(self._now.get(worker) for worker in workers)
+
+    def _answer(self, worker: str, keys: list[str]) -> Report | None:
+        """Answer of a worker; None if it has died, or does not answer in time."""
+        with suppress(OSError, TimeoutError, ValueError):
+            answers = self._client.sync(
+                self._client.run,
+                report,
+                keys,
+                workers=[worker],
+                on_error="return",
+                callback_timeout=_ANSWER,
+            )
+            if isinstance(answer := answers.get(worker), Report):
+                return answer
+        return None

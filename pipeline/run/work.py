@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 
 from distributed import Worker
 
+from pipeline.run.cluster import Versions, versions
 from pipeline.run.source import SAFE, ExecutionError
-from pipeline.run.versions import Versions, versions
 from pipeline.store.identity import Simulated
 from pipeline.store.packing import packed
 from pipeline.sweep.model import Point, Sweep

@@ -11,9 +11,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margin_table import frame_of_points
-from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.slow_rise import SLOWEST
+from pipeline.analysis.margin_table import OperatingPoints, frame_of_points
+from pipeline.analysis.warned_points import SLOWEST
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings

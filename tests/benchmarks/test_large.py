@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from pipeline.analysis.dataset import open_sweep
-from pipeline.analysis.temperatures import decisive_temperature
+from pipeline.analysis.decisive import decisive_temperature
 from pipeline.store.create import writing
 from pipeline.store.progress import summary
 from pipeline.store.verify import examined

@@ -15,8 +15,8 @@ from pathlib import Path
 from unittest import mock
 
 from pipeline.cli import main as irg
-from pipeline.run import suspects, writer
 from pipeline.run import sweep as running
+from pipeline.run import tally, writer
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally
@@ -119,7 +119,7 @@ def _unlocked():
 
 
 def _all_blamed():
-    return mock.patch.object(suspects, "TRIALS", 0)
+    return mock.patch.object(tally, "TRIALS", 0)
 
 
 MISTAKES = {

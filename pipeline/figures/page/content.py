@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.compared import laboratory_tests
-from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.conditions import at_wear_rate, conditions_of
 from pipeline.analysis.dataset import (
     asked,
     corrected_sweep,
@@ -33,7 +33,6 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import outcomes, range_of
-from pipeline.analysis.wear_rate import at_wear_rate
 from pipeline.figures.overlays import in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields

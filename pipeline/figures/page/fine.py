@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.analysis.interpolation import interpolated
+from pipeline.analysis.transition import interpolated
 from tribo.types import Array, Mask
 
 _PLACES = 60, 30  # velocities and loads at least, where there is room for them

@@ -18,8 +18,7 @@ from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, entry_dims, is_emulated, variant_of
 from pipeline.analysis.entries import entries_of
-from pipeline.analysis.margin_table import LONG, margin_table, notes_of
-from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.margin_table import LONG, OperatingPoints, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import frame_of, html_of, short
 from pipeline.analysis.transition import CROSSES, outcomes

@@ -9,8 +9,7 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.margin_table import notes_of
-from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.margin_table import OperatingPoints, notes_of
 from pipeline.analysis.tables import short
 from pipeline.uncertain.answers import frame_of_lines
 from pipeline.uncertain.ensemble import Ensemble

@@ -11,7 +11,7 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import dataset_of
-from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.margin_table import OperatingPoints
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.figures.report.content import content
 from pipeline.store.place import PathLike

@@ -1,10 +1,10 @@
-"""The band of a boundary over several surfaces (pipeline/analysis/band.py)."""
+"""The band of a boundary over several surfaces (pipeline/analysis/boundary.py)."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline.analysis.band import with_band
+from pipeline.analysis.boundary import with_band
 from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, MILD, SEVERE, UNKNOWN
 
 

@@ -7,10 +7,9 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import frames_of
-from pipeline.analysis.decisive import decisive_rise, refined
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.decisive import decisive_rise, decisive_temperature, refined
 from pipeline.analysis.scenes import stacked
-from pipeline.analysis.temperatures import decisive_temperature
+from pipeline.analysis.transition import crossing
 from pipeline.cli.crossings import document_of, text_of
 from pipeline.cli.output import lines_in
 from pipeline.store.schema import DONE, FAILED, PENDING

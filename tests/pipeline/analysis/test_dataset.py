@@ -12,8 +12,7 @@ import tribo
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import end_of_point, open_sweep
-from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.temperatures import decisive_temperature, temperatures
+from pipeline.analysis.decisive import decisive_rise, decisive_temperature, temperatures
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing
 from pipeline.store.schema import STEPPED

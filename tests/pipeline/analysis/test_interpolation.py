@@ -1,4 +1,4 @@
-"""Interpolation close to power laws, and crossings (pipeline/analysis/interpolation.py)."""
+"""Interpolation close to power laws, and crossings (pipeline/analysis/transition.py)."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.interpolation import crossing, exponent, interpolated
+from pipeline.analysis.transition import crossing, exponent, interpolated
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))

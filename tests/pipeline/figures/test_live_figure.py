@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.figures import live
+from pipeline.figures import plot as live
 from pipeline.store.progress import Summary
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic

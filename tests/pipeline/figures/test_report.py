@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.margin_table import OperatingPoints
 from pipeline.figures.report.samples import sections
 from tests.helpers import samples, synthetic
 from tribo import InputError

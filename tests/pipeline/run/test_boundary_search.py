@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.transition import crossing
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.model import Point
 from tribo import InputError

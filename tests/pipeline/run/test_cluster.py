@@ -24,7 +24,8 @@ from distributed import Client, LocalCluster, SchedulerPlugin, Security
 from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
-from pipeline.run import forkserver, local
+from pipeline.run import cluster as of_run
+from pipeline.run import forkserver
 from pipeline.run.cluster import Connection, client_of, connected, sent_once, threads_of
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
@@ -278,7 +279,7 @@ def test_a_worker_that_its_nanny_gives_up_is_replaced():
 
 def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     forkserver.start()
-    monkeypatch.setattr(local, "_START", 0.5)
+    monkeypatch.setattr(of_run, "_START", 0.5)
     (server,) = (
         child for child in psutil.Process().children() if "forkserver" in str(child.cmdline())
     )
@@ -301,7 +302,7 @@ def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
             raise error
         return LocalCluster(**options)
 
-    monkeypatch.setattr(local, "LocalCluster", start)
+    monkeypatch.setattr(of_run, "LocalCluster", start)
     with connected(None, 1) as link:
         assert len(link.client.nthreads()) == 1
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.transition import crossing
 from pipeline.run.follow import follow_boundary
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root

@@ -1,4 +1,4 @@
-"""Tasks of points, and the fate of lost ones (pipeline/run/schedule.py, suspects.py and work.py).
+"""Tasks of points, and the fate of lost ones (pipeline/run/schedule.py, tally.py and work.py).
 
 Workers that really die are in test_sweep.py.
 """
@@ -17,7 +17,7 @@ from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection
 from pipeline.run.schedule import compute
 from pipeline.run.source import ExecutionError, Source, unheard
-from pipeline.run.suspects import STARTS, TRIALS
+from pipeline.run.tally import STARTS, TRIALS
 from pipeline.run.writer import Writer
 from pipeline.store.create import writing
 from pipeline.store.identity import Simulated, describe

@@ -19,7 +19,7 @@ import pytest
 import xarray as xr
 
 import tribo
-from pipeline.run import local
+from pipeline.run import cluster as of_run
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
 from pipeline.store import attributes, files
@@ -98,7 +98,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
 
 
 def test_other_versions_are_told_and_noted(copy, monkeypatch):
-    monkeypatch.setattr(local, "LocalCluster", None)
+    monkeypatch.setattr(of_run, "LocalCluster", None)
     other = attributes.versions() | {"numpy": "99.0"}
     for module in (attributes, execute):
         monkeypatch.setattr(module, "versions", lambda: other)
@@ -216,7 +216,7 @@ def nobody():
 
 
 def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alone, monkeypatch):
-    monkeypatch.setattr(local, "LocalCluster", None)
+    monkeypatch.setattr(of_run, "LocalCluster", None)
     with as_root():
         shutil.copytree(alone, nobody / "tiny.zarr")
         nobody.chmod(0o555)
@@ -229,7 +229,7 @@ def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alo
 
 
 def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(copy, monkeypatch):
-    monkeypatch.setattr(local, "LocalCluster", None)
+    monkeypatch.setattr(of_run, "LocalCluster", None)
     with pytest.raises(StoreMismatchError, match=r"fidelity\.increments"):
         run_sweep(tiny.sweep(increments=5), copy)
     in_use = f"in use by process {os.getpid()}"

@@ -1,14 +1,13 @@
-"""Versions of workers (pipeline/run/versions.py and cluster.py)."""
+"""Versions of workers (pipeline/run/cluster.py and cluster.py)."""
 
 import shutil
 from types import SimpleNamespace
 
 import pytest
 
-from pipeline.run.cluster import Connection, client_of, threads_of
+from pipeline.run.cluster import Connection, client_of, hash_of_code, threads_of, versions
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
-from pipeline.run.versions import hash_of_code, versions
 from pipeline.store.progress import summary
 from tests.helpers import tiny
 from tests.pipeline.run.test_cluster import ROOT, Cluster

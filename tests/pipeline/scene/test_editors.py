@@ -1,4 +1,4 @@
-"""The JSON schema of scene files, as an editor uses it (pipeline/scene/editors.py)."""
+"""The JSON schema of scene files, as an editor uses it (pipeline/scene/reference.py)."""
 
 import json
 import tomllib
@@ -6,7 +6,7 @@ import tomllib
 import jsonschema
 import pytest
 
-from pipeline.scene.editors import schema
+from pipeline.scene.reference import schema
 from pipeline.scene.shipped import shipped_scenes
 from pipeline.scene.template import new_scene
 

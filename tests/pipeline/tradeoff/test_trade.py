@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from matplotlib.text import Text
 
-from pipeline.figures.tradeoff import draw_trade
+from pipeline.figures.studies import draw_trade
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.probe import probe

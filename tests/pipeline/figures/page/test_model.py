@@ -10,8 +10,7 @@ import pytest
 import pipeline
 from pipeline.analysis.dataset import variant_of
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.interpolation import crossing, interpolated
-from pipeline.analysis.transition import outcomes
+from pipeline.analysis.transition import crossing, interpolated, outcomes
 from pipeline.figures.page.content import content
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic

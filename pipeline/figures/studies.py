@@ -1,0 +1,351 @@
+"""Figures of studies: inputs that move the boundary, limits of a design, speed against accuracy."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator, NullFormatter
+from matplotlib.transforms import Bbox
+
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    Picture,
+    as_text,
+    as_title,
+    canvas,
+    entry_label,
+    in_house_style,
+    legend_below,
+)
+from pipeline.run.vary import Variation, Variations
+from pipeline.sweep.unknown import Unknown
+from pipeline.tradeoff.table import Choice, Trade
+from pipeline.uncertain.design import Limit
+from pipeline.uncertain.ensemble import Ensemble
+from tribo import PRESETS
+
+_LONGEST = 20  # letters of a value beside a bar
+_LEAST = 0.01  # change on either side for which there is room where nothing moves
+
+_TICKS = 6
+_POWER = re.compile(r"(?<=\d)[eE]([+-]?\d+)")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
+
+
+@in_house_style
+def draw_variations(varied: Variations) -> Figure:
+    """Draw how far each input moves the critical velocity: the most important one on top.
+
+    Parameters
+    ----------
+    varied : Variations
+        Result of `pipeline.vary`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> base = Variation("", "", (2.17,), ("crosses",))
+    >>> other = Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
+    >>> variations = Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
+    >>> figure = pipeline.draw_variations(variations)
+    """
+    keys = varied.by_key()
+    figure, axes = canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
+    ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
+    height = 0.8 / len(ends)
+    for row, variations in enumerate(keys.values()):
+        for place, (load, colour) in enumerate(ends.items()):
+            height_of_bar = row + (place - (len(ends) - 1) / 2) * height
+            _bar(axes, varied, variations, load, height_of_bar, 0.86 * height, colour)
+    axes.axvline(0.0, color=BLACK, lw=1.0)
+    axes.set_yticks(range(len(keys)), [_named(key, values) for key, values in keys.items()])
+    axes.set_ylim(len(keys) - 0.5, -0.5)
+    moved = np.array([varied.changes(one)[list(ends)] for one in varied.others])
+    moved = moved[np.isfinite(moved)]
+    low, high = moved.min(initial=0.0), moved.max(initial=0.0)
+    if low == high:
+        low, high = -_LEAST, _LEAST
+    room = 0.45 * (high - low)  # for the values beside the bars
+    axes.set_xlim(low - room, high + room)
+    axes.grid(visible=False, axis="y")
+    axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
+    axes.set_xlabel("change of the critical velocity")
+    for load, colour in ends.items():
+        critical_velocity = varied.base.critical_velocities[load]
+        outcome = varied.base.outcomes[load]
+        begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
+        axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
+    legend_below(figure, ncols=len(ends))
+    axes.set_title(as_title(varied.title, 60), x=0.3)
+    return figure
+
+
+def _named(key: str, variations: list[Variation]) -> str:
+    """Name of a row in words, with values that are too long to stand at a bar's end."""
+    values = [
+        as_text(variation.value) for variation in variations if len(variation.value) > _LONGEST
+    ]
+    return "\n".join([entry_label(key), *(textwrap.fill(value, 42) for value in values)])
+
+
+def _shown(value: str) -> str:
+    """Write a value as in print.
+
+    Examples
+    --------
+    >>> _shown("1.44e-06 mm^3/(N m)"), _shown("3 um"), _shown("145 degC")
+    ('1.44·10⁻⁶ mm³/(N m)', '3 µm', '145 °C')
+    """
+    for sign, printed in _SIGNS.items():
+        value = value.replace(sign, printed)
+    power = _POWER.search(value)
+    if power:
+        exponent = str(int(power[1])).translate(_RAISED)
+        value = value.replace(power[0], f"·10{exponent}")
+    return as_text(value)
+
+
+def _bar(
+    axes: Axes,
+    varied: Variations,
+    variations: list[Variation],
+    load: int,
+    position: float,
+    height: float,
+    colour: str,
+) -> None:
+    """One bar from the least to the greatest change at a load, its ends named by the values."""
+    changes = np.array([varied.changes(variation)[load] for variation in variations])
+    is_finite = np.isfinite(changes)
+    if not is_finite.any():
+        axes.text(
+            0.0, position, " no transition", va="center", fontsize=7, color=GREY, style="italic"
+        )
+        return
+
+    def beside(end: float, text: str, is_right: bool, **look: Any) -> None:
+        offset, side = (4, "left") if is_right else (-4, "right")
+        axes.annotate(
+            text, (end, position), (offset, 0), textcoords="offset points", ha=side, va="center",
+            color=GREY, **look,
+        )  # fmt: skip
+
+    low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
+    axes.barh(position, high - low, left=low, height=height, color=colour, alpha=0.85)
+    for variation, change in zip(variations, changes, strict=True):
+        if change in (low, high):
+            words = f"{100 * change:+.1f} %"
+            if len(variation.value) <= _LONGEST:
+                words = _shown(variation.value)
+            beside(change, words, change >= 0, fontsize=8)
+    if not is_finite.all():
+        text = "no transition at " + ", ".join(
+            _shown(variation.value)
+            for variation, is_known in zip(variations, is_finite, strict=True)
+            if not is_known
+        )
+        is_right = high == 0.0  # where no bar is
+        beside(high if is_right else low, text, is_right, fontsize=7, style="italic")
+
+
+_LEAST_RISK = 1e-5  # probability that is drawn
+
+
+@in_house_style
+def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: Ensemble) -> Figure:
+    """Draw the probability over an entry with its limit, or limits over another entry.
+
+    Parameters
+    ----------
+    limits : sequence of (mapping, Limit)
+        Values of another entry by its path, if there is one, and the limit there.
+    ensemble : Ensemble
+        Samples of the sweep.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> from dataclasses import replace
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
+    >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
+    >>> goal = pipeline.Goal((pipeline.Place(400.0, 2.2),), risk=0.05)
+    >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
+    >>> figure = pipeline.draw_design([({}, limit)], ensemble)
+    """
+    figure = Picture(figsize=(7.2, 4.8))
+    axes = figure.add_subplot()
+    limit = limits[0][1]
+    goal, shown = limit.goal, limit.entry.shown
+    if not limits[0][0]:
+        values = shown.of(np.array(limit.values))
+        axes.semilogy(values, np.maximum(limit.probabilities, _LEAST_RISK), "o-", ms=4, color=BLUE)
+        axes.axhline(goal.risk, color=GREY, lw=1.0)
+        if limit.value is not None and limit.interval is not None:
+            axes.axvline(shown.of(limit.value), color=VERMILION)
+            axes.axvspan(*(shown.of(end) for end in limit.interval), color=VERMILION, alpha=0.15)
+        axes.set_xlabel(_label(limit.entry))
+        less = f"less than {goal.margin:g} K below the critical" if goal.margin else "severe wear"
+        axes.set_ylabel(f"probability of {less}")
+    else:
+        (path,) = limits[0][0]
+        (other,) = (one for one in ensemble.unknown if one.path == path)
+        found = [(at[path], one.value) for at, one in limits if one.value is not None]
+        x, y = np.array(found).reshape(-1, 2).T
+        axes.plot(other.shown.of(x), shown.of(y), "o-", color=VERMILION)
+        axes.set(xlim=[other.shown.of(end) for end in other.parameters], xlabel=_label(other))
+        axes.set(ylim=[shown.of(end) for end in limit.entry.parameters])
+        side = next((one.side for _, one in limits if one.value is not None), "no value")
+        axes.set_ylabel(f"{_label(limit.entry)}, {side}")
+    place = limit.binding
+    axes.set_title(
+        f"{as_title(ensemble.title, 70)}\n{place.load:g} N at {place.velocity:g} m/s, "
+        f"{100 * goal.risk:g} % at most"
+    )
+    return figure
+
+
+def _label(entry: Unknown) -> str:
+    unit = "" if entry.shown.name == "1" else f" [{as_text(entry.shown.name)}]"
+    return f"{entry_label(entry.path)}{unit}"
+
+
+_LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
+_OUTLYING = 0.1  # relative error from which what is varied is not drawn
+_NAMED: dict[str, Any] = {"fontsize": 10, "fontweight": "bold", "color": BLACK}
+_VARIED: dict[str, Any] = {"fontsize": 7.5, "color": GREY}
+_SIDES = ((1, 1), (1, -1), (1, 0), (-1, 0), (-1, 1), (-1, -1))  # of a point, right and up
+_LEAD = {"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 1, "shrinkB": 4}
+
+
+@in_house_style
+def draw_trade(trade: Trade) -> Figure:
+    """Draw the error of the boundary velocity over the work of each choice.
+
+    Parameters
+    ----------
+    trade : Trade
+        Result of `pipeline.trade`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> figure = pipeline.draw_trade(pipeline.trade(scene))  # doctest: +SKIP
+    >>> figure.savefig("trade.png")  # doctest: +SKIP
+    """
+    figure = Picture(figsize=(8.0, 5.6))
+    axes = figure.add_subplot()
+    choices = [
+        choice
+        for choice in trade.choices[:-1]
+        if choice.velocity_error < (_OUTLYING if choice.varied else math.inf)
+    ]
+    axes.set(xscale="log", yscale="log")
+    front = [choice for choice in trade.front if choice in choices]
+    axes.plot(
+        [_place(choice)[0] for choice in front],
+        [_place(choice)[1] for choice in front],
+        drawstyle="steps-post", color=BLUE, lw=1.2, zorder=2, gid="front",
+        label="no other choice is both faster and nearer",
+    )  # fmt: skip
+    for label, of_kind, look in _kinds(trade, choices):
+        if of_kind:
+            x, y = zip(*map(_place, of_kind), strict=True)
+            axes.plot(x, y, ls="none", label=label, gid=label, **look)
+    work = [choice.saving for choice in choices]
+    axes.set_xlim(max(work) * 2.0, min(work) / 2.0)
+    errors = [_place(choice)[1] for choice in choices]
+    axes.set_ylim(min(errors) / 1.8, max(errors) * 2.2)
+
+    axes.set_xlabel("times less work than the reference  (faster to the left)")
+    axes.set_ylabel("largest error of the boundary velocity")
+    axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_title(as_title(f"Speed against accuracy: {trade.title}"), pad=10)
+    figure.legend(loc="outside lower center", ncols=4)
+    figure.draw_without_rendering()  # names go by the final scales
+    _name(figure, axes, trade, choices, front)
+    return figure
+
+
+def _place(choice: Choice) -> tuple[float, float]:
+    return choice.saving, max(choice.velocity_error, _LEAST_ERROR)
+
+
+def _kinds(
+    trade: Trade, choices: list[Choice]
+) -> tuple[tuple[str, list[Choice], dict[str, Any]], ...]:
+    """Name of each kind of choice, those of it, and how they look."""
+    varied = [choice for choice in choices if choice.varied]
+    presets = [choice for choice in choices if choice.name in PRESETS]
+    others = [choice for choice in choices if choice not in varied and choice not in presets]
+    return (
+        (
+            f"one choice of {trade.base} varied",
+            varied,
+            {"marker": "o", "mfc": "white", "mec": GREY, "ms": 4.5, "zorder": 4},
+        ),
+        ("presets", presets, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}),
+        ("the scene's own", others, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
+    )
+
+
+def _name(
+    figure: Figure, axes: Axes, trade: Trade, choices: Sequence[Choice], front: Sequence[Choice]
+) -> None:
+    """Write names beside the points, where they cover neither another name nor a point.
+
+    The presets choose first, and in a crowd have a name farther off, then the choices on the
+    front, to whose lower left nothing can lie, then the others from the top down. Of these, one
+    that finds no room has no name.
+    """
+    per_point = figure.dpi / 72
+    points = axes.transData.transform([_place(choice) for choice in choices])
+    taken = [
+        Bbox.from_extents(*(point - 5 * per_point), *(point + 5 * per_point)) for point in points
+    ]
+    window = axes.get_window_extent()
+    for choice in sorted(
+        choices, key=lambda one: (one.varied is not None, one not in front, -one.velocity_error)
+    ):
+        sides = _SIDES[::-1] if choice in front else _SIDES
+        distances = (1,) if choice.varied else (1, 3, 5, 7, 9)
+        name = choice.name.removeprefix(f"{trade.base}, " if choice.varied else "")
+        for far, (right, up) in itertools.product(distances, sides):
+            note = axes.annotate(
+                name.replace("history_coarsening", "history grid").replace("_", " "),
+                _place(choice),
+                xytext=(7 * right * far, 6 * up * far),
+                textcoords="offset points",
+                ha="left" if right > 0 else "right",
+                va="center_baseline",
+                arrowprops=_LEAD if far > 1 else None,
+                path_effects=[withStroke(linewidth=2.5, foreground="white")],
+                zorder=5,
+                **(_VARIED if choice.varied else _NAMED),
+            )
+            note.get_window_extent()  # puts it in its place
+            box = Text.get_window_extent(note)  # without the line that leads to it
+            inside = window.contains(box.x0, box.y0) and window.contains(box.x1, box.y1)
+            if inside and not box.count_overlaps(taken):
+                taken.append(box)
+                break
+            note.remove()
