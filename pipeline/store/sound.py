@@ -1,11 +1,12 @@
 """Soundness of single points of a store that is read: their data against their checksums.
 
-Chunks are read and decoded here, side by side, and not by Zarr: beside the 12 points about the
-boundary of first_try that takes 8 ms of CPU time in place of 15.
+Chunks are read and decoded here, and not by Zarr, and fields are compared as they are encoded:
+beside the 12 points about the boundary of first_try that takes 3 ms of CPU time in place of 15.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -14,16 +15,18 @@ from typing import Any
 import numpy as np
 
 from pipeline.store.files import THREADS
+from pipeline.store.layout import field_key
 from pipeline.store.packing import unpacked
-from pipeline.store.place import StoreError
+from pipeline.store.place import Folder, StoreError
 from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, STEPPED
-from pipeline.store.verify import fault_of_data
+from pipeline.store.verify import fault_of_data, read_or_none
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 
 _Index = tuple[int, ...]
 _KEPT = "status/kept-"  # of files beside the lock, which are no data
+_BESIDE = ("checksum", "steps", "warning_flags")
 _CLOSE = 1e-9  # relative distance of a coordinate that was scaled, and scaled back
 
 
@@ -88,40 +91,36 @@ class Reader:
 
     def _faults(self, chunk: _Index, members: list[_Index]) -> Iterator[tuple[Point, str]]:
         """Points of a chunk, each with its fault or nothing."""
-        arrays = self._store.arrays
-        beside = ("checksum", "steps", "warning_flags")
-        shared = [(name, chunk) for name in arrays if name in STEPPED or name in beside]
-        fields = [name for name in arrays if name in AT_END]
-        wanted = shared + [(name, index) for index in members for name in fields]
-        parts = dict(zip(wanted, self._read(wanted), strict=True))
-        points = self._store.points_at([*np.transpose(members)])
-        for index, point in zip(members, points, strict=True):
-            within = tuple(i % n for i, n in zip(index, self._store.block, strict=True))
-            entries = {
-                name: None if (part := parts[name, numbers]) is None else part[within]
-                for name, numbers in shared
-            }
-            alone = (0,) * len(index)
-            entries |= {
-                name: None if (part := parts[name, index]) is None else part[alone]
-                for name in fields
-            }
-            yield point, fault_of_data(self._store.simulated.at(point), point, entries)
+        store, within = self._store, [self._within(index) for index in members]
+        shared = [name for name in store.arrays if name in STEPPED or name in _BESIDE]
+        fields = [name for name in store.arrays if name in AT_END]
+        keys = {name: [*store.chunk_keys(name, chunk)] for name in shared}
+        alone = [field_key(name, index) for index in members for name in fields]
+        wanted = [*itertools.chain(*keys.values()), *alone]
+        found = dict(zip(wanted, self._read(wanted), strict=True))
+        parts = {name: self._unpacked(name, [found[key] for key in keys[name]]) for name in shared}
+        points = store.points_at([*np.transpose(members)])
+        for index, place, point in zip(members, within, points, strict=True):
+            entries = {name: None if part is None else part[place] for name, part in parts.items()}
+            entries |= {name: found[field_key(name, index)] for name in fields}
+            yield point, fault_of_data(store.simulated.at(point), point, entries)
 
-    def _read(self, wanted: list[tuple[str, _Index]]) -> Iterator[Any]:
-        """Parts of variables by their numbers along the points; None where lost or damaged."""
-        place, arrays = self._store.place, self._store.arrays
-        chunks = {name: arrays[name].chunks for name in {name for name, _ in wanted}}
+    def _within(self, index: _Index) -> _Index:
+        return tuple(i % n for i, n in zip(index, self._store.block, strict=True))
 
-        def read(name: str, numbers: _Index) -> Any:
-            try:
-                parts = [
-                    unpacked(place.read(key) or b"", name, chunks[name])
-                    for key in self._store.chunk_keys(name, numbers)
-                ]
-                return np.concatenate(parts, len(numbers)) if len(parts) > 1 else parts[0]
-            except (OSError, RuntimeError, ValueError):
-                return None
-
+    def _read(self, keys: list[str]) -> list[bytes | None]:
+        """Contents of keys; None where lost. Those of an object store come side by side."""
+        place = self._store.place
+        if isinstance(place, Folder):
+            return [read_or_none(place, key) for key in keys]
         with ThreadPoolExecutor(THREADS) as threads:
-            yield from threads.map(read, *zip(*wanted, strict=True))
+            return list(threads.map(lambda key: read_or_none(place, key), keys))
+
+    def _unpacked(self, name: str, contents: list[bytes | None]) -> Any:
+        """The part of a variable that lies in some chunks; None where lost or damaged."""
+        shape = self._store.arrays[name].chunks
+        try:
+            parts = [unpacked(content or b"", name, shape) for content in contents]
+        except (RuntimeError, ValueError):
+            return None
+        return np.concatenate(parts, len(self._store.block)) if len(parts) > 1 else parts[0]

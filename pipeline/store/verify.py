@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from pipeline.store.identity import checksum
-from pipeline.store.layout import Slices, blocks, chunk_key, slices_of
+from pipeline.store.layout import Slices, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import held
-from pipeline.store.place import ROOT, PathLike, StoreError, place_of, reaches, writes
+from pipeline.store.place import ROOT, PathLike, Place, StoreError, place_of, reaches, writes
 from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
@@ -227,7 +227,15 @@ def _entries(
         name: None if entries is None else entries[within] for name, entries in values.items()
     }
     fields = store.arrays.keys() & AT_END.keys()
-    return of_block | {name: _read(store, name, index, keys) for name in fields}
+    return of_block | {name: read_or_none(store.place, field_key(name, index)) for name in fields}
+
+
+def read_or_none(place: Place, key: str) -> bytes | None:
+    """Content of a key; None where it is lost, or cannot be read."""
+    try:
+        return place.read(key)
+    except OSError:
+        return None
 
 
 def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool) -> str:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pipeline.store.files import THREADS
 from pipeline.store.identity import Simulated
-from pipeline.store.layout import arrays_of, blocks, chunk_key, slices_of
+from pipeline.store.layout import arrays_of, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.packing import packed
 from pipeline.store.place import (
@@ -201,7 +201,7 @@ class Store:
             chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
                 if isinstance(value, bytes):
-                    encoded[chunk_key(name, (*index, 0, 0))] = value
+                    encoded[field_key(name, index)] = value
                 else:
                     chunks.setdefault((name, chunk), {})[index] = value
         with self._writes():
