@@ -234,7 +234,7 @@ def place_of(path: PathLike) -> Place:
                 f"{SCHEME}bucket/sweep.zarr"
             )
         return Bucket(f"{SCHEME}{bucket}/{key}")
-    if "://" in address:
+    if "://" in address or "\0" in address:
         raise StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
     try:
         folder = Path(os.path.realpath(Path(address).absolute()))
