@@ -167,6 +167,7 @@ def run_sweep(
                     with Writer(store) as writer:
                         compute(link, asked, writer, waiting, tally.note)
         summary = summarized(store)
+        store.keep_root()
         note_files(store)
     return Outcome(
         total=summary.total,
@@ -207,6 +208,7 @@ def _rounds(
             yield asked, store, in_order
         asked = further(store) if further else None
         if asked is not None:
+            store.keep_root()
             store = grown(store.place, asked, store.lock)
 
 

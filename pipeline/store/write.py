@@ -178,8 +178,14 @@ class Store:
             return
         since = datetime.now(UTC).isoformat(timespec="seconds")
         noted.append({"since": since, "versions": dict(versions)})
+        self.keep_root()
+
+    def keep_root(self) -> None:
+        """Write the root again if it is not what this process has, as after damage."""
+        document = root_document(self.attributes, self.root.arrays)
         with self._writes():
-            self.place.put({ROOT: root_document(self.attributes, self.root.arrays)})
+            if self.place.read(ROOT) != document:
+                self.place.put({ROOT: document})
 
     def forget(self, points: Iterable[Point]) -> None:
         """Make points pending again."""
