@@ -168,7 +168,7 @@ class Connection:
 
     `patience` is the time to wait for answers, and for a worker if there is none [s]. `asked` are
     the workers that were asked for their versions, `noted` the versions that the user was told of,
-    and `absent` the time in which there was no worker [s].
+    `absent` is the time in which there was no worker [s], and `workers` how many there are.
     """
 
     client: Client
@@ -178,6 +178,7 @@ class Connection:
     asked: set[str] = field(default_factory=set)
     noted: set[str] = field(default_factory=set)
     absent: float = 0.0
+    workers: int = 1
 
     def clock(self) -> float:
         """Time that does not go on while there is no worker [s]."""
@@ -301,6 +302,7 @@ def threads_of(connection: Connection) -> Counter[str]:
         waited = time.monotonic() - began
         if threads:
             connection.absent += waited
+            connection.workers = len(threads)
             _ask(connection, sorted(set(threads) - connection.asked))
             return threads
         if waited >= patience:

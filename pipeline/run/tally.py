@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -28,7 +28,8 @@ from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from tribo.types import Array
 
-_ENOUGH = 3.0  # [s] since the first points, which tell how fast the others go
+# Time since the first points [s], and points since then on each worker, that tell the pace.
+_ENOUGH, _SEVERAL = 3.0, 2
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
@@ -80,8 +81,8 @@ class Tally:
         self._progress, self._began = progress, began
         self._connection: Connection | None = None
         self._worked = 0.0
-        self._first: float | None = None
-        self._marks: deque[tuple[float, float]] = deque()
+        self._first: tuple[float, float, int] | None = None
+        self._marks: deque[tuple[float, float, int]] = deque()
         self._failures: Counter[str] = Counter()
         self.computed = 0
         self._take(store)
@@ -92,7 +93,7 @@ class Tally:
         self._take(store)
         self._connection = connection
         if not self.computed:
-            self._marks = deque([(connection.clock(), 0.0)])
+            self._marks = deque([(connection.clock(), 0.0, 0)])
 
     def note(self, records: Iterable[PointRecord]) -> None:
         """Take note of points that have been written.
@@ -112,8 +113,8 @@ class Tally:
             self._worked += record.wall_time
             self._durations[self._store.index(record.point)] = record.wall_time
         if self._connection and self._worked > self._marks[-1][1]:
-            self._marks.append((self._connection.clock(), self._worked))
-            self._first = self._first or self._marks[-1][0]
+            self._marks.append((self._connection.clock(), self._worked, self.computed))
+            self._first = self._first or self._marks[-1]
         if any_new:
             self._report()
 
@@ -137,10 +138,10 @@ class Tally:
         asked, flags, now = self._store.asked == 1, self._store.flags, time.monotonic()
         done, failed = (int(np.count_nonzero(flags[asked] == flag)) for flag in (DONE, FAILED))
         time_to_go = None
-        if self.computed and self._worked:
+        if self._connection and self.computed and self._worked:
             pending = asked & (flags != DONE) & (flags != FAILED)
             work = float(self._expected()[pending].sum())
-            time_to_go = work * self._seconds_of_work()
+            time_to_go = work * self._seconds_of_work(self._connection)
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
 
@@ -151,40 +152,52 @@ class Tally:
         if axes[0] == axes[1]:  # rows with places of their own
             durations, axes = durations[np.newaxis], [0, 1 + axes[1]]
         rows = np.moveaxis(durations, axes, (-2, -1))
-        expected = expected_durations(rows, self._store.axes["velocity"])
+        of_own = np.ones(1) if rows.shape[-2] == 1 else np.array(self._store.axes["load"])
+        expected = expected_durations(rows, self._store.axes["velocity"], of_own)
         return np.moveaxis(expected, (-2, -1), axes).reshape(self._durations.shape)
 
-    def _seconds_of_work(self) -> float:
+    def _seconds_of_work(self, link: Connection) -> float:
         """Time that a second of a worker's work takes, all workers together [s].
 
-        By the later half of the time since the first points, as workers may come one by one; with
-        the start of the workers only as long as there is little else to tell it from.
+        By the later half of the time since the first points, as workers may come one by one. As
+        long as few points tell it, each worker is taken to work all the time: their start says
+        nothing of their pace, nor do a few points of minutes each.
         """
-        now, worked = self._marks[-1]
-        enough = max(_ENOUGH, (now - (self._first or now)) / 2)
-        while len(self._marks) > 2 and now - self._marks[1][0] >= enough:
+        (now, worked, count), least = self._marks[-1], 1.0 / link.workers
+        first = self._first or self._marks[-1]
+        if now - first[0] < _ENOUGH or count - first[2] < _SEVERAL * link.workers:
+            return least
+        enough = max(_ENOUGH, (now - first[0]) / 2)
+        while len(self._marks) > 2 and (
+            self._marks[0][1] == 0 or now - self._marks[1][0] >= enough
+        ):
             self._marks.popleft()
-        began, before = self._marks[0]
-        return (now - began) / (worked - before)
+        began, before, _ = self._marks[0]
+        return max(least, (now - began) / (worked - before))
 
 
-def expected_durations(durations: Array, velocities: Iterable[float]) -> Array:
+def expected_durations(
+    durations: Array, velocities: Iterable[float], loads: Sequence[float] | Array
+) -> Array:
     """Durations of all points [s], shape (…, n_load, n_velocity), by those that are not NaN.
 
-    They are interpolated over velocity at each load; at a load without any it is the mean of all.
+    They are interpolated over velocity at each load. At a load without any they are the mean of
+    all, each times the root of the ratio of the loads: a larger contact takes longer.
 
     Examples
     --------
-    >>> expected_durations(np.array([[1.0, np.nan, 3.0], [np.nan] * 3]), [1.0, 2.0, 3.0])
+    >>> known = np.array([[1.0, np.nan, 3.0], [np.nan] * 3])
+    >>> expected_durations(known, [1.0, 2.0, 3.0], [100.0, 400.0])
     array([[1., 2., 3.],
-           [2., 2., 2.]])
+           [4., 4., 4.]])
     """
-    axis = np.array(list(velocities), float)
+    axis, weights = np.array(list(velocities), float), np.sqrt(loads)
     rows = durations.reshape(-1, *durations.shape[-2:])
     counts = np.count_nonzero(np.isfinite(rows), axis=0)
     means = np.nansum(rows, axis=0) / np.maximum(counts, 1)
     order = np.argsort(axis)
-    expected = np.full(means.shape, np.nansum(rows) / max(counts.sum(), 1))
+    of_weight = np.nansum(rows / weights[:, None]) / max(counts.sum(), 1)
+    expected = np.full(means.shape, of_weight) * weights[:, None]
     for load in range(len(means)):
         present = order[counts[load][order] > 0]
         if present.size:

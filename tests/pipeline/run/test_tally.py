@@ -21,14 +21,14 @@ START, COUNT = 10.0, 100
 def tallied(tmp_path, monkeypatch):
     """A function that tells a tally of points that end at these times; the time to go."""
 
-    def run(ends, absent=0.0):
+    def run(ends, absent=0.0, workers=1):
         now, reports, link = 0.0, [], Connection(None, Source())
         monkeypatch.setattr(time, "monotonic", lambda: now)
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
             tally = Tally(store, reports.append, now)
             tally.begin(store, link)
-            link.absent = absent
+            link.absent, link.workers = absent, workers
             for now, velocity in zip(ends, sweep.plane.velocities, strict=False):  # noqa: B007
                 point = Point(150.0, velocity)
                 store.flags[store.index(point)] = DONE
@@ -40,8 +40,19 @@ def tallied(tmp_path, monkeypatch):
 
 def test_the_start_of_the_workers_is_not_taken_for_the_pace_of_their_points(tallied):
     """Two workers begin after 10 s, and finish a point of 1 s each in every second."""
-    to_go = tallied([START + 1 + number // 2 for number in range(20)])
+    to_go = tallied([START + 1 + number // 2 for number in range(20)], workers=2)
     assert to_go == pytest.approx((COUNT - 20) / 2, rel=0.15)
+
+
+def test_the_first_point_tells_nothing_of_the_start_of_the_workers(tallied):
+    assert tallied([60.0], workers=2) == pytest.approx((COUNT - 1) / 2)
+
+
+def test_points_that_cost_the_schedule_more_than_themselves_tell_the_pace(tallied):
+    """A worker finishes a point of 1 s in every 2 s."""
+    assert tallied([START + 2.0 * number for number in range(20)]) == pytest.approx(
+        2 * (COUNT - 20)
+    )
 
 
 def test_the_wait_in_the_queue_is_not_taken_for_the_pace_of_points(tallied):
@@ -52,7 +63,7 @@ def test_the_wait_in_the_queue_is_not_taken_for_the_pace_of_points(tallied):
 def test_workers_that_come_later_count_with_the_time_to_go(tallied):
     """One worker for 20 s, ten from then on."""
     ends = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number in range(40)]
-    assert tallied(ends) < 15.0  # 40 points are left, and take ten workers 4 s
+    assert tallied(ends, workers=10) < 15.0  # 40 points are left, and take ten workers 4 s
 
 
 def test_points_that_all_fail_alike_end_a_run(tmp_path):
