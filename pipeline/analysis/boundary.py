@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
 from pipeline.analysis.dataset import (
     asked,
+    attributes_of,
     dataset_of,
     entry_dims,
     plane_of,

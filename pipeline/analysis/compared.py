@@ -10,9 +10,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import plane_of
+from pipeline.analysis.dataset import attributes_of, plane_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin, Row, rows_of
 from pipeline.analysis.margin_table import notes_of
 from pipeline.analysis.scenes import frame_by_scene, planes

@@ -17,8 +17,13 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, is_emulated, own_wear_rate, with_wear_rates
+from pipeline.analysis.dataset import (
+    attributes_of,
+    dataset_of,
+    is_emulated,
+    own_wear_rate,
+    with_wear_rates,
+)
 from pipeline.scene.faults import quoted
 from pipeline.scene.quantities import display, in_si, share_of
 from pipeline.store.place import PathLike

@@ -10,9 +10,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary, middle_of
-from pipeline.analysis.dataset import asked, dataset_of, end_of_point, require_one_scene, variant_of
+from pipeline.analysis.dataset import (
+    asked,
+    attributes_of,
+    dataset_of,
+    end_of_point,
+    require_one_scene,
+    variant_of,
+)
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import outcomes

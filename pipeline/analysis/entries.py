@@ -85,7 +85,7 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
     Parameters
     ----------
     attributes : mapping
-        Attributes of a sweep as plain data, of `pipeline.analysis.attributes.attributes_of`.
+        Attributes of a sweep as plain data, of `pipeline.analysis.dataset.attributes_of`.
 
     Examples
     --------

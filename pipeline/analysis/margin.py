@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import asked, plane_of
+from pipeline.analysis.dataset import asked, attributes_of, plane_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.scenes import scenes

@@ -18,7 +18,7 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import attributes_of
 from pipeline.analysis.warned_points import SLOWEST, warnings_of
 from pipeline.sweep.selection import velocity_error
 from tribo import WarningKind

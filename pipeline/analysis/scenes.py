@@ -12,8 +12,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, with_wear_rates
+from pipeline.analysis.dataset import (
+    attributes_of,
+    dataset_of,
+    entry_dims,
+    has_plane,
+    with_wear_rates,
+)
 from pipeline.analysis.tables import frame_of
 from pipeline.scene.quantities import display
 from pipeline.scene.units import to_si

@@ -22,7 +22,7 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import attributes_of
 from tribo import Criterion
 from tribo.types import Array, Mask
 

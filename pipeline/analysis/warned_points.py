@@ -18,10 +18,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary_under
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import dataset_of, entry_dims, has_one_scene
+from pipeline.analysis.dataset import attributes_of, dataset_of, entry_dims, has_one_scene
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.scenes import planes, stacked, value_text
 from pipeline.store.place import PathLike

@@ -13,7 +13,6 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary_tables import (
     BOUNDARIES,
     JUDGED,
@@ -22,6 +21,7 @@ from pipeline.analysis.boundary_tables import (
     frictions_of,
 )
 from pipeline.analysis.compared import compared, on_tests
+from pipeline.analysis.dataset import attributes_of
 from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNKNOWN, outcomes

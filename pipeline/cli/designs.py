@@ -14,8 +14,7 @@ from pipeline.analysis.margin_table import OperatingPoints, Place
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import beside, criterion_in, flags_of, opened, values_in
-from pipeline.cli.stored_scene import scene_with_of
+from pipeline.cli.scenes import beside, criterion_in, flags_of, opened, scene_with_of, values_in
 from pipeline.cli.unknowns import about, notes, samples_of
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Goal, Limit, confirmed, designed
 from tribo import InputError, TriboError

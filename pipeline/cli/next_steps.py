@@ -9,8 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import asked
+from pipeline.analysis.dataset import asked, attributes_of
 from pipeline.analysis.transition import ENTRIES
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.model import Point

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import is_emulated
+from pipeline.analysis.dataset import attributes_of, is_emulated
 from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
+from pipeline.cli.values import setting
 from pipeline.scene.over import notes_of
+from pipeline.store.identity import describe, scene_hash
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
@@ -21,6 +23,8 @@ from tribo import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from pipeline.uncertain.certificate import SceneWith
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
@@ -171,3 +175,21 @@ def weighing(options: argparse.Namespace) -> list[str]:
 def flags_of(names: Sequence[str]) -> str:
     """Options as they are typed, one after the other."""
     return ", ".join(f"--{name.replace('_', '-')}" for name in names)
+
+
+def scene_with_of(ds: xr.Dataset) -> SceneWith:
+    """Reader of the scene of a store with other entries, if its file is still the same."""
+    attributes = attributes_of(ds)
+    path, *words = attributes.get("arguments") or [""]
+    given = [setting(word.removeprefix("--set=")) for word in words if word.startswith("--set=")]
+    presets = [word.removeprefix("--preset=") for word in words if word.startswith("--preset=")]
+    settings, preset = dict(given), presets[0] if presets else None
+    if any("hash" in part for part in attributes["scene"].values() if isinstance(part, dict)):
+        raise InputError("it has laws of its own, and no code runs because a store names it")
+    read = partial(pipeline.load_scene, path, preset)  # also without the user's own laws
+    if not path or scene_hash(describe(read(settings))) != attributes["scene_hash"]:
+        raise InputError(f"{path or 'the scene'} is not the scene of the store any more")
+    left_out = settings.pop("without", [])
+    left_out = [left_out] if isinstance(left_out, str) else left_out
+    alone = {"without": [*left_out, "unknown", "sweep.samples"]}
+    return lambda entries: read(settings | alone | dict(entries))

@@ -24,10 +24,10 @@ from pipeline.cli.scenes import (
     criterion_in,
     flags_of,
     opened,
+    scene_with_of,
     values_in,
     weighing,
 )
-from pipeline.cli.stored_scene import scene_with_of
 from pipeline.uncertain.answers import frame_of_lines
 from pipeline.uncertain.certificate import certificate_of, certify
 from pipeline.uncertain.inputs import QUANTILES

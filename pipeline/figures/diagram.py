@@ -16,13 +16,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from scipy.ndimage import maximum_filter, minimum_filter
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import BAND, boundary_under
 from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     asked,
     at_labels,
+    attributes_of,
     drawn_row,
     entry_dims,
     has_one_scene,
@@ -38,9 +38,9 @@ from pipeline.figures.overlays import (
     in_reach,
     isoline,
     measured_transitions,
+    name_regions,
     tested_points,
 )
-from pipeline.figures.regions import name_regions
 from pipeline.figures.style import (
     BLACK,
     BLUE,

@@ -11,7 +11,7 @@ from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import nearest
 from pipeline.scene.parts import track_of
 from pipeline.scene.quantities import display
-from pipeline.scene.roughness import Roughness
+from pipeline.scene.surfaces import Roughness
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of
 

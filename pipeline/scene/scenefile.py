@@ -31,8 +31,8 @@ from pipeline.scene.parts import (
 )
 from pipeline.scene.quantities import in_si
 from pipeline.scene.reference import sections
-from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.shipped import scene_path
+from pipeline.scene.surfaces import realizations_of, roughness_of
 from pipeline.scene.unknown import fixed_paths, samples_of
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement

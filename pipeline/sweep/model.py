@@ -6,10 +6,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.about import About
+from pipeline.sweep.about import About, as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.contacts import Lead, leads_of
-from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.variants import WEAR_RATE, Part, Variant, Variants
 from tribo import InputError, MeasuredLoad, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import inseparable

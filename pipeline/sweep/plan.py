@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.sweep.about import as_html, as_lines, on_point
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import Verdict, verdict
-from pipeline.sweep.description import as_html, as_lines, on_point
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Variant

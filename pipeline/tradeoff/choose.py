@@ -19,8 +19,18 @@ from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial
-from pipeline.tradeoff.probe import Target, fitted, near_the_boundary, probe, some_places
-from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, Yardstick, measured, own_error
+from pipeline.tradeoff.probe import (
+    YARDSTICK,
+    OwnError,
+    Target,
+    Yardstick,
+    fitted,
+    measured,
+    near_the_boundary,
+    own_error,
+    probe,
+    some_places,
+)
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 from tribo.simulation.point_warnings import FEW_NODES
 

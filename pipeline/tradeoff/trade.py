@@ -19,9 +19,16 @@ from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variants
-from pipeline.tradeoff.probe import Probe, Target, fitted, near_the_boundary, probe, some_places
+from pipeline.tradeoff.probe import (
+    Probe,
+    Target,
+    fitted,
+    near_the_boundary,
+    probe,
+    some_places,
+    velocity_errors,
+)
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
-from pipeline.tradeoff.yardstick import velocity_errors
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 _USUAL = ("draft", "standard", "fine")

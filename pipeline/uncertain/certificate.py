@@ -9,19 +9,47 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
+from pipeline.sweep.criterion import worst_rises
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import run_point
+from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.direct import SceneWith, as_in_a_scene, log_rise
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import prior
 from tribo import InputError
 from tribo.types import Array
+
+SceneWith = Callable[[Mapping[str, Any]], Sweep]
+"""Gives the scene of the samples with entries by their paths, as a scene file has them."""
+
+
+def log_rise(sweep: Sweep, load: float, velocity: float) -> float:
+    """Logarithm of the rise that decides at friction 1, by a simulation from the start on."""
+    columns = run_point(sweep, load, velocity).columns
+    return math.log(float(worst_rises(columns, load, sweep.conditions)))
+
+
+def as_in_a_scene(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
+    """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths."""
+    pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
+    pairs += [(one.unknown, one.value) for one in ensemble.fixed]
+    return {one.path: _entry(one, value) for one, value in pairs}
+
+
+def _entry(unknown: Unknown, value: float) -> float | int | str:
+    unit = unknown.shown
+    if unit.name != "1":
+        return f"{float(unit.of(value))!r} {unit.name}"
+    return int(value) if unknown.kind == "list" and value == int(value) else float(value)
+
 
 COUNT = 25
 """Boundaries of a certificate."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.fixed import CRITICAL
+from pipeline.uncertain.inputs import CRITICAL
 from pipeline.uncertain.posterior import Posterior
 from tribo.types import Array
 

@@ -21,9 +21,9 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
+    attributes_of,
     dataset_of,
     end_of_point,
     is_emulated,
@@ -38,8 +38,8 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
-from pipeline.uncertain.emulator import Emulator, Groups, features_of, fitted
-from pipeline.uncertain.fixed import (
+from pipeline.uncertain.emulator import Emulator, Groups, Keeper, between_loads, features_of, fitted
+from pipeline.uncertain.inputs import (
     BULK,
     CRITICAL,
     FRICTION,
@@ -48,8 +48,6 @@ from pipeline.uncertain.fixed import (
     fixed_at,
     with_conditions,
 )
-from pipeline.uncertain.kept import Keeper
-from pipeline.uncertain.loads import between_loads
 from pipeline.uncertain.rises import columns_until, decisive_rises
 from tribo import InputError
 from tribo.types import Array

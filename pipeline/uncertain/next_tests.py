@@ -21,11 +21,11 @@ from scipy.special import ndtri
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.discrepancy import Slopes
 from pipeline.uncertain.evidence import distances_of
-from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION
 from pipeline.uncertain.learning import Features, Knowledge, Observable
 from pipeline.uncertain.posterior import Posterior
+from pipeline.uncertain.rig import Slopes
 from tribo import InputError
 from tribo.types import Array
 

@@ -17,8 +17,7 @@ from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
 from pipeline.uncertain.ensemble import Ensemble, Excess
-from pipeline.uncertain.fixed import BULK, CRITICAL, FRICTION
-from pipeline.uncertain.inputs import QUANTILES, Draws
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, QUANTILES, Draws
 from tribo.types import Array
 
 _APART = 1.1  # ratio of velocities over which a slope is taken

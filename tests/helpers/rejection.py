@@ -14,7 +14,7 @@ from scipy.special import ndtri
 
 from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.plan import run_point
-from pipeline.uncertain.fixed import CRITICAL
+from pipeline.uncertain.inputs import CRITICAL
 from tests.promises.risk import entries_of
 
 

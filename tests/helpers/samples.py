@@ -12,9 +12,9 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import Design, samples_per_contact
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.fixed import BULK
-from pipeline.uncertain.fixed import CRITICAL as CRITICAL_PATH
-from pipeline.uncertain.fixed import FRICTION as FRICTION_PATH
+from pipeline.uncertain.inputs import BULK
+from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
+from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
 from tribo import QUANTILES
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)

@@ -22,7 +22,7 @@ import numpy as np
 from scipy import stats
 
 import pipeline
-from pipeline.uncertain.fixed import CRITICAL
+from pipeline.uncertain.inputs import CRITICAL
 from tests.promises.rigs import BULKS, CASES, SCATTER, Rig, ensemble_of, idle, weighed
 from tests.promises.risk import WORKFLOWS
 

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.uncertain.fixed import CRITICAL
+from pipeline.uncertain.inputs import CRITICAL
 from tests.promises.rigs import BULKS, CASES, Rig, ensemble_of, idle, weighed
 from tests.promises.risk import WORKFLOWS
 

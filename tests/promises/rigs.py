@@ -18,7 +18,7 @@ from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.fixed import CRITICAL, FRICTION
+from pipeline.uncertain.inputs import CRITICAL, FRICTION
 from tests.promises.risk import entries_of
 
 SCATTER, FRICTION_SCATTER = 0.05, 0.02

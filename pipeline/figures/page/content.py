@@ -16,11 +16,11 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import at_wear_rate, conditions_of
 from pipeline.analysis.dataset import (
     asked,
+    attributes_of,
     corrected_sweep,
     end_of_point,
     ordered,
@@ -33,11 +33,10 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import outcomes, range_of
-from pipeline.figures.overlays import in_reach
+from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
 from pipeline.figures.page.fine import along, between, bridged, error_of_lines, pieces_of
-from pipeline.figures.regions import MILD, SEVERE
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib import colormaps
 from PIL import Image
 
-from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import attributes_of
 from pipeline.figures.page.content import packed_array, record
 from pipeline.figures.page.fields import png_of
 from pipeline.figures.uncertainty import PALE, RISK_COLOURS

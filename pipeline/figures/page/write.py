@@ -14,8 +14,7 @@ from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of, is_emulated, with_wear_rates
+from pipeline.analysis.dataset import attributes_of, dataset_of, is_emulated, with_wear_rates
 from pipeline.analysis.scenes import entries_in_words, with_all_wear_rates
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content

@@ -5,18 +5,19 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
+from importlib import resources
 from typing import Any, TypeAlias
 
 import pandas as pd
 import xarray as xr
+import yaml
 from matplotlib.figure import Figure
 
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import JUDGED, frames_of
 from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import asked, entry_dims, is_emulated, variant_of
+from pipeline.analysis.dataset import asked, attributes_of, entry_dims, is_emulated, variant_of
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_table import LONG, OperatingPoints, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, words
@@ -25,11 +26,10 @@ from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fit import fitted
-from pipeline.figures.report.citation import citation
 from pipeline.figures.style import criterion, heating, svg_of
 from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.description import on_plane
+from pipeline.sweep.about import on_plane
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.selection import error_in_words
 from tribo import InputError
@@ -236,3 +236,33 @@ def _versions(attributes: Mapping[str, Any]) -> Iterator[Part]:
     yield from str(attributes.get("history") or "").splitlines()
     yield f"Scene {attributes.get('scene_hash')} (SHA-256 of its inputs)."
     yield f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
+
+
+_FILE = "CITATION.cff"
+
+
+def citation() -> Iterator[str]:
+    """References to the program and to the works that it builds on, a line each.
+
+    Examples
+    --------
+    >>> next(citation())  # doctest: +ELLIPSIS
+    'The irg-transition developers: irg-transition (version ...). BSD-3-Clause.'
+    """
+    package = resources.files("pipeline")
+    file = package / _FILE  # in a wheel; in a checkout it is beside the package
+    if not file.is_file():
+        file = package / ".." / _FILE
+    entry = yaml.safe_load(file.read_text(encoding="utf-8"))
+    yield _line(entry)
+    yield from map(_line, entry.get("references", []))
+
+
+def _line(entry: Mapping[str, Any]) -> str:
+    """One reference."""
+    names = [author.get("name") or author.get("family-names") for author in entry["authors"]]
+    people = " and ".join(", ".join(names).rsplit(", ", 1)) if len(names) > 1 else names[0]
+    version = f" (version {entry['version']})" if "version" in entry else ""
+    details = [f"{entry[key]}" for key in ("journal", "volume", "year", "doi", "url", "license")
+               if key in entry]  # fmt: skip
+    return ". ".join([f"{people}: {entry['title']}{version}", *details]) + "."

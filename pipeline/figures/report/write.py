@@ -9,8 +9,7 @@ from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.dataset import attributes_of, dataset_of
 from pipeline.analysis.margin_table import OperatingPoints
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.figures.report.content import content

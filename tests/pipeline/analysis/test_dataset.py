@@ -9,9 +9,8 @@ import pytest
 import xarray as xr
 
 import tribo
-from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import end_of_point, open_sweep
+from pipeline.analysis.dataset import attributes_of, end_of_point, open_sweep
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, temperatures
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing

@@ -12,7 +12,7 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import attributes_of
 from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection
 from pipeline.run.schedule import compute

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import attributes_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.variants import Variants, surfaces

@@ -6,12 +6,14 @@ import pytest
 
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point
-from pipeline.tradeoff import choose, yardstick
+from pipeline.tradeoff import choose
+from pipeline.tradeoff import probe as of_probe
 from pipeline.tradeoff.choose import _first_within
-from pipeline.tradeoff.probe import Probe, Reading
-from pipeline.tradeoff.yardstick import (
+from pipeline.tradeoff.probe import (
     YARDSTICK,
     OwnError,
+    Probe,
+    Reading,
     Yardstick,
     measured,
     own_error,
@@ -49,7 +51,7 @@ class Law:
 
 def test_the_yardstick_reads_each_point_and_once_more_on_larger_elements(monkeypatch):
     law = Law(nodes=700)
-    monkeypatch.setattr(yardstick, "probe", law)
+    monkeypatch.setattr(of_probe, "probe", law)
     points, messages = tuple(Point(load, 3.0) for load in (100.0, 200.0)), []
     result = measured(SWEEP, points, (0.5, 1.0), messages.append)
     assert result.points == points
@@ -66,7 +68,7 @@ def test_the_yardstick_reads_each_point_and_once_more_on_larger_elements(monkeyp
 
 def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monkeypatch):
     law = Law(of_steps=0.01)
-    monkeypatch.setattr(yardstick, "probe", law)
+    monkeypatch.setattr(of_probe, "probe", law)
     points, exponents = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)], [0.5, 1.0, 1.0]
     readings = law(SWEEP, YARDSTICK, points).readings
     error = own_error(SWEEP, points, exponents, readings)
@@ -80,7 +82,7 @@ def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monk
 
 def test_under_a_ball_all_of_what_half_the_steps_move_is_left_to_any_number(monkeypatch):
     law = Law(of_steps=0.01)
-    monkeypatch.setattr(yardstick, "probe", law)
+    monkeypatch.setattr(of_probe, "probe", law)
     ball = SWEEP.changed(pin=Ball(5e-3, STEEL), pixels=Grid((96, 96), (1e-6, 1e-6), (False, False)))
     points = [Point(300.0, 3.0)]
     readings = law(ball, YARDSTICK, points).readings
@@ -93,7 +95,7 @@ def test_under_a_ball_all_of_what_half_the_steps_move_is_left_to_any_number(monk
 
 def test_the_error_of_the_present_heat_is_measured_at_the_lowest_and_the_highest_load(monkeypatch):
     law = Law(of_heat=0.02)
-    monkeypatch.setattr(yardstick, "probe", law)
+    monkeypatch.setattr(of_probe, "probe", law)
     points = [Point(load, 3.0) for load in (200.0, 100.0, 300.0)]
     readings = (None,) * 3
     error = own_error(SWEEP.changed(wear=None), points, [0.1, 0.5, 1.0], readings)

@@ -5,7 +5,7 @@ import pytest
 
 import pipeline
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.discrepancy import SLOPES
+from pipeline.uncertain.rig import SLOPES
 from tests.helpers.samples import CRITICAL, EXPONENT, critical_velocity, ensemble
 
 TRUTH = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import pipeline
-from pipeline.uncertain.fixed import CRITICAL
+from pipeline.uncertain.inputs import CRITICAL
 from tests.helpers import rejection
 from tests.helpers.scenes import SCENE
 
