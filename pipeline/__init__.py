@@ -12,7 +12,23 @@ A scene is given by its path, by the name of a shipped one, or read; a store by 
 by `open_sweep`; a quantity in SI or as text with a unit, such as ``"400 N"``. The end of
 each point stands at step 0, which `end_of_point` takes.
 
-The public names stand in ``__init__.pyi``. Each is loaded when it is first used, so that importing
+The public names, in the order of the page ``API.md``, which says what each is for:
+
+- scenes: `new_scene`, `load_scene`, `scene_entry`, `Sweep`
+- simulation: `run_point`, `estimate`, `run_sweep`, `follow_boundary`, `summary`, `verify_store`
+- dataset: `open_sweep`, `end_of_point`
+- answers: `boundary`, `Conditions`, `temperatures`, `decisive_temperature`, `margins`,
+  `margin_table`, `warned`, `at_entries`, `at_wear_rate`, `diff`, `vary`, `critical_temperatures`
+- inputs that are not known exactly: `Ensemble`, `probabilities`, `risk`, `risk_table`,
+  `margin_intervals`, `sensitivity`, `posterior`, `candidates`, `plan_tests`, `design`, `Goal`,
+  `Place`
+- accuracy: `choose_fidelity`, `trade`
+- figures: `plot`, `draw_variations`, `draw_trade`, `draw_risk`, `draw_sensitivity`,
+  `draw_posterior`, `draw_design`, `report`, `explore`
+- quantities: `surface_statistics`, `to_si`, `display`
+- errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
+
+They stand in ``__init__.pyi``. Each is loaded when it is first used, so that importing
 the package costs next to nothing.
 """
 

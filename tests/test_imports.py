@@ -71,8 +71,11 @@ def test_every_public_name_stands_in_the_table_of_the_page():
     assert set(re.findall(r"`pipeline\.(\w+)`", API)) == set(pipeline.__all__)
 
 
-def test_help_and_completion_offer_the_public_names():
+def test_help_and_completion_offer_the_public_names_in_the_order_of_the_page():
     text = pydoc.render_doc(pipeline, renderer=pydoc.plaintext)
-    assert all(name in text for name in pipeline.__all__)
+    listed = re.findall(r"`(\w+)`(?!`)", text[text.index("The public names") :])
+    assert listed[: len(pipeline.__all__)] == list(
+        dict.fromkeys(re.findall(r"`pipeline\.(\w+)`", API.split("## `pipeline`")[0]))
+    )
     completer = rlcompleter.Completer({"pipeline": pipeline})
     assert completer.complete("pipeline.open_s", 0).startswith("pipeline.open_sweep")

@@ -167,6 +167,13 @@ _Judged = tuple[xr.Dataset, Conditions]
 """A sweep of one scene, and the conditions that it is judged by."""
 
 
+_UNITS = {
+    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
+    "failing_share": "1", "wear_rate": "m2 N-1",
+}  # fmt: skip
+"""Units of the conditions that are attributes of a boundary."""
+
+
 def _boundaries(
     judged: Sequence[Sequence[_Judged]],
     entries: Sequence[xr.DataArray],
@@ -192,6 +199,8 @@ def _boundaries(
     limit = stacked([xr.DataArray(rise_limit(conditions)) for _, conditions in flat], axes)
     boundaries = xr.Dataset(coords=rise.coords, attrs=_shared(of_scenes))
     boundaries = boundaries.assign_coords(differing(of_scenes, entries))
+    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in boundaries.attrs]
+    boundaries.attrs["units_of_attributes"] = ", ".join(units)
     for axis in ("velocity", "load"):
         found = _transitions(axis, flat[0][0], rise, stacked(missing, axes), limit)
         boundaries = boundaries.assign(found | _films(axis, flat, axes, found))

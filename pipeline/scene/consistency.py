@@ -60,8 +60,8 @@ def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
         if name and name not in materials:
             hint = did_you_mean(name, materials) or f" ({nearest(name, 'materials')})"
             problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
-            choices = " or ".join(map(quoted, materials)) or "one of them, or add a table for it"
-            faults.note(f"{body}.material", f"{problem}; give {choices}")
+            choices = ", ".join([*map(quoted, materials), "one of the library"])
+            faults.note(f"{body}.material", f"{problem}; give {choices}, or add a table for it")
 
 
 def _check_pixels(

@@ -107,8 +107,7 @@ def load_scene(
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
-        causes = without_consequences(faults)
-        raise SceneFileError(path, [document.line(fault) for fault in causes])
+        raise SceneFileError(path, [*document.lines(without_consequences(faults))])
     return sweep
 
 

@@ -183,7 +183,7 @@ def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
 def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Entries of the scene with their units, and the sources of those of the library."""
     if surface := attributes.get("surface"):
-        yield f"Surface of the disk: {surface}."
+        yield f"Surface of the disk: {surface.replace('disk.roughness.file: ', '')}."
     rows = (
         (path, text, _meaning(path))
         for path, text in entries_of(attributes).items()

@@ -213,6 +213,8 @@ def test_the_plane_ends_with_the_known_points():
 def test_result_says_its_conditions_and_units(sweep):
     crossings = boundary(sweep, friction=0.12, share=0.2)
     expected = synthetic.CONDITIONS | {"friction": 0.12, "failing_share": 0.2}
+    said = crossings.attrs.pop("units_of_attributes")
+    assert said.split(", ")[:2] == ["friction: 1", "bulk_temperature: K"]
     assert crossings.attrs == expected | {"criterion": "share", "missing_points": 0}
     units = {name: crossings[name].attrs["units"] for name in ("critical_velocity", "load")}
     assert units == {"critical_velocity": "m/s", "load": "N"}

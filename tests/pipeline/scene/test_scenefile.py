@@ -302,7 +302,7 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"fidelity.increments": "9"}, "give a whole number"),
         ({"sweep.loads": []}, "is empty; give a list, each a load above 0"),
         ({"sweep.velocities.step": "0.7 m/s"}, "to 3.8 m/s or 4.5 m/s they fit"),
-        ({"sweep.velocities.count": 4}, "has both step and count"),
+        ({"sweep.velocities": {"count": 4, "step": "1 m/s"}}, "has both step and count"),
         ({"sweep.velocities.spacing": "log"}, 'has a step, and spacing = "log" takes count'),
         ({"sweep.velocities.from": "5 m/s"}, "falls, and from is the lower end"),
         ({"sweep.velocities.step": "1e-9 m/s"}, "3e+9 steps of"),
