@@ -12,6 +12,7 @@ from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, tell
 from pipeline.cli.progress import run_line
 from pipeline.cli.scenes import scene_of, selected
 from pipeline.run.cluster import client_of
+from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.turns import note_on_turns
 
 
@@ -21,6 +22,7 @@ def computed(options: argparse.Namespace) -> Result:
     sweep = scene_of(options, store=out)
     for note in sweep.about.notes:
         tell(f"note: {note}")
+    require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
     if cold := note_on_turns(sweep):
         tell(f"warning: {cold}")
     is_elsewhere = options.scheduler or options.scheduler_file

@@ -66,11 +66,14 @@ def test_a_window_that_the_contact_outgrows_is_foreseen(check):
     ("setting", "said"),
     [
         ('sweep.loads=["75 kN"]', "sweep.loads: 75000 N is more than the window carries"),
+        ("materials.steel.hardness=6.6 MPa", "times its elastic modulus, where at least 0.001"),
         ("wear.specific_wear_rate=1.2e-15 m^3", "wear.specific_wear_rate"),
     ],
 )
-def test_what_cannot_be_run_fails_here(check, setting, said):
+def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, setting, said, tmp_path):
     assert said in check("--set", setting, code=2)
+    assert said in irg("run", SCENE, "--set", setting, "-o", tmp_path / "out.zarr", code=2)
+    assert not [*tmp_path.iterdir()]
 
 
 def test_a_scene_larger_than_the_machine_is_not_tried(check):
