@@ -24,7 +24,7 @@ from tribo import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pipeline.uncertain.certificate import SceneWith
+    from pipeline.uncertain.certify import SceneWith
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""

@@ -29,7 +29,7 @@ from pipeline.cli.scenes import (
     weighing,
 )
 from pipeline.uncertain.answers import frame_of_lines
-from pipeline.uncertain.certificate import certificate_of, certify
+from pipeline.uncertain.certify import certify
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
@@ -95,7 +95,7 @@ def _certify(options: argparse.Namespace, ds: xr.Dataset) -> None:
             f"--certify is of the samples as they were drawn; leave out {flags_of([*given])}"
         )
     ensemble = pipeline.Ensemble.of(ds)
-    if certificate_of(ensemble) is None:
+    if ensemble.certificate is None:
         with working("finding boundaries directly") as progress:
             certify(ensemble, scene_with_of(ds), progress=progress)
 
@@ -245,7 +245,7 @@ def samples_of(
 
 def about(ensemble: Ensemble) -> dict[str, Any]:
     """Samples and inputs, as plain data."""
-    certificate = certificate_of(ensemble)
+    certificate = ensemble.certificate
     return {
         "samples": len(ensemble.inputs),
         "samples_left_out": ensemble.missing,
@@ -273,7 +273,7 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
         yield "  the error of the samples' fidelity is not known, and not counted"
     if ensemble.missing:
         yield f"  {ensemble.missing} samples are left out: not done at every load"
-    yield f"  {certificate_of(ensemble) or _NO_CERTIFICATE}"
+    yield f"  {ensemble.certificate or _NO_CERTIFICATE}"
 
 
 def draws_in_words(weighed: Posterior) -> str:

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from pipeline.analysis.margin_table import Place
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import draws_of
-from pipeline.uncertain.certificate import SceneWith, as_in_a_scene, log_rise
+from pipeline.uncertain.certify import SceneWith, as_in_a_scene, log_rise
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
 from tribo import InputError

@@ -38,6 +38,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
+from pipeline.uncertain.certificate import Certificate, certificate_of
 from pipeline.uncertain.emulator import Emulator, Groups, Keeper, between_loads, features_of, fitted
 from pipeline.uncertain.inputs import (
     BULK,
@@ -337,10 +338,13 @@ class Ensemble:
         between = (between_loads(self.loads, self.rises, one) for one in loads.tolist())
         weights, bends = map(np.array, zip(*between, strict=True))
         at_nodes = []
-        for node in nodes:
+        widening, of_bends = self._widening(emulator, nodes)
+        for node, wider in zip(nodes, widening, strict=True):
             features, _ = features_of(self.design, columns, np.full(len(draws), node))
             values, *errors = emulator(features, with_error)
-            by_load = [np.hypot(error @ np.abs(weights.T), bends) for error in errors]
+            by_load = [
+                np.hypot(wider * error @ np.abs(weights.T), of_bends * bends) for error in errors
+            ]
             at_nodes.append([values @ weights.T, *by_load])
         parts = [np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True)]
         if len(velocities) > _NODES:
@@ -349,6 +353,18 @@ class Ensemble:
         shape = len(draws), *np.shape(load), *np.shape(velocity)
         values, *errors = (part.reshape(shape) for part in parts)
         return Excess(values, *map(np.abs, errors))
+
+    def _widening(self, emulator: Emulator, velocities: Array) -> tuple[Array, float]:
+        """Factors on errors by velocity and between loads, by the certificate if there is one."""
+        if self.certificate is None or emulator is not self._rise:
+            return np.ones(len(velocities)), 1.0
+        low, high = np.log(self.velocities)
+        return self.certificate.widening((np.log(velocities) - low) / (high - low))
+
+    @functools.cached_property
+    def certificate(self) -> Certificate | None:
+        """Runs that know nothing of the emulator, where the samples were certified."""
+        return certificate_of(self.keeper, self.inputs, self.rises)
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:
         """Raise an `InputError` for loads or velocities outside the sweep."""

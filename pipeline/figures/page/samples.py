@@ -15,7 +15,6 @@ from pipeline.figures.page.fields import png_of
 from pipeline.figures.uncertainty import PALE, RISK_COLOURS
 from pipeline.store.schema import DONE
 from pipeline.uncertain.answers import frame_of_lines, probabilities, risk_lines
-from pipeline.uncertain.certificate import certificate_of
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo.types import Array
@@ -30,8 +29,7 @@ def content_of_samples(
     weighed = posterior_if_given(ensemble, given_measured, scatter)
     draws = weighed.draws if weighed else None
     evidence = f", given {len(weighed.judged)} tests of the scene" if weighed else ""
-    certificate = certificate_of(ensemble)
-    known = [str(certificate)] if certificate else []
+    known = [str(ensemble.certificate)] if ensemble.certificate else []
     single = ensemble.loads if len(ensemble.loads) == 1 else None
     plane = probabilities(ensemble, draws, loads=single)
     shares, lines = risk_lines(plane)

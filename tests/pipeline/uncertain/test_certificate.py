@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.uncertain import certificate, emulator
-from pipeline.uncertain.certificate import certificate_of, certify
+from pipeline.uncertain import certify, emulator
 from tests.helpers.samples import ALL, ensemble, rise
 
 
@@ -30,15 +29,18 @@ def test_a_certificate_says_how_far_the_emulator_is_off(samples, monkeypatch, fa
         inputs = np.array([[float(str(entries[path]).split()[0]) for path in units]])
         return math.log(factor * rise(inputs, load, velocity)[0])
 
-    monkeypatch.setattr(certificate, "log_rise", log_rise)
-    assert certificate_of(samples) is None
-    found = certify(samples, dict)
+    monkeypatch.setattr(certify, "log_rise", log_rise)
+    assert samples.certificate is None
+    found = certify.certify(samples, dict)
     assert len(found.found) == 25
     assert found.error == pytest.approx(off, rel=0.1, abs=0.003)
     assert held <= found.held <= held + 5
-    assert certificate_of(samples) == found
-    more = dataclasses.replace(samples, rises=1.01 * samples.rises)
-    assert certificate_of(more) is None
+    certified = dataclasses.replace(samples)
+    assert certified.certificate == found
+    row = np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]])
+    band, as_stated = (one.excess(row, 400.0, 5.9).error for one in (certified, samples))
+    assert (band > 5 * as_stated) == (factor > 1.0)
+    assert dataclasses.replace(samples, rises=1.01 * samples.rises).certificate is None
 
 
 def test_the_constants_of_an_emulator_are_found_once(samples, monkeypatch):

@@ -1,0 +1,132 @@
+"""Direct simulations of draws, which know no emulator, and those of a certificate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from pipeline.sweep.criterion import worst_rises
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import run_point
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.answers import log_boundary
+from pipeline.uncertain.certificate import COUNT, END, Certificate, keep
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.inputs import prior
+from tribo import InputError
+from tribo.types import Array
+
+_DRAWS = 256  # of which those count whose boundary lies within the sweep
+_SEED = 31415
+_OUTER = 0.05  # share of the velocities at either end, in which runs are at the end
+_CLOSE = 2e-3  # of ln(rise), to which a boundary is sought
+_STEPS = 20
+_LEAST_SLOPE, _MOST_SLOPE = 0.2, 2.0  # of ln(rise) over ln(velocity), between which steps are taken
+
+SceneWith = Callable[[Mapping[str, Any]], Sweep]
+"""Gives the scene of the samples with entries by their paths, as a scene file has them."""
+
+
+def log_rise(sweep: Sweep, load: float, velocity: float) -> float:
+    """Logarithm of the rise that decides at friction 1, by a simulation from the start on."""
+    columns = run_point(sweep, load, velocity).columns
+    return math.log(float(worst_rises(columns, load, sweep.conditions)))
+
+
+def as_in_a_scene(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
+    """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths."""
+    pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
+    pairs += [(one.unknown, one.value) for one in ensemble.fixed]
+    return {one.path: _entry(one, value) for one, value in pairs}
+
+
+def _entry(unknown: Unknown, value: float) -> float | int | str:
+    unit = unknown.shown
+    if unit.name != "1":
+        return f"{float(unit.of(value))!r} {unit.name}"
+    return int(value) if unknown.kind == "list" and value == int(value) else float(value)
+
+
+def certify(
+    ensemble: Ensemble,
+    scene_with: SceneWith,
+    count: int = COUNT,
+    progress: Callable[[int, int], None] | None = None,
+) -> Certificate:
+    """Find boundaries of random inputs directly, and keep how far the emulator's are off.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Samples of a sweep.
+    scene_with : callable
+        See `SceneWith`.
+    count : int
+        Number of boundaries, and of runs of each kind.
+    progress : callable, optional
+        Called with the boundaries found and their number.
+    """
+    inputs = prior(ensemble.unknown, ensemble.design.seed + _SEED, _DRAWS).inputs
+    chance = np.random.default_rng([ensemble.design.seed, _SEED])
+    ends = np.log(ensemble.loads[[0, -1]]).tolist()
+    low, high = np.log(ensemble.velocities).tolist()
+    rows: list[tuple[float, ...]] = []
+    for row, log_load in zip(inputs, chance.uniform(ends[0], ends[1], _DRAWS), strict=True):
+        if len(rows) == count:
+            break
+        load = math.exp(log_load)
+        (((place,),), ((error,),)) = log_boundary(ensemble, row[None], [load])
+        if not low <= place <= high:
+            continue
+        if progress:
+            progress(len(rows), count)
+        sweep = scene_with(as_in_a_scene(ensemble, row))
+        limit = float(ensemble.log_limit(row[None])[0])
+        found = _boundary(partial(log_rise, sweep, load), limit, place, (low, high))
+        if found is None:
+            continue
+        amid, outer = chance.uniform(END, 1 - END, 2), _OUTER * chance.uniform()
+        shares = np.array([*amid, outer if len(rows) % 2 else 1 - outer])
+        velocities = np.exp(low + (high - low) * shares).tolist()
+        loads = [float(chance.choice(ensemble.loads)), load, float(chance.choice(ensemble.loads))]
+        scores = (
+            _score(ensemble, row, sweep, *place) for place in zip(loads, velocities, strict=True)
+        )
+        rows.append((load, math.exp(found), math.exp(place), float(error), *scores))
+    if not rows:
+        raise InputError("no boundary of random inputs lies within the sweep; give more velocities")
+    certificate = Certificate(*zip(*rows, strict=True))
+    if ensemble.keeper is not None and len(rows) == COUNT:
+        keep(certificate, ensemble.keeper, ensemble.inputs, ensemble.rises)
+    return certificate
+
+
+def _score(ensemble: Ensemble, row: Array, sweep: Sweep, load: float, velocity: float) -> float:
+    """Difference of an emulated rise from a simulated one, over its stated error."""
+    excess = ensemble.excess(row[None], load, velocity)
+    emulated = excess.values[0] + ensemble.log_limit(row[None])[0]
+    return float((emulated - log_rise(sweep, load, velocity)) / excess.error[0])
+
+
+def _boundary(
+    rise: Callable[[float], float], limit: float, place: float, ends: tuple[float, float]
+) -> float | None:
+    """Logarithm of the velocity at which a rise reaches its limit; None if beyond the ends.
+
+    The rise is a function of the velocity, the place and the ends are logarithms of velocities.
+    """
+    excess, slope = rise(math.exp(place)) - limit, 0.7
+    for _ in range(_STEPS):
+        if abs(excess) < _CLOSE:
+            break
+        following = min(max(place - excess / slope, ends[0]), ends[1])
+        if following == place:
+            return None
+        other = rise(math.exp(following)) - limit
+        slope = min(max((other - excess) / (following - place), _LEAST_SLOPE), _MOST_SLOPE)
+        place, excess = following, other
+    return place - excess / slope
