@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.analysis.margin_table import OperatingPoints, Place
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import Result
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import beside, criterion_in, flags_of, opened, scene_with_of, values_in
+from pipeline.cli.scenes import beside, criterion_in, opened, operating_points_in, scene_with_of
 from pipeline.cli.unknowns import about, notes, samples_of
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Goal, Limit, confirmed, designed
 from tribo import InputError, TriboError
@@ -65,16 +64,9 @@ def design(options: argparse.Namespace) -> Result:
 
 def _goal(options: argparse.Namespace) -> Goal:
     """Operating points, and what is to be reached at them."""
-    place = values_in(options, "load", "velocity")
-    if options.points is None and len(place) < 2:
-        raise InputError("no operating point is given; give --load and --velocity, or --points")
-    if options.points is not None and place:
-        raise InputError(f"--points has each load and velocity; leave out {flags_of([*place])}")
     if options.risk is not None and options.margin is not None:
         raise InputError("--risk and --margin are two goals; give one of them")
-    places: tuple[Place, ...] = (Place(options.load, options.velocity),)
-    if options.points is not None:
-        places = OperatingPoints.read(options.points).places
+    places = operating_points_in(options).places
     if options.margin is not None:
         return Goal(places, RISK_OF_MARGIN, options.margin)
     return Goal(places, RISK if options.risk is None else options.risk)

@@ -14,15 +14,14 @@ import pipeline
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, margins_at
-from pipeline.analysis.margin_table import LONG, OperatingPoints, notes_of
+from pipeline.analysis.margin_table import LONG, notes_of
 from pipeline.analysis.scenes import words
 from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, in_words, outcomes
 from pipeline.cli.next_steps import commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
-from pipeline.cli.scenes import by_samples, conditions_in, flags_of, opened, values_in
+from pipeline.cli.scenes import by_samples, conditions_in, opened, operating_points_in
 from pipeline.cli.unknowns import about, frame_of_intervals, notes, on_risk, samples_of
-from tribo import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,17 +32,12 @@ if TYPE_CHECKING:
 
 def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
-    place = values_in(options, "load", "velocity")
-    if options.points is None and len(place) < 2:
-        raise InputError("no operating point is given; give --load and --velocity, or --points")
-    if options.points is not None and place:
-        raise InputError(f"--points has each load and velocity; leave out {flags_of([*place])}")
+    points = operating_points_in(options)
     ds, conditions = opened(options), conditions_in(options)
     if by_samples(options, ds):
         return _of_samples(options, ds, conditions)
     if options.points is None:
         return _of_one(options, ds, conditions)
-    points = OperatingPoints.read(options.points)
     table = pipeline.margin_table(ds, points, **conditions)
     document, text = _on_points(options, table)
     commands, lines = _next(options, ds, margins_at(ds, points.places, **conditions), conditions)
@@ -69,8 +63,7 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
         judged = conditions_of(ds, **conditions).as_dict()
         command = more_of_boundary(ds, options.store, judged)
         text.append(f"compute more of the boundary with: {command}")
-    here = {"load": [options.load], "velocity": [options.velocity]}
-    table = pipeline.margin_table(ds, here, **conditions)
+    table = pipeline.margin_table(ds, operating_points_in(options), **conditions)
     warned = pipeline.warned(ds, **conditions)
     return Result(document | {"next": commands, "command": command}, text, warned, [table])
 
@@ -100,7 +93,7 @@ def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
         text: list[str | pd.DataFrame] = [on_risk(answer.risk), table]
         document: dict[str, Any] = {"intervals": answer.as_dict()}
     else:
-        table = pipeline.risk_table(ensemble, options.points, draws)
+        table = pipeline.risk_table(ensemble, operating_points_in(options), draws)
         document, text = _on_points(options, table)
     document |= {"given_measured": measured is not None, **about(ensemble)}
     return Result(document, [*text, *notes(ensemble, measured)], pipeline.warned(ds), [table])

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.dataset import attributes_of, is_emulated
+from pipeline.analysis.margin_table import OperatingPoints, Place
 from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
 from pipeline.cli.values import setting
@@ -150,6 +151,18 @@ def tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
             f"note: {given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the "
             f"store was judged by ({str(of_store)[:8]})"
         )
+
+
+def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
+    """Operating points of a table, or the one of --load and --velocity."""
+    place = values_in(options, "load", "velocity")
+    if options.points is None and len(place) < 2:
+        raise InputError("no operating point is given; give --load and --velocity, or --points")
+    if options.points is None:
+        return OperatingPoints((Place(options.load, options.velocity),), {})
+    if place:
+        raise InputError(f"--points has each load and velocity; leave out {flags_of([*place])}")
+    return OperatingPoints.read(options.points)
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
