@@ -47,6 +47,8 @@ def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFram
 def as_dict(frame: pd.DataFrame) -> dict[str, list[Any]]:
     """Values in SI, by the heads without units and blanks, as JSON documents have them.
 
+    A head with a unit that is none of ours stays as it is, with its values.
+
     Examples
     --------
     >>> as_dict(pd.DataFrame({"load [N]": [400.0], "bulk temperature [°C]": [25.0]}))
@@ -58,7 +60,7 @@ def as_dict(frame: pd.DataFrame) -> dict[str, list[Any]]:
         values = [None if pd.isna(value) else value for value in frame[head].tolist()]
         if unit:
             values = [si_of(value, unit) if _is_number(value) else value for value in values]
-        held[name.replace(" ", "_")] = values
+        held[name if "[" in name else name.replace(" ", "_")] = values
     return held
 
 
