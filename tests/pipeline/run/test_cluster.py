@@ -385,7 +385,7 @@ def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
 
 def test_a_dashboard_without_its_library_is_refused_in_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr("pipeline.run.cluster.find_spec", lambda name: None)
-    with pytest.raises(ExecutionError, match="the dashboard needs bokeh: pip install"):
+    with pytest.raises(ExecutionError, match="the dashboard needs bokeh; get it with"):
         run_sweep(SHORT, tmp_path / "out.zarr", workers=1, dashboard=True)
 
 
