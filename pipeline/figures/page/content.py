@@ -86,10 +86,9 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     stored, rates = _wear_rates(rows)
+    done = values_of(ds, "status") == DONE
     systems = [corrected_sweep(at_wear_rate(rows, rate), conditions) for rate in rates or (None,)]
     tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
-    status = values_of(ds, "status")
-    done = status == DONE
     own = stored, ratios.index(0.0), shares.index(conditions.failing_share)
     steps = _shown_steps(tables[stored][0], ds, own[1:])[..., None]
     rises = [
@@ -97,18 +96,35 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         for _, quantiles in tables
     ]
     decisive = np.stack([_at_worst(table, ds) for table, _ in tables], axis=-3)
-    end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     has_heat = attributes.get("scene", {}).get("friction_heat", True)
     has_fields = set(FIELDS) <= set(ds.data_vars)
     chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
     return {
-        "title": attributes.get("title"),
-        "name": attributes.get("name"),
+        **_about(ds, attributes),
+        **_on_points(ds),
         "conditions": _conditions(ds, conditions) | ({"wear_rate": rates[stored]} if rates else {}),
         "controls": [
             asdict(control)
             for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1, rates)
         ],
+        "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
+        "deciding": conditions.decisive.temperature,
+        "times": packed_array(np.take_along_axis(values_of(ds, "time"), steps, axis=-1), "<f4"),
+        "wear_rates": rates,
+        "bulk_ratios": ratios,
+        "shares": shares,
+        "rises": packed_array(np.stack(rises, axis=-3), "<f4"),
+        **_planes(decisive, ds, own),
+        "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
+        | {"stored": int(done.sum()) * has_fields},
+    }
+
+
+def _about(ds: xr.Dataset, attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page shows of the scene, its axes and its tests."""
+    return {
+        "title": attributes.get("title"),
+        "name": attributes.get("name"),
         "measured": in_reach(ds, laboratory_tests(ds))[0],
         "regions": [MILD, SEVERE],
         "friction_band": attributes.get("friction_band"),
@@ -116,21 +132,22 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "chosen": bool(attributes.get("boundary_only")),
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
-        "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
-        "deciding": conditions.decisive.temperature,
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["cooler_share"].values.tolist(),
         "surfaces": ds.indexes.get("realization", pd.Index([])).tolist() or None,
-        "done": int(done.sum()),
+        "record": record(attributes),
+    }
+
+
+def _on_points(ds: xr.Dataset) -> dict[str, Any]:
+    """State, numbers and message of each point."""
+    status = values_of(ds, "status")
+    end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
+    return {
+        "done": int((status == DONE).sum()),
         "status": packed_array(status, "i1"),
         "asked": packed_array(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
-        "times": packed_array(np.take_along_axis(values_of(ds, "time"), steps, axis=-1), "<f4"),
-        "wear_rates": rates,
-        "bulk_ratios": ratios,
-        "shares": shares,
-        "rises": packed_array(np.stack(rises, axis=-3), "<f4"),
-        **_planes(decisive, ds, own),
         "numbers": [
             {"label": label, "unit": unit, "power": power}
             | {"values": packed_array(factor * values_of(end, name), "<f4")}
@@ -142,9 +159,6 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
             for place, message in enumerate(values_of(ds, "message").ravel())
             if message
         },
-        "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
-        | {"stored": int(done.sum()) * has_fields},
-        "record": record(attributes),
     }
 
 
