@@ -147,7 +147,7 @@ def run_sweep(
     began = time.monotonic()
     is_restored = restore_root(out, sweep)
     before = read_attributes(out)
-    restored = [f"the root of {out} was lost, and is made again"] if is_restored else []
+    restored = [f"the root of {out} was lost or damaged, and is made again"] if is_restored else []
     tell = tell or unheard
     with writing(out, sweep) as store, reported(progress) as report:
         checked = [*_repaired(store)] if before else []
@@ -163,7 +163,7 @@ def run_sweep(
             count = min(workers or CPU_COUNT, most)
             with connected(client, count, patience, tell, dashboard) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
-                    tally.begin(store, link)
+                    tally.begin(asked, store, link)
                     with Writer(store) as writer:
                         compute(link, asked, writer, waiting, tally.note)
         summary = summarized(store)

@@ -23,13 +23,14 @@ from pipeline.run.source import ExecutionError
 from pipeline.run.work import Report, report
 from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.store.write import Store
-from pipeline.sweep.model import Point
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from tribo.types import Array
 
 # Time since the first points [s], and points since then on each worker, that tell the pace.
 _ENOUGH, _SEVERAL = 3.0, 2
+_HEAT = 8.0  # steps of contact that a temperature takes as long as: 5 to 16 of the scenes tried
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
@@ -82,15 +83,17 @@ class Tally:
         self._connection: Connection | None = None
         self._worked = 0.0
         self._first: tuple[float, float, int] | None = None
+        self._weights: Array = np.ones(1)
         self._marks: deque[tuple[float, float, int]] = deque()
         self._failures: Counter[str] = Counter()
         self.computed = 0
         self._take(store)
         self._report()
 
-    def begin(self, store: Store, connection: Connection) -> None:
-        """Take note that points of a store begin to be computed."""
+    def begin(self, sweep: Sweep, store: Store, connection: Connection) -> None:
+        """Take note that points of a sweep begin to be computed into its store."""
         self._take(store)
+        self._weights = _weights(sweep, self._store.axes["load"])
         self._connection = connection
         if not self.computed:
             self._marks = deque([(connection.clock(), 0.0, 0)])
@@ -152,8 +155,8 @@ class Tally:
         if axes[0] == axes[1]:  # rows with places of their own
             durations, axes = durations[np.newaxis], [0, 1 + axes[1]]
         rows = np.moveaxis(durations, axes, (-2, -1))
-        of_own = np.ones(1) if rows.shape[-2] == 1 else np.array(self._store.axes["load"])
-        expected = expected_durations(rows, self._store.axes["velocity"], of_own)
+        weights = self._weights if rows.shape[-2] == len(self._weights) else np.ones(1)
+        expected = expected_durations(rows, self._store.axes["velocity"], weights)
         return np.moveaxis(expected, (-2, -1), axes).reshape(self._durations.shape)
 
     def _seconds_of_work(self, link: Connection) -> float:
@@ -176,22 +179,36 @@ class Tally:
         return max(least, (now - began) / (worked - before))
 
 
-def expected_durations(
-    durations: Array, velocities: Iterable[float], loads: Sequence[float] | Array
-) -> Array:
+def _weights(sweep: Sweep, loads: Sequence[float]) -> Array:
+    """Durations of points at each of some loads to expect, in any unit.
+
+    A point takes the steps on from the next lower load and a temperature, and both take longer on
+    a larger contact.
+    """
+    scene = sweep.variant(sweep.variants.names[0]).scene
+    lower = [0.0, *loads[:-1]] if not sweep.plane.independent else [0.0] * len(loads)
+    steps = [
+        sum(1 for _ in scene.stations(load, after))
+        for load, after in zip(loads, lower, strict=True)
+    ]
+    weights: Array = np.sqrt(loads) * (_HEAT + np.array(steps))
+    return weights
+
+
+def expected_durations(durations: Array, velocities: Iterable[float], weights: Array) -> Array:
     """Durations of all points [s], shape (…, n_load, n_velocity), by those that are not NaN.
 
     They are interpolated over velocity at each load. At a load without any they are the mean of
-    all, each times the root of the ratio of the loads: a larger contact takes longer.
+    all, each times the ratio of the weights of the loads.
 
     Examples
     --------
     >>> known = np.array([[1.0, np.nan, 3.0], [np.nan] * 3])
-    >>> expected_durations(known, [1.0, 2.0, 3.0], [100.0, 400.0])
+    >>> expected_durations(known, [1.0, 2.0, 3.0], np.array([1.0, 2.0]))
     array([[1., 2., 3.],
            [4., 4., 4.]])
     """
-    axis, weights = np.array(list(velocities), float), np.sqrt(loads)
+    axis = np.array(list(velocities), float)
     rows = durations.reshape(-1, *durations.shape[-2:])
     counts = np.count_nonzero(np.isfinite(rows), axis=0)
     means = np.nansum(rows, axis=0) / np.maximum(counts, 1)

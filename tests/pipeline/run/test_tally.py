@@ -27,7 +27,7 @@ def tallied(tmp_path, monkeypatch):
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
             tally = Tally(store, reports.append, now)
-            tally.begin(store, link)
+            tally.begin(sweep, store, link)
             link.absent, link.workers = absent, workers
             for now, velocity in zip(ends, sweep.plane.velocities, strict=False):  # noqa: B007
                 point = Point(150.0, velocity)
@@ -71,12 +71,12 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
     places = points(sweep)
     with writing(tmp_path / "out.zarr", sweep) as store:
         tally = Tally(store, None, time.monotonic())
-        tally.begin(store, Connection(None, Source()))
+        tally.begin(sweep, store, Connection(None, Source()))
         failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
         other = [PointRecord(point, None, "MemoryError: ") for point in places]
         tally.note([*failures[:19], *other[:19]])
         with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
             tally.note(failures[19:20])
         done = Tally(store, None, time.monotonic())
-        done.begin(store, Connection(None, Source()))
+        done.begin(sweep, store, Connection(None, Source()))
         done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
