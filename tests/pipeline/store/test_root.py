@@ -14,6 +14,7 @@ import pipeline
 from pipeline.cli import main
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.root import root_document
+from pipeline.store.schema import FORMAT
 from tests.helpers import tiny
 from tests.helpers.stores import commit, contents
 
@@ -111,10 +112,10 @@ def test_a_change_of_the_root_is_named(forged, alone, capsys, path, new):
 
 
 @pytest.mark.parametrize("depth", [10, 990, 10_000])
-@pytest.mark.parametrize("replaced", ['"A tiny sweep"', '"format": 2'])
+@pytest.mark.parametrize("replaced", ['"A tiny sweep"', f'"format": {FORMAT}'])
 def test_a_root_without_a_bottom_is_refused(forged, alone, depth, replaced):
     text, nested = (alone / ROOT).read_text(), "[" * depth + "]" * depth
-    new = replaced.replace("2", nested) if "format" in replaced else nested
+    new = replaced.replace(str(FORMAT), nested) if "format" in replaced else nested
     assert replaced in text
     (forged / ROOT).write_text(text.replace(replaced, new))
     with pytest.raises(StoreError):
