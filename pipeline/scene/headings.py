@@ -18,6 +18,7 @@ _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s+in\s+(?P<unit>\S.*)"),
     re.compile(r"(?P<title>.*?)\s+/\s*(?P<unit>\S.*)"),
     re.compile(r"(?P<title>.*?),?\s+(?P<unit>\S+)"),
+    re.compile(r"(?P<title>.*?)_(?P<unit>k?N|m?s|min|m/s|mm/s|degC|K|rpm)"),
     re.compile(r"(?P<title>[^/]*?)/(?P<unit>\S.*)"),
     re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
 )
@@ -25,7 +26,7 @@ _UNIT_AT_END = (
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
 _DIMENSION = {
     "load": "N", "velocity": "m s-1", "friction": "1", "bulk_temperature": "K", "hold": "s",
-    "time": "s",
+    "time": "s", "friction_force": "N",
 }  # fmt: skip
 """Units in SI of quantities; of others nothing is guessed."""
 _TURNS = ("rpm", "1/min", "min^-1", "U/min")
@@ -54,6 +55,10 @@ _WORDS = {
         r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat|esito|resultado)\b"
         r"|ergebnis|befund|bewertung|urteil|verschlei(ß|ss)(art|form)?$|fresse(r|n)\b)",
         r"\b(volume|rate|scar|depth|width|coefficient)\b",
+    ),
+    "friction_force": (
+        r"((friction|tangential|frott|attrito) ?(force)?|reib\w*kraft|\bf ?[rtx]\b)",
+        r"\b(torque|work|power|energy)\b",
     ),
     "time": (r"(\b(time|t|zeit|temps)\b)", r"\b(of day|date|stamp)\b"),
 }  # fmt: skip
@@ -154,6 +159,8 @@ def columns_for(
             continue
         free = [place for place in range(len(heads)) if place not in places.values()]
         found = [place for place in free if headings[place].name == name]
+        if name == "friction":  # one in newton is a force
+            found = [place for place in found if not is_unit(headings[place].unit)]
         found = found or [place for place in free if _means(headings[place], name)]
         if len(found) == 1:
             places[name] = found[0]

@@ -32,7 +32,7 @@ from tribo import InputError
 _MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser buono bon bueno"
 _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
-    "grippato grippaggio grippage grippé gripado"
+    "grippato grippaggio grippage grippé gripado notok niok"
 )
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
 _SHOWN = 6  # rows of a fault that are named
@@ -146,8 +146,9 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     read = read_rows(path, is_heading, given.get("decimal"))
     places, faults = columns_for(read.heads, row_of.keys, chosen)
     if (missing := [name for name in row_of.needed if name not in places]) and not faults:
-        choose = f'columns = {{ {missing[0]} = "HEADING" }} or --column "{missing[0]}=HEADING"'
-        faults = [f"{missing_columns(read.heads, missing)}; name one by {choose}"]
+        faults = [missing_columns(read.heads, missing)] if read.heads else []
+    if faults and read.heads and not chosen:
+        faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
     labelled, rows = with_units_below(read.heads, read.rows)
     needed = [places[name] for name in ("load", "velocity") if name in places]
     kept = [row for row in rows if not needed or any(row.cells[place] for place in needed)]

@@ -13,6 +13,7 @@ from tribo.errors import reason_of, require_file
 
 ROW_FILES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx")
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas"}
+_SURE_COMMA = re.compile(r"[+-]?(?:0,\d+|\d+,(?:\d{1,2}|\d{4,}))")
 _COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,])(.*)", re.DOTALL)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d")
 _MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
@@ -66,7 +67,10 @@ def read_rows(
     """
     require_file(path)
     if path.suffix.lower() not in ROW_FILES:
-        raise InputError(f"{path} cannot be read: rows are read from {', '.join(ROW_FILES)}")
+        raise InputError(
+            f"{path} cannot be read: rows are read from {', '.join(ROW_FILES)}; save it as .xlsx "
+            "or CSV"
+        )
     try:
         read = _of_excel if path.suffix.lower() == ".xlsx" else _of_text
         lines, form, separator = read(path)
@@ -91,7 +95,9 @@ def read_rows(
     ]
     if decimal is None:
         cells = (cell for row in below for cell in row.cells)
-        decimal = "," if separator in ";\t" and any(map(_COMMA.fullmatch, cells)) else "."
+        # Between commas they are quoted; those before three digits alone may be thousands.
+        mark = _SURE_COMMA if separator == "," else _COMMA
+        decimal = "," if any(map(mark.fullmatch, cells)) else "."
     rows = [
         Row(row.number, [_plain(cell, decimal) for cell in row.cells])
         for row in below
@@ -126,10 +132,13 @@ def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
     lines = text.splitlines()
     filled = [line for line in lines if line.strip()]
     # In a file with decimal commas these may be as many as semicolons.
-    separator = next(
-        (mark for mark in _NAMES if 2 * sum(mark in line for line in filled) >= len(filled) > 0),
-        ",",
-    )
+    usual = [mark for mark in _NAMES if 2 * sum(mark in line for line in filled) >= len(filled) > 0]
+    blanks = [re.sub(r"^\s*#\s*", "#", line).split() for line in lines]
+    columns = max((len(row) for row in blanks if row), key=[*map(len, blanks)].count, default=0)
+    if not usual and columns > 1:
+        rows = [Row(number, row or [""]) for number, row in enumerate(blanks, 1)]
+        return rows, ["blanks between cells", *form], " "
+    separator = (usual or [","])[0]
     try:
         cells = [list(map(str.strip, line)) for line in csv.reader(lines, delimiter=separator)]
     except csv.Error as error:

@@ -13,7 +13,7 @@ from pipeline.scene.rows import read_rows
 from pipeline.scene.units import UnitError, to_si
 from tribo.types import Array
 
-_LIKE = {"time": "s", "friction": "", "load": "N", "velocity": "m/s"}
+_LIKE = {"time": "s", "friction": "", "load": "N", "velocity": "m/s", "friction_force": "N"}
 _LEAST_ROWS = 20
 _STANDARD_DEVIATIONS = 4.0  # of friction before, below which a rise is scatter
 _LEAST_RISE = 0.2  # of friction before; less is running-in or a warmer film
@@ -118,7 +118,8 @@ def read_trace(path: Path) -> Trace | None:
     """
 
     def is_heading(cells: list[str]) -> bool:
-        return {"time", "friction"} <= columns_for(cells, _LIKE)[0].keys()
+        found = columns_for(cells, _LIKE)[0].keys()
+        return {"time", "friction"} <= found or {"time", "friction_force", "load"} <= found
 
     read = read_rows(path, is_heading)
     if not is_heading(read.heads) or len(read.rows) < _LEAST_ROWS:
@@ -133,6 +134,10 @@ def read_trace(path: Path) -> Trace | None:
             columns[name] = factor * np.array([float(row.cells[place] or "nan") for row in rows])
         except (UnitError, ValueError):
             return None
+    force = columns.pop("friction_force", None)
+    if "friction" not in columns:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            columns["friction"] = np.abs(force) / columns["load"]
     known = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
     columns = {name: column[known] for name, column in columns.items()}
     return Trace.of(**columns) if known.sum() >= _LEAST_ROWS else None

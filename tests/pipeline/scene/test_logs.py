@@ -3,6 +3,9 @@
 import pytest
 
 import pipeline
+from pipeline.scene.logs import entries_of_log, read_log
+from pipeline.scene.trace import read_trace
+from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
 
@@ -49,7 +52,7 @@ def test_rows_of_a_log_stand_beside_tables(lab):
         ("0.4,2,mlid", ["row 2, outcome", 'did you mean "mild"?']),
         ("0.4,2", ["row 2: 2 cells below 3 headings"]),
         (",2,severe", ["row 2, load", "missing"]),
-        ('"0,4",2,severe', ["row 2, load", '"0,4 kN"']),
+        ('"1,400",2,severe', ["row 2, load", '"1,400 kN"', "thousands without a comma"]),
     ],
 )
 def test_a_fault_is_named_by_row_and_column(lab, row, words):
@@ -94,6 +97,40 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
         rel=1e-12,
     )
     assert held > plain
+
+
+@pytest.mark.parametrize(
+    "log",
+    [
+        '"Last in kN","v in m/s","Befund"\n"0,4","1,75","kein Fresser"\n',
+        "Carico (N)\tVelocità (mm/s)\tEsito\n400\t1750,0\tbuono\n",
+        '"Load (mN)",speed [m/s],Pass/Fail\n"400,000.0",1.75,pass\n',
+        "# rig 3\n# load_N velocity_m/s outcome\n400 1.75 mild\n",
+    ],
+)
+def test_a_log_is_read_in_other_languages_and_forms(tmp_path, log):
+    path = tmp_path / "log.txt"
+    path.write_text(log, encoding="utf-8")
+    tests, faults = entries_of_log(read_log(path))
+    assert faults == []
+    assert [to_si(tests[0]["load"], "1 N"), to_si(tests[0]["velocity"], "1 m/s")] == [400.0, 1.75]
+    assert tests[0]["outcome"] == "mild"
+
+
+def test_a_trace_of_forces_and_a_speed_in_rpm_are_understood(tmp_path):
+    path = tmp_path / "trace.txt"
+    lines = ["# time_s load_N friction_N"]
+    lines += [f"{t} {10 * t} {10 * t * (0.1 if t < 30 else 0.2)}" for t in range(60)]
+    path.write_text("\n".join(lines))
+    trace = read_trace(path)
+    assert trace.load[trace.row] == 300.0
+    (fault,) = read_log_faults(path, "load [N],speed [rpm],outcome\n400,300,mild\n")
+    assert "pi times the diameter of the track" in fault
+
+
+def read_log_faults(path, log):
+    path.write_text(log)
+    return read_log(path).faults
 
 
 OFFICE = (
