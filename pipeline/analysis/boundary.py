@@ -99,7 +99,8 @@ def boundary(
         velocity. ``missing_at_load`` and
         ``missing_at_velocity`` count the points that are pending or failed, ``bridged_at_load``
         and ``bridged_at_velocity`` those of them that a crossing is interpolated across. The
-        conditions are attributes, and ``missing_points`` their total. Where the scene gives an oil,
+        conditions are attributes, whose units are in ``units_of_attributes``, and
+        ``missing_points`` is the total of those that are missing. Where the scene gives an oil,
         ``film_parameter_at_load`` and ``film_parameter_at_velocity`` are the film parameters at
         the crossings (see `pipeline.sweep.lubrication`).
 

@@ -135,7 +135,7 @@ def read_trace(path: Path) -> Trace | None:
         except (UnitError, ValueError):
             return None
     force = columns.pop("friction_force", None)
-    if "friction" not in columns:
+    if force is not None and "friction" not in columns:
         with np.errstate(divide="ignore", invalid="ignore"):
             columns["friction"] = np.abs(force) / columns["load"]
     known = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
