@@ -26,6 +26,8 @@ _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _PACKED = 0.35  # of a field in single precision is left by zstd: 0.355 of first_try at draft
+_STORE_BYTES = 0.36e6  # of a store without points: some 30 arrays, a folder and two files each
+_HALF_BLOCK = 2048  # of the disk, which the end of each file leaves empty
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _PATIENCE = 3.0  # [s] of processor time, after which no further point is timed
 _SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
@@ -50,7 +52,7 @@ class Estimate:
     basis : str
         Measurement from which the time is foretold.
     worker_bytes, disk_bytes : float
-        Memory of each worker; size of the store, uncompressed [B].
+        Memory of each worker; room that the store takes on a disk [B].
 
     Examples
     --------
@@ -160,7 +162,7 @@ def estimate(
         seconds=seconds,
         basis=basis,
         worker_bytes=max(worker_bytes(sweep.variant(name)) for name in given),
-        disk_bytes=points * _point_bytes(scene, timed.state),
+        disk_bytes=_STORE_BYTES + points * _point_bytes(scene, timed.state),
     )
 
 
@@ -254,11 +256,10 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
     stations = Stations.of(sweep)
     numbers: int = sum(column[0].size for column in stacked_columns(sweep, [state]).values())
-    fields = (
-        (3 + sweep.scene.unequal_bulks) * math.prod(sweep.scene.grid.shape) * sweep.record.fields
-    )
+    fields = (3 + sweep.scene.unequal_bulks) * sweep.record.fields
+    field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
     stored = 8.0 * numbers * max(stations.count(sweep.scene, load) for load in sweep.plane.loads)
-    return stored + 4.0 * _PACKED * fields
+    return stored + fields * field
 
 
 def savings(sweep: Sweep) -> Iterator[str]:

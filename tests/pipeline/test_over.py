@@ -48,7 +48,7 @@ def test_a_forecast_counts_the_points_of_every_scene(tmp_path):
         pipeline.estimate(case, 1)
         for case in (sweep, sweep.variant(next(iter(sweep.variants.given))))
     )
-    for name in ("points", "chains", "steps", "temperatures", "disk_bytes"):
+    for name in ("points", "chains", "steps", "temperatures"):
         assert getattr(cost, name) == len(sweep.variants.given) * getattr(one, name)
 
 
