@@ -12,28 +12,31 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import asked, attributes_of, plane_of
+from pipeline.analysis.dataset import asked, attributes_of, dataset_of, require_plane
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import UNITS, Crossing, certain, interpolated, outcomes, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
+from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.selection import velocity_error
+from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
+_USUAL = COORDINATES.keys() - {VARIANT, "realization"}
 NOT_DECIDED = "not decided"
 """Verdict on a place whose distance from severe wear lies within the error of its temperature."""
 
@@ -156,8 +159,8 @@ def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
 
 def margins(
     ds: xr.Dataset | PathLike,
-    load: float | str,
-    velocity: float | str,
+    load: float | str | None = None,
+    velocity: float | str | None = None,
     friction: float | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -175,14 +178,16 @@ def margins(
     load : float or str
         Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep.
     velocity : float or str
-        Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep.
+        Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep. Both
+        are left out where rows have places of their own (``[sweep] along``).
     friction, bulk_temperature, critical_temperature, share, criterion, own_laws
         See `pipeline.boundary`.
 
     Returns
     -------
     tuple of Margin
-        One for each random surface of the sweep, and each value of entries with several.
+        One for each random surface of the sweep, and each value of entries with several; or for
+        each row, at its own place.
 
     Raises
     ------
@@ -198,44 +203,77 @@ def margins(
     >>> margin.verdict, f"{margin.distance:.0f} K"
     ('severe', '-13 K')
     """
-    place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     others = friction, bulk_temperature, critical_temperature, share, criterion, own_laws
+    if load is None or velocity is None:
+        return tuple(row.here() for row in rows_of(ds, *others))
+    place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
+    ds = dataset_of(ds)
+    require_plane(ds)
     return tuple(row.at(*place) for row in rows_of(ds, *others))
 
 
 def margins_at(
-    ds: xr.Dataset, places: Iterable[tuple[float, float]], **conditions: Any
+    ds: xr.Dataset, places: Iterable[tuple[float, float]] | None, **conditions: Any
 ) -> Iterator[Margin]:
-    """Margins at loads [N] and velocities [m/s]; none where the sweep does not tell."""
-    places = list(places)
+    """Margins at loads [N] and velocities [m/s], or at places of the rows' own if none are given.
+
+    None where the sweep does not tell.
+    """
+    listed = None if places is None else list(places)
     for row in rows_of(ds, **conditions):
-        for place in places:
+        for place in [row.place] if listed is None else listed:
             with suppress(InputError):
-                yield row.at(*place)
+                yield row.here() if place is None else row.at(*place)
 
 
 def rows_of(ds: xr.Dataset | PathLike, *others: Any, **given: Any) -> tuple[Row, ...]:
     """The planes of a sweep along whatever stands in front, each judged by its conditions."""
     rows = list[Row]()
-    for scene in map(plane_of, scenes(ds)):
+    for scene in scenes(ds):
+        is_placed = any(name not in scene.dims for name in PLANE)
+        coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
+        shown = {name: label.item() for name, label in coords.items() if not label.ndim}
+        scene = scene.expand_dims([name for name in PLANE if name not in scene.dims])
         conditions, about = conditions_of(scene, *others, **given), attributes_of(scene)
         rise = decisive_rise(scene, conditions)
         labels = {path: scene[path].item() for path in about.get("entries", {})}
+        place = tuple(scene[name].item() for name in PLANE) if is_placed else None
         front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
         is_missing = (rise.isnull() & asked(scene)).values.reshape(-1, *rise.shape[-2:])
         drawn = itertools.product(*front.values())
         rows += [
             Row(
-                labels=labels | dict(zip(front, values, strict=True)),
+                labels=labels,
+                drawn=dict(zip(front, values, strict=True)),
                 grid=grid,
                 is_missing=missing,
                 conditions=conditions,
                 promised=velocity_error(about),
-                ends={name: range_of(scene, name) for name in ("load", "velocity")},
+                ends={name: _ends(scene, name, is_placed) for name in PLANE},
+                shown=shown | dict(zip(front, values, strict=True)),
+                place=place,
             )
             for grid, missing, values in zip(grids_of(scene, rise), is_missing, drawn, strict=True)
         ]
-    return tuple(rows)
+    return tuple(_about_places(rows))
+
+
+def _ends(scene: xr.Dataset, name: str, is_placed: bool) -> tuple[float, float]:
+    """Lowest and highest load [N] or velocity [m/s] that a row is asked for at."""
+    if not is_placed:
+        return range_of(scene, name)
+    here = float(scene[name].item())
+    return here, here
+
+
+def _about_places(rows: Iterable[Row]) -> Iterator[Row]:
+    """Rows, those that lie about one place as one; the first of these is the place itself."""
+    about = dict[Any, list[Row]]()
+    for row in rows:
+        labels = [label for label in row.shown.items() if label[0] != VARIANT]
+        about.setdefault((*labels,) if PLACE in row.shown else id(row), []).append(row)
+    for first, *others in about.values():
+        yield first.with_others(others) if others else first
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -244,8 +282,8 @@ class Row:
 
     Attributes
     ----------
-    labels : mapping
-        Value of the row along each dimension in front.
+    labels, drawn : mapping
+        Value of the row along each dimension in front: of entries, and of those drawn.
     grid : RisePlane
         Its rises.
     is_missing : ndarray of bool, shape (n_load, n_velocity)
@@ -256,14 +294,51 @@ class Row:
         Relative error of its boundary velocities.
     ends : mapping of tuple of float
         Loads [N] and velocities [m/s] that its scene asks for, from the lowest to the highest.
+    shown : mapping
+        All labels of the row.
+    place : tuple of float or None
+        Load [N] and velocity [m/s] of its own; None if it has a plane.
     """
 
     labels: Mapping[str, Any]
+    drawn: Mapping[str, Any]
     grid: RisePlane
     is_missing: Mask
     conditions: Conditions
     promised: float | None
     ends: Mapping[str, tuple[float, float]]
+    shown: Mapping[str, Any]
+    place: tuple[float, float] | None = None
+
+    def here(self) -> Margin:
+        """The margin at the row's own place."""
+        if self.place is None:
+            raise InputError(
+                "no operating point is given, and the rows have none of their own; give a load and "
+                "a velocity (--load and --velocity), or a table of them (--points)"
+            )
+        return self.at(*self.place)
+
+    def with_others(self, others: Sequence[Row]) -> Row:
+        """The row with the points of others about it, which lie on a cross."""
+        every = [self.grid, *(other.grid for other in others)]
+        loads, velocities = (
+            np.unique(np.concatenate([getattr(grid, name) for grid in every]))
+            for name in ("loads", "velocities")
+        )
+        shape = len(loads), len(velocities)
+        rises, durations = np.full(shape, np.nan), np.zeros(shape)
+        flags, is_missing = np.zeros(shape, int), np.zeros(shape, bool)
+        for row, grid in zip((self, *others), every, strict=True):
+            here = np.ix_(np.isin(loads, grid.loads), np.isin(velocities, grid.velocities))
+            rises[here], flags[here] = grid.rises, grid.flags
+            durations[here], is_missing[here] = grid.durations, row.is_missing
+        return replace(
+            self,
+            grid=RisePlane(loads, velocities, rises, flags, durations),
+            is_missing=is_missing,
+            ends={"load": (loads[0], loads[-1]), "velocity": (velocities[0], velocities[-1])},
+        )
 
     def at(self, load: float, velocity: float) -> Margin:
         """The margin at a load [N] and a velocity [m/s]; an `InputError` where it is not known."""
@@ -340,7 +415,7 @@ def _margin(row: Row, load: float, velocity: float) -> Margin:
     return Margin(
         load=load,
         velocity=velocity,
-        realization=row.labels.get("realization"),
+        realization=row.drawn.get("realization"),
         decisive_temperature=contact_temperature(rise, conditions),
         is_severe=bool(Criterion.is_severe(rise, row.limit)),
         error=error.times(conditions.rise_factor * rise),
@@ -355,7 +430,7 @@ def _margin(row: Row, load: float, velocity: float) -> Margin:
         load_range=along_load.computed,
         velocity_bridged=along_velocity.bridged,
         load_bridged=along_load.bridged,
-        entries={name: value for name, value in row.labels.items() if name != "realization"},
+        entries=row.labels,
     )
 
 

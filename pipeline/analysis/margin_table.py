@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +17,7 @@ import xarray as xr
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin, rows_of
-from pipeline.analysis.scenes import frame_by_scene
+from pipeline.analysis.scenes import frame_by_scene, heads_of
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOAD, SPEED
@@ -25,15 +26,17 @@ from pipeline.scene.headings import (
     heading_of,
     missing_columns,
     with_units_below,
+    with_velocity_of_turns,
 )
 from pipeline.scene.rows import may_be_thousands, read_rows
 from pipeline.store.place import PathLike
+from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 
 
 def margin_table(
     ds: xr.Dataset | PathLike,
-    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]],
+    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
     **conditions: Any,
 ) -> pd.DataFrame:
     """Distances of operating points from severe wear, without a new simulation.
@@ -74,6 +77,8 @@ def margin_table(
     0     500.0    mild
     1     600.0  severe
     """
+    if points is None:
+        return _of_rows(dataset_of(ds), conditions)
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
 
     def of_scene(scene: xr.Dataset) -> pd.DataFrame:
@@ -97,18 +102,37 @@ def frame_of_points(
     The answer ends with the note; where an `InputError` stands for it, the first of the columns, a
     verdict, is not known.
     """
-    rows = []
-    for place in points.places:
-        try:
-            rows.append((*place, *answer(*place)))
-        except InputError as error:
-            rows.append((*place, "not known", *[None] * (len(heads) - 1), str(error)))
-    results = frame_of(["load [N]", "velocity [m/s]", *heads, "note"], rows)
+    results = _results(heads, [(place, partial(answer, *place)) for place in points.places])
     others = {
         f"{head} (given)" if head in {*results, *as_dict(results)} else head: values
         for head, values in points.others.items()
     }
     return pd.concat([pd.DataFrame(others, index=results.index), results], axis="columns")
+
+
+def _results(
+    heads: Sequence[str],
+    asked: Iterable[tuple[tuple[float, float], Callable[[], Sequence[Any]]]],
+) -> pd.DataFrame:
+    """Frame of answers at places; where an `InputError` stands for one it is the note."""
+    rows = []
+    for place, answer in asked:
+        try:
+            rows.append((*place, *answer()))
+        except InputError as error:
+            rows.append((*place, "not known", *[None] * (len(heads) - 1), str(error)))
+    return frame_of(["load [N]", "velocity [m/s]", *heads, "note"], rows)
+
+
+def _of_rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> pd.DataFrame:
+    """Frame with a row for each row of the table of variants that has a place of its own."""
+    rows = [row for row in rows_of(ds, **conditions) if row.place]
+    held = [name for row in rows[:1] for name in row.shown]
+    names = [name for name in held if name not in (PLACE, VARIANT)] or held
+    heads = heads_of(ds, names)
+    labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in rows])
+    asked = [(row.place or (np.nan, np.nan), lambda row=row: _of_one(row.here())) for row in rows]
+    return pd.concat([labels, _results(_HEADS, asked)], axis="columns")
 
 
 LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")
@@ -263,7 +287,7 @@ def _read_file(path: Path, faults: list[str]) -> _Cells:
         places, wrong = columns_for(cells, _KINDS)
         return not wrong and _KINDS.keys() == places.keys()
 
-    read = read_rows(path, is_heading)
+    read = with_velocity_of_turns(read_rows(path, is_heading))
     if not read.heads:
         raise InputError(f'{path} is empty; begin it with a line "load [N],velocity [m/s]"')
     twice = dict.fromkeys(head for head in read.heads if read.heads.count(head) > 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
@@ -28,7 +28,7 @@ from tribo import InputError
 Given = ParamSpec("Given")
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
-_SHOWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m2 N-1": "mm³/(N m)"}
+_SHOWN = {"m s-1": "m/s", "m": "mm", "K": "°C", "Pa": "GPa", "m2 N-1": "mm³/(N m)"}
 _SHORT = 1e-4  # m: lengths of an entry that are all shorter are shown in µm
 
 
@@ -135,8 +135,13 @@ def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Datas
 
 def entry_heads(ds: xr.Dataset | xr.DataArray) -> dict[str, str]:
     """Heads in a data frame of the entries that have several values, by their paths."""
+    return heads_of(ds, entry_dims(ds))
+
+
+def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str]) -> dict[str, str]:
+    """Heads in a data frame of some labels of rows, with the units in which these are shown."""
     heads = {}
-    for name in entry_dims(ds):
+    for name in names:
         unit = _usual_unit(ds[name]) or str(ds[name].attrs.get("units", "1"))
         heads[name] = name if unit in ("", "1") else f"{name} [{unit}]"
     return heads

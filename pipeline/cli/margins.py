@@ -20,7 +20,7 @@ from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, in_words, outcomes
 from pipeline.cli.next_steps import commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
-from pipeline.cli.scenes import by_samples, conditions_in, opened, operating_points_in
+from pipeline.cli.scenes import by_samples, conditions_in, opened, operating_points_in, values_in
 from pipeline.cli.unknowns import about, frame_of_intervals, notes, on_risk, samples_of
 
 if TYPE_CHECKING:
@@ -32,15 +32,20 @@ if TYPE_CHECKING:
 
 def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
-    points = operating_points_in(options)
+    place = values_in(options, "load", "velocity")
+    points = operating_points_in(options) if place or options.points else None
     ds, conditions = opened(options), conditions_in(options)
     if by_samples(options, ds):
+        operating_points_in(options)  # of which samples have none themselves
         return _of_samples(options, ds, conditions)
-    if options.points is None:
+    if place:
         return _of_one(options, ds, conditions)
     table = pipeline.margin_table(ds, points, **conditions)
+    if table.empty:
+        operating_points_in(options)  # which says that there is none
     document, text = _on_points(options, table)
-    commands, lines = _next(options, ds, margins_at(ds, points.places, **conditions), conditions)
+    margins = margins_at(ds, points.places if points else None, **conditions)
+    commands, lines = _next(options, ds, margins, conditions)
     text += lines
     warned = pipeline.warned(ds, **conditions)
     return Result(document | {"next": commands}, text, warned, [table])

@@ -231,8 +231,7 @@ def _words_of(
         if row["values"] == [*entries.values()]:
             own = row["attributes"]
     words = _scene_of({**attributes, **own})
-    is_set = (any(word.startswith(f"--set={path}=") for word in words) for path in entries)
-    return words if all(is_set) else None
+    return words if "arguments" in own or not entries else None
 
 
 def _in_python(margin: Margin) -> str:

@@ -57,7 +57,7 @@ def computed(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
-        names = ("risk", "sensitivity") if sweep.variants.draw else ("boundary", "plot")
+        names = sweep.variants.answers
         own = sweep.conditions.own_criterion
         word = ["--criterion", own.reference, "--own-laws"] if own else []
         commands = (shlex.join(["irg", name, str(out), *word]) for name in names)

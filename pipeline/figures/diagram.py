@@ -27,6 +27,7 @@ from pipeline.analysis.dataset import (
     entry_dims,
     has_one_scene,
     is_emulated,
+    require_plane,
 )
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.scenes import scenes, value_text
@@ -101,6 +102,7 @@ def diagram(
         if any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log, **judged)
+    require_plane(ds)
     ds = at_labels(ds, realization=realization)
     if not has_one_scene(ds):
         if isinstance(friction, Sequence):

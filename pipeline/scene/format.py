@@ -334,6 +334,14 @@ SWEEP = Table({
         'Values of entries by their paths, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`: '
         "all is computed for each value, and for every combination of several entries.",
         default={}),
+    "along": Optional(Either(Text(), List(ByPath(Scalar(), "the paths of others"))),
+        "Pairs: a CSV file, or a list of tables, such as "
+        '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Each row has a place '
+        "of its own, and values of entries by their paths; `irg margin STORE` gives the verdict "
+        "and the margin of each. Other columns are labels."),
+    "around": Optional(Whole(at_least=3, at_most=99),
+        "Velocities and loads about each row of `along`, from half to twice its own, so that "
+        "margins have factors."),
     "fields": Optional(Flag(),
         "Pressure, temperature rise and wear depth over the window stored, or not.",
         default=False),

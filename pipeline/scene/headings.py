@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.rows import Row
-from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.scene.rows import Row, Rows
+from pipeline.scene.units import TURNS, UnitError, si_unit, to_si
 
 _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]"),
@@ -23,13 +23,13 @@ _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
 )
 """Ways to write a unit. All but the first count only if what stands there is a unit."""
+_TRACK = re.compile(r"(?:[^.]*\b)?(radius|diameter|durchmesser)", re.IGNORECASE)
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
 _DIMENSION = {
     "load": "N", "velocity": "m s-1", "friction": "1", "bulk_temperature": "K", "hold": "s",
     "time": "s", "friction_force": "N",
 }  # fmt: skip
 """Units in SI of quantities; of others nothing is guessed."""
-_TURNS = ("rpm", "1/min", "min^-1", "U/min")
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
 }  # fmt: skip
@@ -205,12 +205,42 @@ def with_units_below(heads: list[str], rows: list[Row]) -> tuple[list[str], list
     ], rows[1:]
 
 
+def with_velocity_of_turns(read: Rows) -> Rows:
+    """Rows with a velocity in place of a rotation, where a column has the radius or diameter.
+
+    Examples
+    --------
+    >>> read = Rows(["n [rpm]", "radius [mm]"], [Row(2, ["600", "25"])], ".", [], [])
+    >>> with_velocity_of_turns(read).rows[0].cells
+    ['600 rpm at radius 25 mm', '25']
+    """
+    headings = [heading_of(head) for head in read.heads]
+    turning = [k for k, heading in enumerate(headings) if heading.unit in TURNS]
+    lengths = [
+        (k, match[1]) for k, one in enumerate(headings) if (match := _TRACK.fullmatch(one.title))
+    ]
+    if len(turning) != 1 or len(lengths) != 1:
+        return read
+    (turn,), ((length, word),) = turning, lengths
+    which = "radius" if word.lower() == "radius" else "diameter"
+    heads = [*read.heads]
+    heads[turn] = "velocity"
+    rows = []
+    for number, cells in read.rows:
+        said = f"{cells[turn]} rpm at {which} {cells[length]} {headings[length].unit}"
+        is_given = cells[turn] and cells[length]
+        rows.append(
+            Row(number, [said if k == turn and is_given else c for k, c in enumerate(cells)])
+        )
+    return read._replace(heads=heads, rows=rows)
+
+
 def missing_columns(heads: Sequence[str], missing: Sequence[str]) -> str:
     """Say which columns are missing among those of a file."""
     wrong = []
     for heading in map(heading_of, heads):
         meant = [name for name in missing if _has_words(heading, name)]
-        if "velocity" in missing and heading.unit in _TURNS:
+        if "velocity" in missing and heading.unit in TURNS:
             meant = ["velocity"]
         if heading.unit and any(not _is_of(heading.unit, _DIMENSION.get(n, "1")) for n in meant):
             said = f"{_listed([heading.text])} is in {heading.unit}"

@@ -23,6 +23,7 @@ from pipeline.scene.headings import (
     heading_of,
     missing_columns,
     with_units_below,
+    with_velocity_of_turns,
 )
 from pipeline.scene.kinds import Kind, Number, OneOf
 from pipeline.scene.rows import Row, may_be_thousands, read_rows
@@ -143,7 +144,7 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
         places, faults = columns_for(cells, row_of.keys, chosen)
         return not faults and {"load", "velocity"} <= places.keys()
 
-    read = read_rows(path, is_heading, given.get("decimal"))
+    read = with_velocity_of_turns(read_rows(path, is_heading, given.get("decimal")))
     places, faults = columns_for(read.heads, row_of.keys, chosen)
     if (missing := [name for name in row_of.needed if name not in places]) and not faults:
         faults = [missing_columns(read.heads, missing)] if read.heads else []

@@ -44,7 +44,8 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
         )
     texts = {path: axis.text_of for path, axis in axes.items()}
     scenes = [
-        _scene({path: texts[path][value] for path, value in name}, sweep, make) for name in names
+        scene_with({path: texts[path][value] for path, value in name}, sweep, make, "sweep.over")
+        for name in names
     ]
     parts = tuple(tuple(differing_inputs(sweep, scene)) for scene in scenes)
     if len(parts) > 1 and all(part == parts[0] for part in parts):
@@ -105,29 +106,29 @@ def _axis(path: str, values: tuple[Any, ...]) -> Column:
     return Column(path, labels, unit, meaning=f"{path} of the scene", texts=values)
 
 
-def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
+def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) -> Sweep:
     """The scene with some values; raises if it is faulty, or has other axes."""
     place = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
     faults = Faults()
     try:
         scene = make(values, faults)
     except InputError as error:
-        raise InputError(f"sweep.over: {place}: {error}") from error
+        raise InputError(f"{key}: {place}: {error}") from error
     if scene is None:
-        key, problem, *_ = faults[0]
-        problem = problem if key == next(iter(values)) else f"{key}: {problem}"
-        raise InputError(f"sweep.over: {place}: {problem}")
+        path, problem, *_ = faults[0]
+        problem = problem if path == next(iter(values)) else f"{path}: {problem}"
+        raise InputError(f"{key}: {place}: {problem}")
     settings = (f"--set={path}={value}" for path, value in values.items())
     scene = scene.changed(arguments=(*sweep.about.arguments, *settings))
     for name in _SAME:
         if scene.get(name) != sweep.get(name):
             raise InputError(
-                f"sweep.over: {place} changes the {name.replace('_', ' ')}, which every value has "
+                f"{key}: {place} changes the {name.replace('_', ' ')}, which every value has "
                 "in common; sweep it in stores of its own"
             )
     if sweep.record.fields and scene.scene.grid != sweep.scene.grid:
         raise InputError(
-            f"sweep.over: {place} changes the grid of the stored fields, which every value has in "
+            f"{key}: {place} changes the grid of the stored fields, which every value has in "
             "common; leave out sweep.fields, or give an entry that keeps the grid"
         )
     return scene

@@ -47,6 +47,7 @@ Every table and key of a scene, made from the format itself by `make reference`.
 
 A scene is a TOML file in UTF-8. Quantities are text with a unit, such as `"750 N"`, in any unit of
 the right dimension; decimals have a point; a bare number where a unit is due is a fault.
+A velocity may be `"600 rpm at radius 25 mm"`, or `at diameter`.
 `irg new scene.toml --full` writes a scene that holds all of this as comments, and
 `irg check scene.toml` names every fault at once. `irg new --schema scene.schema.json` writes a JSON
 schema, by which editors complete and explain the entries of a scene that begins with

@@ -12,6 +12,7 @@ from os import PathLike, fspath
 from typing import Any
 
 import tribo
+from pipeline.scene.along import along_of, pairs_of, with_first_row
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
 from pipeline.scene.facts import track_faults
@@ -83,6 +84,8 @@ def load_scene(
     faults = Faults()
     replaced = _by_path(overrides or {}, preset, faults)
     document = with_first_values(with_entries(read_document(path, faults), replaced, faults))
+    pairs = pairs_of(document, faults)
+    document = with_first_row(document, pairs)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
@@ -103,6 +106,7 @@ def load_scene(
             samples = samples_of(tables, sweep, over, variant, faults, fixed_paths(document))
             sweep = sweep.changed(variants=samples or over * sweep.variants)
             sweep = with_rates_of(tables["sweep"]["wear_rates"], sweep, faults.notes)
+            sweep = along_of(pairs, sweep, variant) if pairs else sweep
             sweep = sweep.changed(notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error

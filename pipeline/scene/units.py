@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import re
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,12 @@ _GRAVITY = 9.80665  # [m/s²], of weights
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
+TURNS = ("rpm", "1/min", "min^-1", "U/min")
+"""Units of a rotation, which is a velocity at a radius or a diameter."""
+_TURNS = re.compile(
+    rf"\s*(?P<number>{_NUMBER})\s*(?:{'|'.join(map(re.escape, TURNS))})\s+at\s+"
+    r"(?P<which>radius|diameter)\s+(?P<length>.+)"
+)
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?![\d,.])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
 _RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
@@ -110,8 +117,14 @@ def exact_si(text: str, like: str) -> Decimal:
     Decimal('298.15')
     >>> f"{exact_si('62 HRC', like='6.6 GPa'):.4g}"
     '7.316e+9'
+    >>> f"{exact_si('600 rpm at radius 25 mm', like='1 m/s'):.4g}"
+    '1.571'
     """
-    (number, unit), needed = _with_pressure(text), _parts(like)[1]
+    needed = _parts(like)[1]
+    if needed in _USUAL["m s-1"] and (turns := _TURNS.fullmatch(text)):
+        radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
+        return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
+    number, unit = _with_pressure(text)
     for units in _USUAL.values():
         if unit in units and needed in units:
             return Decimal(number) * Decimal(units[unit]) + _ZERO.get(unit, 0)
@@ -237,10 +250,7 @@ def _what_to_give(quantity: pint.Quantity[Decimal], needed: str) -> str:
         weight = float(quantity.to("kg").magnitude) * _GRAVITY
         return f"; its weight is {weight:.4g} N"
     if needed == "m/s" and quantity.check("1/[time]"):
-        turns = float((quantity / quantity.units).magnitude)
-        per_second = turns * float((1 * quantity.units).to("revolution/s").magnitude)
-        speed = 3.141593 * 0.06 * per_second
-        return f"; give pi times the diameter of the track times it: on 60 mm it is {speed:.4g} m/s"
+        return '; give its track, too, such as "500 rpm at radius 30 mm"'
     return ""
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column
-from tribo import WarningKind
+from tribo import InputError, WarningKind
 
 FORMAT = 3
 """Version of the layout."""
@@ -174,6 +174,11 @@ def _variable_of(column: Column) -> Variable:
 def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     """Variables of the store of a sweep, with fields at the end of each point or without."""
     table = {column.name: _variable_of(column) for column in sweep.variants.columns}
+    for name in table.keys() & VARIABLES.keys() - COORDINATES.keys():
+        raise InputError(
+            f"a column of the rows is called {name}, as is a variable of the dataset; give it "
+            "another name"
+        )
     front, placed = tuple(sweep.variants.axes), frozenset(table)
     absent = {*_OF_TABLE}
     if not with_fields:

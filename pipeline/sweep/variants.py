@@ -20,6 +20,8 @@ from tribo import InputError
 
 VARIANT = "variant"
 """Dimension of rows that are no full product; it numbers them."""
+PLACE = "place_number"
+"""Label of rows that lie about one place, which is that of the first of them."""
 Label = float | int | str
 """Value of a row in a column."""
 Variant = tuple[tuple[str, Label], ...]
@@ -203,6 +205,18 @@ class Variants:
         return self.velocities is None and self._places("load") is None
 
     @property
+    def sets_velocities(self) -> bool:
+        """True if rows slide at other velocities than those of the plane."""
+        return bool(self.wear_rates) or self.velocities is not None
+
+    @property
+    def answers(self) -> tuple[str, ...]:
+        """Commands that answer first: by probabilities, by a boundary, or at the rows' places."""
+        if self.draw:
+            return "risk", "sensitivity"
+        return ("boundary", "plot") if self.has_plane else ("margin",)
+
+    @property
     def wear_rates(self) -> tuple[float, ...]:
         """Specific wear rates at which rows have the contacts of the scene's own [m²/N]."""
         return tuple(self.axes.get(WEAR_RATE, ()))  # type: ignore[arg-type]
@@ -322,6 +336,29 @@ def drawn_rows(draw: Draw, count: int, parts: Sequence[Part] = ()) -> Variants:
     )
     columns = (_numbers(count, is_drawn=True), sample, *inputs, velocity)
     return Variants(columns, tuple(parts) or ((),) * count, draw=draw)
+
+
+def placed_rows(
+    parts: Sequence[Part],
+    columns: Sequence[Column],
+    loads: Sequence[float],
+    velocities: Sequence[float],
+    rows: Sequence[int] | None = None,
+) -> Variants:
+    """Rows with a place each, and what they change; numbers of those that belong together if any.
+
+    The first row of a number is the place itself, the others lie about it.
+    """
+    numbers = _numbers(len(parts))
+    places = [("load", loads, "N"), ("velocity", velocities, "m/s")]
+    along = [
+        *(replace(column, along=VARIANT) for column in columns),
+        *(Column(k, tuple(held), u, VARIANT, meaning=f"{k} of the row") for k, held, u in places),
+    ]
+    if rows is not None:
+        along.append(Column(PLACE, tuple(rows), "1", VARIANT, meaning="place that a row is about"))
+    given = dict(zip(combinations({VARIANT: numbers.values}), parts, strict=True))
+    return Variants((numbers, *along), tuple(parts), given)
 
 
 def rows(

@@ -15,6 +15,7 @@ import numpy as np
 from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.plan import stacked_columns, step_count
 from pipeline.sweep.stages import duration
 from pipeline.sweep.stations import Stations
@@ -118,7 +119,8 @@ def estimate(
         sweep.require_search()
     velocities = _searched(sweep) if searched else len(every)
     ramps = velocities * variants
-    points = (min(2, velocities) if searched else velocities) * len(sweep.plane.loads) * variants
+    loads = len(sweep.plane.loads)
+    points = min(2, velocities) * loads * variants if searched else len(points_of(sweep))
     moving = sum(velocity != 0 for velocity in every) * sweep.scene.friction_heat
     names, given = sweep.variants.names, list(sweep.variants.given)
     scene = sweep.variant(given[len(given) // 2])

@@ -14,7 +14,13 @@ from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.dataset import attributes_of, dataset_of, is_emulated, with_wear_rates
+from pipeline.analysis.dataset import (
+    attributes_of,
+    dataset_of,
+    is_emulated,
+    require_plane,
+    with_wear_rates,
+)
 from pipeline.analysis.scenes import entries_in_words, with_all_wear_rates
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content
@@ -140,6 +146,7 @@ def explore(
     elif given_measured or scatter is not None:
         raise InputError("the sweep has no samples, which given_measured and scatter belong to")
     else:
+        require_plane(ds)
         held = [content(part, most_fields // len(parts), **judged) for part in parts]
         scripts, bodies = _OF_PLANE, [_of_plane(one) for one in held]
     about = attributes_of(ds)

@@ -154,9 +154,9 @@ def _operating_points(
     ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]
 ) -> Iterator[Part]:
     """Margins of operating points."""
-    if points is None:
-        return
     table = margin_table(ds, points, **conditions)
+    if table.empty:
+        return
     yield short(table, LONG)
     yield from (f"{note}." for note in notes_of(table))
     yield (

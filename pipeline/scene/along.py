@@ -1,0 +1,211 @@
+"""Pairs: ``[sweep] along``, rows of a file or tables, each with a place and entries of its own.
+
+A row is read as if its values stood in the file. With ``around`` further places about each one are
+simulated, so that its distance from severe wear is known in load and velocity, too.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.scene.document import Document, Layer
+from pipeline.scene.faults import Faults, with_value
+from pipeline.scene.format import LOAD, SPEED
+from pipeline.scene.headings import (
+    columns_for,
+    heading_of,
+    missing_columns,
+    with_units_below,
+    with_velocity_of_turns,
+)
+from pipeline.scene.over import scene_with
+from pipeline.scene.rows import may_be_thousands, read_rows
+from pipeline.scene.schema import flat
+from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.scene.unknown import Make, differing_inputs
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.variants import Column, Label, placed_rows
+from tribo import InputError
+
+_PLACE = {"load": LOAD, "velocity": SPEED}
+_REACH = 2.0  # factor of load and velocity to which places about a row go
+_MOST = 10_000  # places, each of which is read as a scene
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """Rows of pairs, as they are written.
+
+    Attributes
+    ----------
+    places : tuple of tuple
+        Load [N] and velocity [m/s] of each row.
+    entries : tuple of mapping
+        Values of entries in each row, by their paths as TOML has them.
+    labels : mapping
+        Cells of the other columns, by their headings.
+    around : int or None
+        Number of velocities, and of loads, about each place.
+    """
+
+    places: tuple[tuple[float, float], ...]
+    entries: tuple[Mapping[str, Any], ...]
+    labels: Mapping[str, Sequence[str]]
+    around: int | None
+
+
+def pairs_of(document: Document, faults: Faults) -> Pairs | None:
+    """The pairs that a scene asks for; None if none, or if they are faulty, which is noted."""
+    sweep = document.entries().get("sweep")
+    asked = sweep.get("along") if isinstance(sweep, dict) else None
+    wrong = Faults()
+    if isinstance(asked, str) and asked:
+        rows = _of_file(document.file_of("sweep.along").parent / asked, wrong)
+    elif isinstance(asked, list) and asked and all(isinstance(row, dict) for row in asked):
+        rows = [dict(flat(row)) for row in asked]
+    else:
+        return None  # which the format tells
+    faults += wrong
+    if wrong or not rows:
+        return None
+    for number, row in enumerate(rows):
+        if row.keys() != rows[0].keys():
+            other = ", ".join(sorted(row.keys() ^ rows[0].keys()))
+            wrong.note(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
+    places = tuple(
+        (
+            LOAD.read(row.get("load"), f"sweep.along[{number}].load", wrong),
+            SPEED.read(row.get("velocity"), f"sweep.along[{number}].velocity", wrong),
+        )
+        for number, row in enumerate(rows)
+    )
+    faults += wrong
+    if wrong:
+        return None
+    paths = [path for path in rows[0] if "." in path]
+    others = [head for head in rows[0] if head not in (*paths, *_PLACE)]
+    around = sweep.get("around") if isinstance(sweep, dict) else None
+    return Pairs(
+        places,
+        tuple({path: row[path] for path in paths} for row in rows),
+        {head: [str(row[head]) for row in rows] for head in others},
+        around if isinstance(around, int) else None,
+    )
+
+
+def with_first_row(document: Document, pairs: Pairs | None) -> Document:
+    """The document with the first row's values, and all loads and velocities, below all it has."""
+    if pairs is None:
+        return document
+    axes = zip(("loads", "velocities"), zip(*pairs.places, strict=True), ("N", "m/s"), strict=True)
+    below: dict[str, Any] = {
+        "sweep": {name: [f"{one!r} {unit}" for one in sorted({*held})] for name, held, unit in axes}
+    }
+    for path, value in pairs.entries[0].items():
+        below = with_value(below, path, value)
+    return Document((*document.layers, Layer(document.file, below)))
+
+
+def along_of(pairs: Pairs, sweep: Sweep, make: Make) -> Sweep:
+    """The sweep with a row of its table of variants for each place; raises at a faulty one."""
+    if sweep.variants.sets_velocities:
+        raise InputError(
+            "sweep.along: its rows have places of their own, as samples have, and wear_rates have "
+            "a plane; leave out one or the other"
+        )
+    factors = [f for f in np.geomspace(1 / _REACH, _REACH, pairs.around or 1) if f != 1.0]
+    factors = [float(f"{f:.4g}") for f in factors] if pairs.around else []
+    about = [(1.0, 1.0), *((1.0, f) for f in factors), *((f, 1.0) for f in factors)]
+    if (count := len(pairs.places) * len(about)) > _MOST:
+        raise InputError(f"sweep.along: {count} places are too many; give {_MOST} at most")
+    scenes = [scene_with(entries, sweep, make, "sweep.along") for entries in pairs.entries]
+    numbers = [number for number in range(len(scenes)) for _ in about]
+    loads, velocities = (
+        [place[k] * by[k] for place in pairs.places for by in about] for k in (0, 1)
+    )
+    parts = [tuple(differing_inputs(sweep, scene)) for scene in scenes]
+    columns = [_column(path, [row[path] for row in pairs.entries]) for path in pairs.entries[0]]
+    columns += [Column(head, tuple(cells), None) for head, cells in pairs.labels.items()]
+    table = placed_rows(
+        [parts[number] for number in numbers],
+        [column.taken(numbers) for column in columns],
+        loads,
+        velocities,
+        numbers if factors else None,
+    )
+    plane = {"loads": tuple(sorted({*loads})), "velocities": tuple(sorted({*velocities}))}
+    return sweep.changed(variants=table * sweep.variants, **plane)
+
+
+def _column(path: str, cells: Sequence[Any]) -> Column:
+    """Values of an entry in SI, or words."""
+    meaning, first = f"{path} of the row", cells[0]
+    try:
+        if isinstance(first, str):
+            values = tuple(to_si(str(cell), like=first) for cell in cells)
+            return Column(path, values, si_unit(first), meaning=meaning, texts=tuple(cells))
+        return Column(path, tuple(float(cell) for cell in cells), meaning=meaning)
+    except (UnitError, TypeError, ValueError):
+        words: tuple[Label, ...] = tuple(str(cell) for cell in cells)
+        return Column(path, words, None, meaning=meaning)
+
+
+def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
+    """Rows of a file as tables of a scene; faults are named by row and column."""
+
+    def is_heading(cells: list[str]) -> bool:
+        return not columns_for(cells, _PLACE)[1] and columns_for(cells, _PLACE)[0].keys() == {
+            *_PLACE
+        }
+
+    try:
+        read = with_velocity_of_turns(read_rows(path, is_heading))
+    except InputError as error:
+        faults.note("sweep.along", str(error))
+        return []
+    heads, rows = with_units_below(read.heads, read.rows)
+    places, wrong = columns_for(heads, _PLACE)
+    if not wrong and (missing := [name for name in _PLACE if name not in places]):
+        wrong = [missing_columns(heads, missing)]
+    for fault in (*wrong, *read.faults):
+        faults.note("sweep.along", f"{path}: {fault}")
+    names = {place: name for name, place in places.items()}
+    titles = [names.get(place, heading_of(head).title) for place, head in enumerate(heads)]
+    tables = []
+    for row in rows:
+        for head, cell in zip(heads, row.cells, strict=True):
+            if not cell or (read.decimal == "," and may_be_thousands(cell)):
+                said = "is empty" if not cell else "may be thousands; write it plainly"
+                faults.note(
+                    "sweep.along", f"{path}: row {row.number}, column {json.dumps(head)} {said}"
+                )
+        units = (heading_of(head).unit for head in heads)
+        cells = zip(titles, row.cells, units, strict=True)
+        tables.append({title: _value(cell, unit) for title, cell, unit in cells})
+    if not tables and not wrong:
+        faults.note("sweep.along", f"{path} has no rows; give a load and a velocity in each")
+    return tables
+
+
+def _value(cell: str, unit: str) -> Any:
+    """A cell as a scene file has it: a number, or text with a unit.
+
+    Examples
+    --------
+    >>> _value("3.3", "mm"), _value("0.1", ""), _value("7", ""), _value("local", "")
+    ('3.3 mm', 0.1, 7, 'local')
+    """
+    if unit:
+        return f"{cell} {unit}"
+    for number in (int, float):
+        try:
+            return number(cell)
+        except ValueError:
+            continue
+    return cell
