@@ -12,7 +12,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 import pipeline
+from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted
 from pipeline.cli.parser import COMMANDS, parse
 from pipeline.cli.progress import working
@@ -178,10 +181,10 @@ def _columns(log: Log) -> dict[str, str]:
     return {name: log.heads[place] for name, place in log.places.items()}
 
 
-def _understood(log: Log) -> Iterable[str]:
-    """A line for each column, and one for the entries that have none."""
+def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
+    """A row for each column, and a line for the entries that have none."""
     names = {place: name for name, place in log.places.items()}
-    rows = [("column", "read as", "first cell")]
+    rows = []
     for place, head in enumerate(log.heads):
         first = next((row.cells[place] for row in log.rows if row.cells[place]), "")
         name = names.get(place)
@@ -189,9 +192,7 @@ def _understood(log: Log) -> Iterable[str]:
         if name == "outcome":
             first = f"{first}, {log.words[first]}" if first in log.words else first
         rows.append((head, name or "not used", f"{first} {unit}".strip()))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        yield "   ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip()
+    yield frame_of(("column", "read as", "first cell"), rows)
     if without := [name for name in TEST.keys if name not in log.places]:
         needed = [f"{name} (needed)" if name in TEST.needed else name for name in without]
         yield f"without a column: {', '.join(needed)}"

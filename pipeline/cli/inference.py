@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pipeline
 from pipeline.analysis.margin import NOT_DECIDED, verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point
-from pipeline.analysis.tables import TABLES, frame_of, writable_path
+from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, tell
 from pipeline.cli.progress import run_line, working
@@ -202,33 +202,37 @@ def infer(options: argparse.Namespace) -> Result:
         inferred = pipeline.critical_temperatures(
             sweep, tell=tell, out=options.kept, workers=options.workers, progress=progress
         )
-    frames = [_transitions(inferred)]
+    frame = _transitions(inferred)
     if tested:
         outcomes = [str(test.outcome) for test in tested]
-        return _of_tests(inferred, outcomes, sweep.about.name, frames)
-    return Result(inferred.as_dict(), _on_temperatures(inferred), frames=frames)
+        return _of_tests(inferred, outcomes, sweep.about.name, frame)
+    return Result(inferred.as_dict(), _on_temperatures(inferred, frame), frames=[frame])
 
 
 def _of_tests(
-    at_tests: CriticalTemperatures, outcomes: list[str], name: str, frames: list[pd.DataFrame]
+    at_tests: CriticalTemperatures, outcomes: list[str], name: str, frame: pd.DataFrame
 ) -> Result:
     """Bounds of the critical temperature from tests, and the lines that would say more.
 
     A test that stayed mild was colder than the critical temperature, one that turned severe hotter.
     """
-    judged = list(zip(at_tests.transitions, outcomes, at_tests.means, strict=True))
-    low = max((mean for _, outcome, mean in judged if outcome == "mild"), default=None)
-    high = min((mean for _, outcome, mean in judged if outcome == "severe"), default=None)
-    text = [f"critical temperature from {counted(len(outcomes), 'test', 'tests')}:"]
-    for test, outcome, mean in judged:
-        side = "above" if outcome == "mild" else "below"
-        place = f"{test.normal_load:g} N, {test.velocity:g} m/s, friction {test.friction:g}"
-        text.append(f"  {place}: {outcome}, so {side} {pipeline.display(mean, '°C', 4)}")
+    judged = list(zip(outcomes, at_tests.means, strict=True))
+    low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
+    high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
+    frame.insert(3, "outcome", outcomes)
+    frame = frame.rename(columns={"critical temperature [°C]": "temperature [°C]"})
+    text: list[str | pd.DataFrame] = [
+        f"temperature of {counted(len(outcomes), 'test', 'tests')}, below the critical one where "
+        "wear stayed mild, above it where it turned severe:",
+        short(frame),
+    ]
     above, below = (None if end is None else pipeline.display(end, "°C", 4) for end in (low, high))
     if low is None or high is None:
-        text.append(f"it lies {f'below {below}' if low is None else f'above {above}'}")
+        text.append(
+            f"the critical one lies {f'below {below}' if low is None else f'above {above}'}"
+        )
     elif low < high:
-        text.append(f"it lies between {above} and {below}")
+        text.append(f"the critical one lies between {above} and {below}")
     else:
         text.append(f"the tests contradict each other: mild up to {above}, severe from {below} on")
     known = [end - 273.15 for end in (low, high) if end is not None]
@@ -242,7 +246,7 @@ def _of_tests(
         *toml, "", f"and samples = 64 in [sweep]; then irg run {name}.toml, irg infer {name}.toml",
     ]  # fmt: skip
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
-    return Result(document | {"toml": "\n".join(toml)}, text, frames=frames)
+    return Result(document | {"toml": "\n".join(toml)}, text, frames=[frame])
 
 
 def _of_stores(options: argparse.Namespace) -> Result:
@@ -264,16 +268,14 @@ def _require_as_stored(options: argparse.Namespace, store: Path) -> None:
         )
 
 
-def _on_temperatures(inferred: CriticalTemperatures) -> Iterator[str]:
-    """Lines on critical temperatures, a line for each measured transition."""
+def _on_temperatures(
+    inferred: CriticalTemperatures, frame: pd.DataFrame
+) -> Iterator[str | pd.DataFrame]:
+    """Sentences and a frame on critical temperatures, a row for each measured transition."""
     measured = counted(len(inferred.transitions), "measured transition", "measured transitions")
     several = f" on {len(inferred.surfaces)} surfaces" if len(inferred.surfaces) > 1 else ""
     yield f"critical temperature from {measured}{several}: {inferred.criterion.temperature}"
-    rows = zip(inferred.transitions, inferred.means, inferred.spreads, strict=True)
-    for test, mean, spread in rows:
-        temperature = pipeline.display(mean, "°C", 4) + (f" ± {spread:.1f} K" if spread else "")
-        place = f"{test.normal_load:g} N, {test.velocity:g} m/s, friction {test.friction:g}"
-        yield f"  {place}: {temperature}"
+    yield short(frame)
     apart = f", {inferred.spread:.1f} K apart (standard deviation)" if inferred.spread else ""
     yield f"on average {pipeline.display(inferred.mean, '°C', 4)}{apart}"
 

@@ -8,10 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 import pipeline
-from pipeline.analysis.boundary import BAND
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, margins_at
 from pipeline.analysis.margin_table import LONG, notes_of
@@ -57,10 +54,13 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     parts = [tuple(part) for _, part in itertools.groupby(margins, lambda one: one.entries)]
     documents = [_document(part) if part[1:] else part[0].as_dict() for part in parts]
     document = documents[0] if len(parts) == 1 else {"scenes": documents}
-    text = []
+    table = pipeline.margin_table(ds, operating_points_in(options), **conditions)
+    text: list[str | pd.DataFrame] = []
     for part in parts:
         text += [f"{row}:" for row in [words(ds, part[0].entries)] if row]
-        text += _on_surfaces(part) if part[1:] else _on_one(part[0])
+        text += [_on_surfaces(part)] if part[1:] else _on_one(part[0])
+    if len(margins) > len(parts):  # medians over surfaces, and a tenth of them beyond each end
+        text.append(short(table, LONG))
     commands, lines = _next(options, ds, margins, conditions)
     text += lines
     command = None
@@ -68,7 +68,6 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
         judged = conditions_of(ds, **conditions).as_dict()
         command = more_of_boundary(ds, options.store, judged)
         text.append(f"compute more of the boundary with: {command}")
-    table = pipeline.margin_table(ds, operating_points_in(options), **conditions)
     warned = pipeline.warned(ds, **conditions)
     return Result(document | {"next": commands, "command": command}, text, warned, [table])
 
@@ -165,35 +164,11 @@ def _document(margins: Sequence[Margin]) -> dict[str, Any]:
     }
 
 
-def _on_surfaces(margins: Sequence[Margin]) -> Iterator[str]:
-    """Lines on several surfaces: the median, and the range without a tenth at either end."""
+def _on_surfaces(margins: Sequence[Margin]) -> str:
+    """Sentence on several surfaces."""
     counts = Counter(one.verdict for one in margins)
     undecided = f", not decided on {counts[NOT_DECIDED]}" if counts[NOT_DECIDED] else ""
-    yield (
+    return (
         f"{margins[0].load:g} N at {margins[0].velocity:g} m/s: severe wear on {counts['severe']} "
         f"of {len(margins)} surfaces{undecided}"
     )
-    low, middle, high = np.quantile([one.decisive_temperature - 273.15 for one in margins], BAND)
-    yield f"  deciding temperature  {middle:.4g} °C, on 80 % of them {low:.4g} to {high:.4g} °C"
-    critical = pipeline.display(margins[0].critical_temperature, "°C", 4)
-    low, middle, high = np.quantile([one.distance for one in margins], BAND)
-    side = "below"
-    if middle < 0:
-        side, low, middle, high = "above", -high, -middle, -low
-    yield (
-        f"  distance              {middle:.1f} K {side} {critical}, on 80 % of them {low:.1f} to "
-        f"{high:.1f} K"
-    )
-    for name in ("velocity", "load"):
-        crosses = outcomes(name)[CROSSES]
-        counted_outcomes = Counter(getattr(one, f"{name}_outcome") for one in margins)
-        if set(counted_outcomes) == {crosses}:
-            factors = [getattr(one, f"{name}_factor") for one in margins]
-            low, middle, high = np.quantile(factors, BAND)
-            yield f"  in {name:<19}{middle:.3g} times, {low:.3g} to {high:.3g}"
-            continue
-        others = (
-            f"{number} {'cross' if outcome == crosses else outcome}"
-            for outcome, number in sorted(counted_outcomes.items())
-        )
-        yield f"  in {name:<19}of {len(margins)} surfaces {', '.join(others)}"
