@@ -74,7 +74,11 @@ def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
         raise StoreMismatchError(f"{place} {fault}")
     with writes(place):
         root = _with_room(place, root, sweep, lock)
-    store = Store(place, root, lock)
+    try:
+        store = Store(place, root, lock)
+    except StoreError:  # statuses, or marks of what was asked for, are damaged
+        examined(Store(place, root, lock, is_damaged=True), repair=True)
+        store = Store(place, root, lock)
     store.ask(store.asked_by(sweep))
     return store
 

@@ -52,13 +52,15 @@ def _zeroed(file, chance, older):
 
 
 def _swapped(file, chance, older):
-    """Exchange a file with another one, of the same array if it has another."""
-    store = file.parent if (file.parent / "status").is_dir() else file.parents[1]
+    """Exchange a block with another one, of the same array if it has another; flip what is none."""
+    if not file.name.startswith("c."):
+        return _flipped(file, chance, older)
     alike = [other for other in file.parent.glob("c.*") if other != file]
-    other = chance.choice(sorted(alike) or sorted({*store.rglob("c.*")} - {file}))
+    other = chance.choice(sorted(alike) or sorted({*file.parents[1].rglob("c.*")} - {file}))
     aside = file.with_name("aside")
     for source, target in ((file, aside), (other, file), (aside, other)):
         source.rename(target)
+    return None
 
 
 def _restored(file, chance, older):

@@ -8,14 +8,16 @@ import pytest
 
 import tribo
 from pipeline.run.sweep import run_sweep
+from pipeline.store.create import writing
 from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.restore import restore_root
 from pipeline.store.schema import DONE
 from pipeline.store.seen import changed_chunks, note_files
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points
+from tests.crash.drive import computing
 from tests.helpers import tiny
-from tests.helpers.stores import assert_is_as_computed, contents, make, opened
+from tests.helpers.stores import assert_is_as_computed, contents, make, opened, record
 
 SWEEP = tiny.full()
 
@@ -138,18 +140,34 @@ def test_a_file_that_differs_in_name_size_or_time_is_read_again(copy, harm, name
     assert_is_as_computed(copy, points(SWEEP))
 
 
-def test_any_of_many_mutations_of_files_is_mended_or_named(alone, tmp_path):
-    rng, count = np.random.default_rng(1), 60
-    names = sorted(name for name in contents(alone) if name != "status/seen")
-    for number in range(count):
-        path = shutil.copytree(alone, tmp_path / f"{number}.zarr")
-        harm, name = rng.choice([*HARMS]), str(rng.choice(names))
-        HARMS[harm](path / name, rng.uniform())
-        restore_root(path, SWEEP)
-        named = verify_store(path, repair=True)
-        make(path, SWEEP)
-        done = [point for point in points(SWEEP) if opened(path).flags[opened(path).index(point)]]
-        lost = {(damage.load, damage.velocity) for damage in named.damaged}
-        assert {point[:2] for point in points(SWEEP)} - lost <= {point[:2] for point in done}
-        assert_is_as_computed(path, done)
+def swapped(path, name, rng):
+    """Exchange a block with another one of the store."""
+    other = path / str(rng.choice([one for one in contents(path) if "/c." in one and one != name]))
+    mine, theirs = (path / name).read_bytes(), other.read_bytes()
+    (path / name).write_bytes(theirs)
+    other.write_bytes(mine)
+
+
+@pytest.mark.parametrize("harm", [*HARMS, "swap", "older"])
+def test_after_any_mutation_of_a_file_a_run_ends_with_the_same_bits(alone, tmp_path, harm):
+    rng = np.random.default_rng(len(harm))
+    with writing(half := tmp_path / "half.zarr", SWEEP) as store:
+        store.commit([record(point) for point in points(SWEEP)[:4]])
+    whole = shutil.copytree(alone, tmp_path / "whole.zarr")
+    noted(whole)
+    chunks = sorted(name for name in contents(whole) if "/c." in name)
+    for name in (str(rng.choice(chunks)), "status/c.0.0"):
+        path = tmp_path / "out.zarr"
+        shutil.copytree(whole, path)
+        if harm == "swap":
+            swapped(path, name, rng)
+        elif harm == "older" and (half / name).exists():
+            shutil.copy2(half / name, path / name)
+        else:
+            HARMS.get(harm, HARMS["delete"])(path / name, rng.uniform())
+        with computing({point: record(point) for point in points(SWEEP)}, pace=0.0):
+            outcome = run_sweep(SWEEP, path, workers=1)
+        assert outcome.done == len(points(SWEEP)), name
+        assert_is_as_computed(path, points(SWEEP))
+        assert verify_store(path).is_clean, name
         shutil.rmtree(path)
