@@ -19,7 +19,7 @@ from .figures.studies import draw_variations as draw_variations
 from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
-from .run.follow import follow_boundary as follow_boundary
+from .run.boundary_search import follow_boundary as follow_boundary
 from .run.inference import critical_temperatures as critical_temperatures
 from .run.source import ExecutionError as ExecutionError
 from .run.sweep import run_sweep as run_sweep

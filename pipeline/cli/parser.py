@@ -67,7 +67,7 @@ COMMANDS = (
         "results/scene.zarr --repair", (o.STORE, o.REPAIR),
     ),
     Command(
-        "ask", "boundary", "crossings:boundary",
+        "ask", "boundary", "margins:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (
@@ -125,7 +125,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "ask", "design", "designs:design",
+        "ask", "design", "studies:design",
         "find the value of an unknown input that makes severe wear unlikely enough",
         f"results/uncertain.zarr {_AT} --risk 1% --over disk.roughness.correlation_length",
         (

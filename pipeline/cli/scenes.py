@@ -15,7 +15,7 @@ from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
 from pipeline.cli.values import setting
 from pipeline.scene.over import notes_of
-from pipeline.store.identity import describe, scene_hash
+from pipeline.store.attributes import describe, scene_hash
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
-_FIXING = ("unknowns:risk", "margins:margin", "crossings:boundary", "designs:design")
+_FIXING = ("unknowns:risk", "margins:margin", "margins:boundary", "studies:design")
 """Commands that take ``--at`` for unknown inputs of samples, too."""
 PLACE = ("load", "velocity", "realization")
 """Options that `pipeline.plot` takes by these names."""

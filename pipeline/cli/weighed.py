@@ -19,7 +19,7 @@ from pipeline.cli.scenes import at_in, criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
 from pipeline.sweep.warned import NO_WARNING
-from pipeline.uncertain.difference import differences
+from pipeline.uncertain.posterior import differences
 from pipeline.uncertain.programme import MOST, programme
 from tribo import InputError
 
@@ -28,10 +28,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.sweep.unknown import Unknown
-    from pipeline.uncertain.difference import Difference
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.next_tests import Candidate
-    from pipeline.uncertain.posterior import Judged, Posterior
+    from pipeline.uncertain.posterior import Difference, Judged, Posterior
     from pipeline.uncertain.programme import Programme
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing

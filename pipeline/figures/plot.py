@@ -22,9 +22,8 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.fit import fitted
 from pipeline.figures.points import PendingError
-from pipeline.figures.ramp import ramp
+from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.style import figure_path, save_figure
-from pipeline.figures.temperatures import temperature
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary

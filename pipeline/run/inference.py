@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from distributed import Client
 
-from pipeline.run.follow import results_of
+from pipeline.run.boundary_search import results_of
 from pipeline.run.source import ExecutionError
 from pipeline.run.sweep import run_sweep
 from pipeline.run.tally import Progress

@@ -27,9 +27,8 @@ from pipeline.run.tally import Progress, Tally, reported
 from pipeline.run.writer import Writer
 from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import sweep_of
-from pipeline.store.attributes import versions
+from pipeline.store.attributes import differences, versions
 from pipeline.store.create import grown, writing
-from pipeline.store.identity import differences
 from pipeline.store.place import Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.restore import restore_root

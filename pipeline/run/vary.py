@@ -15,7 +15,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import warned
-from pipeline.run.follow import follow_boundary
+from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
 from pipeline.scene.over import notes_of
 from pipeline.scene.scenefile import load_scene, scene_entry

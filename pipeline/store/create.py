@@ -11,10 +11,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from pipeline.store.attributes import grown_axes, root_attributes
+from pipeline.store.attributes import describe, differences, grown_axes, root_attributes
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.grow import goes_on, remove_unfinished, replace_by_larger
-from pipeline.store.identity import describe, differences
 from pipeline.store.layout import (
     block_of,
     bytes_of_a_point,

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.store.identity import checksum
+from pipeline.store.attributes import checksum
 from pipeline.store.layout import Slices, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import held
 from pipeline.store.place import ROOT, PathLike, Place, StoreError, place_of, reaches, writes

@@ -165,7 +165,7 @@ class PointResult:
 class PointRecord:
     """Stored result of a point: variables of the dataset, or None of one that failed.
 
-    Fields of a packed record are bytes, and it has a checksum; see `pipeline.store.packing`.
+    Fields of a packed record are bytes, and it has a checksum; see `pipeline.store.layout`.
     """
 
     point: Point

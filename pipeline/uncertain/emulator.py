@@ -241,7 +241,7 @@ _RULE = b"1"  # by which the numbers are found; another one finds others
 
 
 class Keeper(Protocol):
-    """A store, as `pipeline.store.sound.Reader`."""
+    """A store, as `pipeline.store.read.Reader`."""
 
     def kept(self, name: str) -> bytes | None:
         """Content that was kept under a name; None if there is none."""

@@ -1,19 +1,20 @@
-"""What tests leave of the unknown inputs, and each test beside all others."""
+"""What tests leave of the unknown inputs, each test beside all others, and two oils compared."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
 
 from pipeline.sweep.unknown import Unknown, correlations
+from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Test
-from pipeline.uncertain.inputs import Draws
+from pipeline.uncertain.inputs import CRITICAL, Draws
 from pipeline.uncertain.rig import Places
 from tribo.types import Array
 
@@ -280,3 +281,70 @@ def _is_outer(unknown: Unknown, column: Array) -> Array:
         column, low, high = np.log(column), np.log(low), np.log(high)
     part = _OUTER * (high - low)
     return np.where((column < low + part) | (column > high - part), 1.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """How much more the second of two sweeps has of a quantity.
+
+    Attributes
+    ----------
+    what : str
+        Quantity, in words.
+    unit : str
+        Unit: of a temperature K; 1 for the logarithm of a velocity.
+    mean, sd : float
+        Mean and standard deviation of the difference.
+    interval : tuple of float
+        Differences that 5, 50 and 95 % stay below.
+    probability : float
+        Probability that the second has more.
+
+    Examples
+    --------
+    >>> Difference("critical temperature", "K", 12.0, 6.6, (1.1, 12.0, 22.9), 0.97).probability
+    0.97
+    """
+
+    what: str
+    unit: str
+    mean: float
+    sd: float
+    interval: tuple[float, float, float]
+    probability: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields by name."""
+        return asdict(self)
+
+
+def differences(posterior: Posterior) -> Iterator[Difference]:
+    """Differences of the critical temperature and velocity of two sweeps; none of any other number.
+
+    The velocity is that at a load in the middle of those that both sweeps have.
+    """
+    if len(posterior.ensembles) != 2:
+        return
+    inputs = [posterior.of_sweep(number).inputs for number in range(2)]
+    pairs = list(zip(posterior.ensembles, inputs, strict=True))
+    kelvins = [one.values(CRITICAL, of_sweep) for one, of_sweep in pairs]
+    yield _difference(posterior, "critical temperature", "K", kelvins[1] - kelvins[0])
+    low = max(float(one.loads[0]) for one in posterior.ensembles)
+    high = min(float(one.loads[-1]) for one in posterior.ensembles)
+    if low <= high:
+        load = math.sqrt(low * high)
+        first, second = (log_boundary(*pair, [load], with_error=False)[0][:, 0] for pair in pairs)
+        yield _difference(posterior, f"critical velocity at {load:.3g} N", "1", second - first)
+
+
+def _difference(posterior: Posterior, what: str, unit: str, values: Array) -> Difference:
+    draws = posterior.draws
+    mean = float(draws.mean(values))
+    return Difference(
+        what,
+        unit,
+        mean,
+        math.sqrt(float(draws.mean((values - mean) ** 2))),
+        draws.interval(values),
+        float(draws.mean(np.where(values > 0, 1.0, 0.0))),
+    )

@@ -15,7 +15,7 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, SEVERE, outcomes
 from pipeline.cli import main, values
-from pipeline.cli.crossings import document_of
+from pipeline.cli.margins import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.run.follow import follow_boundary
+from pipeline.run.boundary_search import follow_boundary
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store

@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 from unittest import mock
 
-from pipeline.cli.crossings import SLOW
+from pipeline.cli.margins import SLOW
 from pipeline.tradeoff import choose
 from tests.promises.judge import boundaries, exponents, largest_error, places, true_boundary
 from tests.promises.report import ACCURACIES, PROMISED, report

@@ -30,7 +30,7 @@ from pipeline.analysis.dataset import (
     with_wear_rates,
 )
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.entries import entries_of
+from pipeline.analysis.difference import entries_of
 from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach

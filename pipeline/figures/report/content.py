@@ -18,7 +18,7 @@ from pipeline.analysis.boundary_tables import JUDGED, frames_of
 from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, attributes_of, entry_dims, is_emulated, variant_of
-from pipeline.analysis.entries import entries_of
+from pipeline.analysis.difference import entries_of
 from pipeline.analysis.margin_table import LONG, OperatingPoints, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import frame_of, html_of, short

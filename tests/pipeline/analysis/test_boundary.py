@@ -10,7 +10,7 @@ from pipeline.analysis.boundary_tables import frames_of
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, refined
 from pipeline.analysis.scenes import stacked
 from pipeline.analysis.transition import crossing
-from pipeline.cli.crossings import document_of, text_of
+from pipeline.cli.margins import document_of, text_of
 from pipeline.cli.output import lines_in
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication

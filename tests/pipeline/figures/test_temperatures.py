@@ -1,4 +1,4 @@
-"""Temperatures at the transition itself (pipeline/figures/temperatures.py)."""
+"""Temperatures at the transition itself (pipeline/figures/ramp.py)."""
 
 import numpy as np
 import pytest

@@ -7,7 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.transition import crossing
-from pipeline.run.follow import follow_boundary
+from pipeline.run.boundary_search import follow_boundary
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE

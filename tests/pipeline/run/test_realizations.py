@@ -9,7 +9,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
-from pipeline.run.follow import follow_boundary
+from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.sweep import run_sweep
 from pipeline.store.schema import COLUMNS, FIELDS, RECORDS
 from pipeline.sweep.plan import points, run_point

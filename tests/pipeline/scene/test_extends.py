@@ -7,7 +7,7 @@ import pipeline
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
-from pipeline.store.identity import describe
+from pipeline.store.attributes import describe
 from tests.pipeline.scene.conftest import ROUGHNESS, TEXT, WORKFLOWS
 
 EXTENDS = 'extends = "base.toml"\n'

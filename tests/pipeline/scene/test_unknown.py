@@ -9,7 +9,7 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.scene.faults import SceneFileError
-from pipeline.store.identity import describe, scene_hash
+from pipeline.store.attributes import describe, scene_hash
 from pipeline.sweep.variants import Variants
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import inputs_of

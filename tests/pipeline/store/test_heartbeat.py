@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from pipeline.store import heartbeat, lock
+from pipeline.store import lock
 from pipeline.store.create import writing
 from pipeline.store.lock import filesystem_of
 from pipeline.store.place import LOCK, StoreError
@@ -29,7 +29,7 @@ ON_NFS = HOLDER.replace("import sys", "import sys, pipeline.store.lock as lock")
 def path(tmp_path, monkeypatch):
     """A store on a disk that passes for one of another machine."""
     monkeypatch.setattr(lock, "is_local", lambda folder: False)
-    monkeypatch.setattr(heartbeat, "SETTLE", 0.0)
+    monkeypatch.setattr(lock, "SETTLE", 0.0)
     path = tmp_path / "tiny.zarr"
     commit(path, SWEEP, [POINT])
     return path
@@ -56,10 +56,10 @@ def test_one_process_holds_a_store_and_leaves_no_lock(path):
 
 
 def test_a_process_elsewhere_holds_a_store_until_it_is_silent_for_minutes(path):
-    left_behind(path, 0.9 * heartbeat.STALE)
+    left_behind(path, 0.9 * lock.STALE)
     refuse(path, "process 7 on elsewhere")
     assert summary(path).running == "process 7 on elsewhere"
-    left_behind(path, 1.1 * heartbeat.STALE)
+    left_behind(path, 1.1 * lock.STALE)
     assert summary(path).running is None
     commit(path, SWEEP, [OTHER])
     assert_is_as_computed(path, [POINT, OTHER])
@@ -68,7 +68,7 @@ def test_a_process_elsewhere_holds_a_store_until_it_is_silent_for_minutes(path):
 
 @pytest.mark.parametrize("left", ["", "process 7 on else", "\n"])
 def test_a_lock_that_was_cut_short_is_free_after_minutes(path, left):
-    left_behind(path, 1.1 * heartbeat.STALE, left)
+    left_behind(path, 1.1 * lock.STALE, left)
     commit(path, SWEEP, ())
 
 
@@ -85,18 +85,18 @@ def test_a_process_of_this_machine_that_was_killed_holds_nothing(path):
 
 
 def test_the_lock_of_a_long_run_stays_fresh(path, monkeypatch):
-    monkeypatch.setattr(heartbeat, "BEAT", 0.02)
+    monkeypatch.setattr(lock, "BEAT", 0.02)
     with writing(path, SWEEP):
-        left_behind(path, 2 * heartbeat.STALE, (path / LOCK).read_text())
+        left_behind(path, 2 * lock.STALE, (path / LOCK).read_text())
         deadline = time.monotonic() + 10
-        while time.time() - (path / LOCK).stat().st_mtime > heartbeat.STALE:
+        while time.time() - (path / LOCK).stat().st_mtime > lock.STALE:
             assert time.monotonic() < deadline
             time.sleep(0.01)
 
 
 def test_a_run_that_slept_while_another_took_its_store_stops_and_loses_nothing(path):
     with writing(path, SWEEP) as store:
-        left_behind(path, 2 * heartbeat.STALE, (path / LOCK).read_text().replace("/", "0/", 1))
+        left_behind(path, 2 * lock.STALE, (path / LOCK).read_text().replace("/", "0/", 1))
         with writing(path, SWEEP) as other:
             with pytest.raises(StoreError, match=r"its lock .* was deleted or replaced"):
                 store.commit([record(Point(150.0, 0.5))])
@@ -106,7 +106,7 @@ def test_a_run_that_slept_while_another_took_its_store_stops_and_loses_nothing(p
 
 
 def test_of_two_that_take_a_lock_at_once_one_gives_way(path, monkeypatch):
-    left_behind(path, 2 * heartbeat.STALE)
+    left_behind(path, 2 * lock.STALE)
     monkeypatch.setattr(time, "sleep", lambda _: (path / LOCK).write_text(ELSEWHERE))
     with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
         commit(path, SWEEP, ())
@@ -114,10 +114,10 @@ def test_of_two_that_take_a_lock_at_once_one_gives_way(path, monkeypatch):
 
 def test_the_server_of_a_disk_heeds_the_heartbeat_of_its_clients(path, monkeypatch):
     monkeypatch.setattr(lock, "is_local", lambda folder: True)
-    left_behind(path, 0.9 * heartbeat.STALE)
+    left_behind(path, 0.9 * lock.STALE)
     with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
         commit(path, SWEEP, ())
-    left_behind(path, 1.1 * heartbeat.STALE)
+    left_behind(path, 1.1 * lock.STALE)
     commit(path, SWEEP, ())
 
 

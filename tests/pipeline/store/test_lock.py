@@ -11,7 +11,7 @@ import threading
 import pytest
 
 from pipeline.cli import main
-from pipeline.store import heartbeat
+from pipeline.store import lock
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, StoreError
 from pipeline.store.progress import summary
@@ -198,7 +198,7 @@ def test_a_disk_without_locks_has_a_heartbeat(path, monkeypatch, fault):
         raise OSError(fault, os.strerror(fault))
 
     monkeypatch.setattr(fcntl, "flock", refused)
-    monkeypatch.setattr(heartbeat, "SETTLE", 0.0)
+    monkeypatch.setattr(lock, "SETTLE", 0.0)
     with writing(path, SWEEP):
         refuse(path, f"{HERE}; wait for it, or write to another store; it was last heard of")
     commit(path, SWEEP, [OTHER])

@@ -15,7 +15,7 @@ from s3fs.errors import translate_boto_error
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store import heartbeat, place
+from pipeline.store import lock, place
 from pipeline.store.create import writing
 from pipeline.store.place import Bucket, StoreError, StoreMismatchError
 from pipeline.store.progress import summary
@@ -173,8 +173,8 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address,
     assert summary(address).running == "process 7 on elsewhere"
     with pytest.raises(StoreError, match=r"process 7 on elsewhere; .*last heard of . s ago"):
         commit(address, SWEEP, ())
-    monkeypatch.setattr(heartbeat, "STALE", 1.5)
-    monkeypatch.setattr(heartbeat, "SETTLE", 0.0)
+    monkeypatch.setattr(lock, "STALE", 1.5)
+    monkeypatch.setattr(lock, "SETTLE", 0.0)
     time.sleep(3.0)  # S3 tells times in seconds
     assert summary(address).running is None
     commit(address, SWEEP, [OTHER])

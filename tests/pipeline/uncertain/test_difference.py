@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.uncertain.difference import differences
+from pipeline.uncertain.posterior import differences
 from tests.helpers.samples import CRITICAL, EXPONENT, LENGTH, LOADS, critical_velocity, ensemble
 
 WIDE = dataclasses.replace(CRITICAL, parameters=(418.15, 20.0))
