@@ -95,7 +95,8 @@ class _Generation:
         """Raise a `StoreError` if points have other places now, so that others' data were read."""
         if (mark := self._place.mark()) == self._mark:
             return
-        if read_root(self._place).attributes["generation"] != self._generation:
+        place = place_of(str(self._place))  # which may lie between its two renames
+        if read_root(place).attributes["generation"] != self._generation:
             raise StoreError(f"{self._place} has grown since it was opened; open it again")
         self._mark = mark
 

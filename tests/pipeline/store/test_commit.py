@@ -12,7 +12,7 @@ import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.store.create import grown, writing
-from pipeline.store.place import StoreError
+from pipeline.store.place import StoreError, larger
 from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.schema import COLUMNS, DONE, FIELDS, PENDING
 from pipeline.store.verify import verify_store
@@ -238,6 +238,9 @@ def test_a_dataset_that_was_opened_before_a_growth_gives_no_point_for_another(co
         commit(copy, LATER, [Point(900.0, 0.25)])
         with pytest.raises(StoreError, match="has grown since it was opened; open it again"):
             ds["max_rise"].load()
+        copy.rename(larger(copy))  # as in the moment between the two renames of a growth
+        with pytest.raises(StoreError, match="has grown since it was opened; open it again"):
+            ds["mean_rise"].load()
     assert open_sweep(copy)["load"].values.tolist() == sorted({*tiny.LOADS, *LATER.plane.loads})
 
 
