@@ -19,8 +19,8 @@ from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin, rows_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of
 from pipeline.analysis.tables import as_dict, frame_of
+from pipeline.scene.bodies import LOAD, SPEED
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import LOAD, SPEED
 from pipeline.scene.headings import (
     columns_for,
     heading_of,

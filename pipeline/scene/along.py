@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.scene.bodies import LOAD, SPEED
 from pipeline.scene.document import Document, Layer
 from pipeline.scene.faults import Faults, with_value
-from pipeline.scene.format import LOAD, SPEED
 from pipeline.scene.headings import (
     columns_for,
     heading_of,
