@@ -29,8 +29,15 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.turns import cold_bodies, on_cold_bodies, with_turns
-from pipeline.sweep.warned import MELTS, MOLTEN, NO_WARNING, Warned
+from pipeline.sweep.warned import (
+    MELTS,
+    MOLTEN,
+    NO_WARNING,
+    Warned,
+    cold_bodies,
+    on_cold_bodies,
+    with_turns,
+)
 from tribo import CRITERIA, Ball, Criterion, Crowned, Cylinder, Material, Motion, WarningKind
 from tribo.types import Array, Mask
 

@@ -23,8 +23,7 @@ from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.selection import velocity_error
-from pipeline.sweep.turns import note_on_turns
-from pipeline.sweep.warned import MELTS, MOLTEN
+from pipeline.sweep.warned import MELTS, MOLTEN, note_on_turns
 from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:

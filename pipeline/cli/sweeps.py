@@ -13,7 +13,7 @@ from pipeline.cli.progress import run_line
 from pipeline.cli.scenes import scene_of, selected
 from pipeline.run.cluster import client_of
 from pipeline.scene.facts import require_bearable_load
-from pipeline.sweep.turns import note_on_turns
+from pipeline.sweep.warned import note_on_turns
 
 
 def computed(options: argparse.Namespace) -> Result:

@@ -19,9 +19,8 @@ from matplotlib.figure import Figure
 from pipeline.analysis.conditions import CONDITIONS
 from pipeline.analysis.dataset import dataset_of
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fields import fields
+from pipeline.figures.fields import PendingError, fields
 from pipeline.figures.fit import fitted
-from pipeline.figures.points import PendingError
 from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.style import figure_path, save_figure
 from pipeline.scene.quantities import in_si

@@ -17,7 +17,7 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import on_surface, sweep_at_bulks
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import crossing, interpolated
-from pipeline.figures.points import PendingError, chosen_points, index_of_load, point_name
+from pipeline.figures.fields import PendingError, chosen_points, index_of_load, point_name
 from pipeline.figures.style import (
     BLACK,
     BLUE,

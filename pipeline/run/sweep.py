@@ -31,10 +31,9 @@ from pipeline.store.attributes import differences, versions
 from pipeline.store.create import grown, writing
 from pipeline.store.place import Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
-from pipeline.store.restore import restore_root
+from pipeline.store.restore import changed_chunks, note_files, restore_root
 from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED
-from pipeline.store.seen import changed_chunks, note_files
 from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep

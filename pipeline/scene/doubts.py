@@ -9,7 +9,7 @@ from typing import NamedTuple
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
-from pipeline.sweep.turns import note_on_turns
+from pipeline.sweep.warned import note_on_turns
 from tribo import Material, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,

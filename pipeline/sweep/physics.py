@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.turns import cold_bodies, with_turns
+from pipeline.sweep.warned import cold_bodies, with_turns
 from tribo import Bulk, Corrections, Material, Stem, Track
 
 _TRACK = 0.34  # m, of the paper's disk

@@ -14,9 +14,9 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,8 +26,10 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.samples import WEAR_RATE, Design
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
 _BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
@@ -282,3 +284,34 @@ def kept_or_found(
 
 def _hash(*parts: bytes) -> str:
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+def columns_until(
+    columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
+) -> dict[str, Array] | None:
+    """Columns without steps after a hold; None if it ends at no step with a temperature."""
+    time, normal_load = columns["time"], columns["normal_load"]
+    reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
+    since = time - reached
+    is_end = np.isclose(since, hold, rtol=1e-6, atol=1e-9) & np.isfinite(columns["mean_rise"])
+    if not is_end.any(axis=-1)[done].all():
+        return None
+    is_later = since > hold * (1 + 1e-6) + 1e-9
+    return {**columns, "normal_load": np.where(is_later, np.nan, normal_load)}
+
+
+def decisive_rises(
+    columns: Mapping[str, Array], loads: Array, conditions: Conditions, shares: Array | None
+) -> Array:
+    """Decisive rise by sample and load [K]."""
+    if shares is None:
+        return worst_rises(columns, loads[:, None], conditions)
+    rows = [
+        worst_rises(
+            {name: values[i] for name, values in columns.items()},
+            loads[:, None],
+            replace(conditions, failing_share=share),
+        )
+        for i, share in enumerate(shares.tolist())
+    ]
+    return np.array(rows)

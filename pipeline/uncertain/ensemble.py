@@ -39,7 +39,16 @@ from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
 from pipeline.uncertain.certificate import Certificate, certificate_of
-from pipeline.uncertain.emulator import Emulator, Groups, Keeper, between_loads, features_of, fitted
+from pipeline.uncertain.emulator import (
+    Emulator,
+    Groups,
+    Keeper,
+    between_loads,
+    columns_until,
+    decisive_rises,
+    features_of,
+    fitted,
+)
 from pipeline.uncertain.inputs import (
     BULK,
     CRITICAL,
@@ -49,7 +58,6 @@ from pipeline.uncertain.inputs import (
     fixed_at,
     with_conditions,
 )
-from pipeline.uncertain.rises import columns_until, decisive_rises
 from tribo import InputError
 from tribo.types import Array
 

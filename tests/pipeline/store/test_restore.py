@@ -10,9 +10,8 @@ import tribo
 from pipeline.run.sweep import run_sweep
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError, StoreMismatchError
-from pipeline.store.restore import restore_root
+from pipeline.store.restore import changed_chunks, note_files, restore_root
 from pipeline.store.schema import DONE
-from pipeline.store.seen import changed_chunks, note_files
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
