@@ -5,9 +5,9 @@ from .analysis.dataset import open_sweep as open_sweep
 from .analysis.decisive import decisive_temperature as decisive_temperature
 from .analysis.decisive import temperatures as temperatures
 from .analysis.difference import diff as diff
-from .analysis.margin import margins as margins
 from .analysis.margin_table import Place as Place
 from .analysis.margin_table import margin_table as margin_table
+from .analysis.margins import margins as margins
 from .analysis.scenes import at_entries as at_entries
 from .analysis.warned_points import warned as warned
 from .figures.page.write import explore as explore

@@ -16,7 +16,8 @@ import xarray as xr
 
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import dataset_of
-from pipeline.analysis.margin import NOT_DECIDED, Margin, rows_of
+from pipeline.analysis.margin import NOT_DECIDED, Margin
+from pipeline.analysis.margins import rows_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.scene.bodies import LOAD, SPEED

@@ -25,8 +25,9 @@ from pipeline.analysis.boundary_tables import (
 from pipeline.analysis.compared import compared, on_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of
-from pipeline.analysis.margin import NOT_DECIDED, margins_at
+from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_table import LONG, notes_of
+from pipeline.analysis.margins import margins_at
 from pipeline.analysis.scenes import parts_of, words
 from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes

@@ -12,7 +12,6 @@ from os import PathLike, fspath
 from typing import Any
 
 import tribo
-from pipeline.scene.along import along_of, pairs_of, with_first_row
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
 from pipeline.scene.facts import track_faults
@@ -20,7 +19,6 @@ from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
-from pipeline.scene.over import over_of, with_first_values, with_rates_of
 from pipeline.scene.parts import (
     corrections_of,
     loading_of,
@@ -34,7 +32,7 @@ from pipeline.scene.quantities import in_si
 from pipeline.scene.reference import sections
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.surfaces import realizations_of, roughness_of
-from pipeline.scene.unknown import fixed_paths, samples_of
+from pipeline.scene.variants import with_first_variant, with_variants
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
@@ -83,9 +81,8 @@ def load_scene(
     path, arguments = scene_path(path), _arguments(path, preset, overrides or {})
     faults = Faults()
     replaced = _by_path(overrides or {}, preset, faults)
-    document = with_first_values(with_entries(read_document(path, faults), replaced, faults))
-    pairs = pairs_of(document, faults)
-    document = with_first_row(document, pairs)
+    document = with_entries(read_document(path, faults), replaced, faults)
+    document, pairs = with_first_variant(document, faults)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
@@ -102,11 +99,7 @@ def load_scene(
     try:
         sweep, tables = reader.sweep(entries, faults)
         if sweep is not None:
-            over = over_of(tables["sweep"]["over"], sweep, variant)
-            samples = samples_of(tables, sweep, over, variant, faults, fixed_paths(document))
-            sweep = sweep.changed(variants=samples or over * sweep.variants)
-            sweep = with_rates_of(tables["sweep"]["wear_rates"], sweep, faults.notes)
-            sweep = along_of(pairs, sweep, variant) if pairs else sweep
+            sweep = with_variants(sweep, tables, document, pairs, variant, faults)
             sweep = sweep.changed(notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error

@@ -5,7 +5,7 @@ import shlex
 import pytest
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.margin import margins
+from pipeline.analysis.margins import margins
 from pipeline.cli.next_steps import (
     after_boundary,
     commands_that_decide,
