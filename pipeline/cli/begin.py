@@ -16,9 +16,8 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of
-from pipeline.cli.output import WRONG_USE, Result, counted
+from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import COMMANDS, parse
-from pipeline.cli.progress import working
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.logs import Log, entries_of_log, read_log
 from pipeline.scene.reference import write_schema

@@ -7,8 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import pipeline
-from pipeline.cli.output import Result, tell
-from pipeline.cli.progress import working
+from pipeline.cli.output import Result, tell, working
 from pipeline.cli.scenes import (
     CONDITIONS,
     PLACE,

@@ -14,8 +14,7 @@ from pipeline.analysis.margin import NOT_DECIDED, verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
-from pipeline.cli.output import Result, counted, tell
-from pipeline.cli.progress import run_line, working
+from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.cli.scenes import PLACE, conditions_in, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load

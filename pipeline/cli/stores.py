@@ -14,8 +14,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant
-from pipeline.cli.progress import working
+from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
 from pipeline.cli.scenes import criterion_in, opened
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.progress import summary

@@ -13,8 +13,7 @@ import numpy as np
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.cli.output import Result, tell
-from pipeline.cli.progress import run_line, working
+from pipeline.cli.output import Result, run_line, tell, working
 from pipeline.cli.scenes import (
     beside,
     criterion_in,

@@ -8,8 +8,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pipeline
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, tell
-from pipeline.cli.progress import run_line
+from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, run_line, tell
 from pipeline.cli.scenes import scene_of, selected
 from pipeline.run.cluster import client_of
 from pipeline.scene.facts import require_bearable_load

@@ -16,8 +16,7 @@ import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.transition import UNITS
 from pipeline.cli.next_steps import next_tests
-from pipeline.cli.output import Result, counted
-from pipeline.cli.progress import working
+from pipeline.cli.output import Result, counted, working
 from pipeline.cli.scenes import (
     at_in,
     beside,

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pipeline
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.next_steps import next_tests
-from pipeline.cli.output import Result, counted
-from pipeline.cli.progress import working
+from pipeline.cli.output import Result, counted, working
 from pipeline.cli.scenes import at_in, criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share

@@ -20,9 +20,8 @@ from pipeline.analysis.conditions import CONDITIONS
 from pipeline.analysis.dataset import dataset_of
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import PendingError, fields
-from pipeline.figures.fit import fitted
 from pipeline.figures.ramp import ramp, temperature
-from pipeline.figures.style import figure_path, save_figure
+from pipeline.figures.style import figure_path, fitted, save_figure
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary

@@ -10,7 +10,7 @@ from typing import TypeVar
 import xarray as xr
 
 from pipeline import Sweep, load_scene, open_sweep, run_sweep
-from pipeline.cli.progress import run_line
+from pipeline.cli.output import run_line
 from pipeline.run.sweep import Outcome
 from pipeline.scene.shipped import WORKFLOWS
 from pipeline.sweep.stages import staged

@@ -25,8 +25,7 @@ from pipeline.analysis.tables import frame_of, html_of, short
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fit import fitted
-from pipeline.figures.style import criterion, heating, svg_of
+from pipeline.figures.style import criterion, fitted, heating, svg_of
 from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.about import on_plane

@@ -8,7 +8,7 @@ import time
 import pytest
 
 import pipeline
-from pipeline.cli import main, progress
+from pipeline.cli import main, output
 from pipeline.run.sweep import Progress
 from pipeline.sweep.stages import staged
 from tests.helpers.scenes import MEASURED, SCENE
@@ -21,8 +21,8 @@ def small(tmp_path):
 
 
 def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
-    monkeypatch.setattr(progress.time, "monotonic", iter(range(0, 1000, 4)).__next__)
-    with progress.run_line() as show:
+    monkeypatch.setattr(output.time, "monotonic", iter(range(0, 1000, 4)).__next__)
+    with output.run_line() as show:
         for done in range(8):
             show(Progress(done, 0, 8, 4.0 * done, 4.0 * (8 - done)))
         show(Progress(8, 0, 8, 32.0, 0.0))
@@ -35,7 +35,7 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
 
 def test_on_a_terminal_progress_stays_on_one_line(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with progress.run_line() as show:
+    with output.run_line() as show:
         show(Progress(3, 1, 8, 4.0, 9.0))
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -62,11 +62,11 @@ def is_saying():
 @pytest.mark.parametrize("is_terminal", [False, True])
 def test_a_command_that_takes_long_says_how_far_it_is(is_terminal, capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: is_terminal)
-    monkeypatch.setattr(progress, "_SOON", 0.0)
-    monkeypatch.setattr(progress, "_BETWEEN_LINES", 0.01)
-    monkeypatch.setattr(progress, "_BETWEEN_LOOKS", 0.01)
+    monkeypatch.setattr(output, "_SOON", 0.0)
+    monkeypatch.setattr(output, "_BETWEEN_LINES", 0.01)
+    monkeypatch.setattr(output, "_BETWEEN_LOOKS", 0.01)
     said = ""
-    with progress.working("reading points") as count:
+    with output.working("reading points") as count:
         count(3, 9)
         for _ in range(1000):
             said += capsys.readouterr().err
@@ -74,13 +74,13 @@ def test_a_command_that_takes_long_says_how_far_it_is(is_terminal, capsys, monke
                 break
             time.sleep(0.01)
     assert "reading points: 3 of 9 done" in said
-    with progress.working("reading points"):
+    with output.working("reading points"):
         assert is_saying()
     assert not is_saying()
 
 
 def test_a_command_that_fails_stops_saying_so(capsys):
-    with pytest.raises(ValueError, match="mistake"), progress.working("reading"):
+    with pytest.raises(ValueError, match="mistake"), output.working("reading"):
         raise ValueError("a mistake")
     assert not is_saying()
     assert capsys.readouterr().err == ""
