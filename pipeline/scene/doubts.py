@@ -10,7 +10,7 @@ from pipeline.scene.facts import USUAL_HARDNESS, Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.sweep.warned import note_on_turns
-from tribo import Material, SelfAffineRoughness, Wear
+from tribo import Material, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -53,6 +53,8 @@ _RA = Usual("Ra", 0.001, 10, "µm", 1e6)
 _TRACK = Usual("track", 20, 10_000, "mm", 1e3)
 _WEAR_RATE = Usual("specific wear rate", 1e-11, 1e-2, "mm³/(N m)", 1e9)
 _VELOCITY = Usual("velocity", 0, 100, "m/s")
+_DURATION = Usual("time until the end", 0.05, 1e6, "s")
+_VISCOSITY = Usual("kinematic viscosity", 0.5, 1e5, "mm²/s", 1e6)
 _BULK = Usual("bulk temperature", 200, 800, "K")
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
@@ -66,9 +68,10 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
         *_of_bodies(sweep),
         *_of_conditions(sweep),
         *_of_tests(sweep),
+        *_of_loading(sweep, facts),
         *_of_motion(sweep, facts),
-        *_of_contact(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
+        *_of_contact(sweep, facts),
     )
 
 
@@ -112,6 +115,19 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
         )
     elif isinstance(sweep.scene.wear, Wear) and sweep.scene.wears:
         yield from _WEAR_RATE.doubt("the ", sweep.scene.wear.specific_wear_rate)
+
+
+def _of_loading(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    yield from _DURATION.doubt("the ", facts.duration.high)
+    loading, highest = sweep.scene.loading, max(sweep.plane.loads)
+    reference = loading.reference_load if isinstance(loading, Ramp) else highest
+    if not 0.01 <= reference / highest <= 100.0:
+        yield (
+            f"loading.reference_load is {reference:g} N, where the highest load is {highest:g} N: "
+            "check its unit, since it sets the steps of the ramp"
+        )
+    if oil := sweep.about.oil:
+        yield from _VISCOSITY.doubt("the oil's ", max(oil.viscosities))
 
 
 def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:

@@ -21,6 +21,7 @@ from tribo.types import Array
 from tribo.wear import wear_over
 
 USUAL_HARDNESS = 0.001, 0.2  # of the elastic modulus; lead has 0.003, diamond 0.1
+_SMALLEST_PIXEL = 10e-9  # below which a unit is likely to be wrong [m]
 _FEWEST_WIDTHS = 10.0  # of the contact in a track, so that a pass is short beside a round
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
 
@@ -126,6 +127,13 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
     """Raise `InputError`, which names the key, if the window cannot carry a load."""
     greatest, hardness = sweep.scene.greatest_load, sweep.scene.hardness
     if load > greatest:
+        pixel = min(sweep.scene.pixels.spacing)
+        if pixel < _SMALLEST_PIXEL:
+            raise InputError(
+                f"window.pixel_size is {1e9 * pixel:.3g} nm: check its unit; most are of 0.5 to "
+                f"2 µm, and with it the window carries {greatest:.4g} N, less than the {load:g} N "
+                f"of {key}"
+            )
         bodies = sweep.scene.pin.material, sweep.scene.disk
         share = hardness / min(bodies, key=lambda body: body.hardness).elastic_modulus
         if share < USUAL_HARDNESS[0]:

@@ -43,6 +43,14 @@ def crowned(radius):
     return CROWNED.changed(pin=replace(CROWNED.scene.pin, crown_radius=radius))
 
 
+def oiled(viscosity):
+    return SMOOTH.changed(oil=tribo.Oil((313.15, 373.15), (viscosity, 0.9 * viscosity), 866.0))
+
+
+def ramped(reference):
+    return SMOOTH.changed(loads=(750.0,), loading=tribo.Ramp(150.0, reference))
+
+
 def with_test(load):
     velocity = max(SMOOTH.plane.velocities)
     return SMOOTH.changed(loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
@@ -82,6 +90,8 @@ USUAL = [
         0.2 * STEEL.elastic_modulus,
         lambda v: said_of(hard(v)),
     ),
+    ("oil's kinematic", 0.5e-6, 0.1, lambda v: said_of(oiled(v))),
+    ("loading.reference_load is", 7.5, 75e3, lambda v: said_of(ramped(v))),
     ("the test of", 20.0, 7500.0, lambda v: said_of(with_test(v))),
 ]
 
