@@ -1,0 +1,208 @@
+"""Judge `pipeline.posterior` in bulk, by hidden laboratories whose rise is known in closed form.
+
+Three questions, each by laboratories drawn from the prior: how often the interval of the boundary
+at 400 N and that of the rig's friction hold the truth, if friction varies between tests; how often
+a model that is wrong is named, and a test of a model that is right; and whether the spread that is
+promised of planned tests is had. Prints a line of JSON for each part; the exit code is 1 unless
+intervals of 90 % hold 85 to 95 %, nine of ten wrong models and at most 2 % of sound tests are
+named, and promises are kept within 20 % and their standard error.
+"""
+
+import argparse
+import dataclasses
+import json
+import math
+import sys
+from unittest import mock
+
+import numpy as np
+from scipy.special import ndtri
+
+import pipeline
+from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.uncertain.ensemble import Ensemble, Excess
+from tests.helpers.samples import (
+    ALL,
+    CRITICAL,
+    EXPONENT,
+    FRICTION,
+    LENGTH,
+    RATE,
+    VELOCITIES,
+    ensemble,
+    rise,
+)
+from tests.promises.coverage import van_der_corput
+
+ROOM = 298.15  # [K]
+LOADS = (200.0, 300.0, 400.0, 500.0, 600.0, 750.0, 250.0, 350.0)  # of tests, in turn [N]
+STEEL = Unknown("materials.steel.thermal_conductivity", "uniform", (21.0, 46.0), "W m-1 K-1")
+WIDE = dataclasses.replace(CRITICAL, parameters=(418.15, 20.0))
+NARROW = dataclasses.replace(RATE, parameters=(1.2e-15, 1.1))
+KINDS = {
+    "known": ((WIDE, NARROW, FRICTION, LENGTH), ["25 degC"]),
+    "unknown": ((WIDE, RATE, FRICTION, LENGTH, STEEL), ["25 degC", "65 degC", "105 degC"]),
+}
+SCATTER, FRICTION_ERROR = 0.05, 0.0126  # of velocities, and of the friction that tests measure
+WRONG = ("conductivity", "friction falls", "bulk drifts", "velocities 8 % high")
+
+
+def log_rise(unknown, inputs, load):
+    """Logarithm of the rise at friction 1 and 1 m/s, shape (n,)."""
+    alone = [one.path for one in unknown].index
+    paths = [one.path for one in unknown]
+    by_steel = inputs[:, alone(STEEL.path)] if STEEL.path in paths else 45.0
+    return np.log(rise(inputs, load, 1.0, unknown) * (by_steel / 45.0) ** -0.6)
+
+
+def _excess(self, draws, load, velocity, with_error=True):
+    """`Ensemble.excess` without an emulator."""
+    loads, velocities = np.atleast_1d(load), np.atleast_1d(velocity)
+    by_load = np.stack([log_rise(self.unknown, draws, one) for one in loads], axis=1)
+    values = by_load[:, :, None] + EXPONENT * np.log(velocities)
+    values = values - self.log_limit(draws)[:, None, None]
+    values = values.reshape(len(draws), *np.shape(load), *np.shape(velocity))
+    error = np.full(values.shape, 1e-4 if with_error else 0.0)
+    return Excess(values, error, error)
+
+
+def samples_of(unknown):
+    """Samples of a closed form, of which only the inputs count."""
+    return dataclasses.replace(ensemble(unknown[:1], 16), unknown=unknown)
+
+
+class Laboratory:
+    """A hidden truth, and a rig that may be wrong."""
+
+    def __init__(self, unknown, number, wrong=""):
+        self.unknown, self.wrong = unknown, wrong
+        self.chance = np.random.default_rng((number, 2718))
+        self.truth = drawn(unknown, 1000, 256)[number % 256]
+        if wrong == "conductivity":
+            self.truth[-1] = 15.0
+        of_truth = dict(zip([one.path for one in unknown], self.truth, strict=True))
+        self.critical, self.friction = of_truth[CRITICAL.path], of_truth[FRICTION.path]
+
+    def boundary(self, load, bulk=ROOM, friction=None):
+        """Critical velocity [m/s]."""
+        limit = max(self.critical - bulk, 1e-3) / (friction or self.friction)
+        return math.exp(
+            (math.log(limit) - log_rise(self.unknown, self.truth[None], load)[0]) / EXPONENT
+        )
+
+    def tested(self, load, bulk=ROOM, scatter=SCATTER, between=0.0, share=0.0, below=None):
+        """A transition as the log has it; with a velocity below which there is one, a test there.
+
+        ``between`` is the scatter of friction between tests, ``share`` that of tests made so far.
+        """
+        acted = self.friction * math.exp(between * self.chance.standard_normal())
+        warm = bulk + (40.0 * share if self.wrong == "bulk drifts" else 0.0)
+        velocity = self.boundary(load, warm, acted)
+        if self.wrong == "friction falls":
+            velocity = 2.0 * (velocity / 2.0) ** 1.4
+        if self.wrong == "velocities 8 % high":
+            velocity *= 1.08
+        velocity *= math.exp(scatter * self.chance.standard_normal())
+        measured = acted * math.exp(FRICTION_ERROR * self.chance.standard_normal())
+        test = {"normal_load": load, "friction": measured}
+        test |= {"friction_scatter": FRICTION_ERROR * measured, "bulk_temperature": bulk}
+        if below is not None:
+            return test | {"velocity": below, "outcome": "severe" if below > velocity else "mild"}
+        low, high = VELOCITIES
+        if low < velocity < high:
+            return test | {"velocity": velocity}
+        beyond = {"velocity": low, "outcome": "severe"} if velocity <= low else {}
+        return test | (beyond or {"velocity": high, "outcome": "mild"})
+
+
+def covered(count, between):
+    """Shares of laboratories whose boundary at 400 N and friction the intervals hold."""
+    samples, held = samples_of(ALL), []
+    for number in range(count):
+        lab = Laboratory(ALL, number)
+        tests = tuple(lab.tested(load, between=between) for load in LOADS[:6])
+        posterior = pipeline.posterior(dataclasses.replace(samples, tests=tests))
+        draws, inputs = posterior.draws, posterior.of_sweep(0).inputs
+        of_draws = (
+            np.log((inputs[:, 0] - ROOM) / inputs[:, 2]) - log_rise(ALL, inputs, 400.0)
+        ) / EXPONENT
+        pairs = (of_draws, math.log(lab.boundary(400.0))), (inputs[:, 2], lab.friction)
+        ends = ((draws.interval(values), truth) for values, truth in pairs)
+        held.append([low <= truth <= high for (low, _, high), truth in ends])
+    boundary, friction = np.mean(held, axis=0).tolist()
+    row = {"friction varies by": between, "laboratories": count}
+    right = all(0.85 <= share <= 0.95 for share in (boundary, friction))
+    return row | {"boundary held": boundary, "friction held": friction, "right": right}
+
+
+def named(count, wrong):
+    """Number of laboratories of which the model is named, and of their tests that are."""
+    unknown = (CRITICAL, RATE, FRICTION, LENGTH, STEEL)
+    samples, models, tests_named = samples_of(unknown), 0, 0
+    for number in range(count):
+        lab = Laboratory(unknown, number, wrong)
+        tests = tuple(lab.tested(load, share=i / 7) for i, load in enumerate(LOADS))
+        posterior = pipeline.posterior(dataclasses.replace(samples, tests=tests))
+        models += not posterior.fits
+        tests_named += sum(judged.contradicts for judged in posterior.judged)
+    right = models >= 0.9 * count if wrong else tests_named <= 0.02 * count * len(LOADS)
+    row = {"wrong": wrong or "nothing", "laboratories": count, "model named": models}
+    return row | {"tests named": tests_named, "right": bool(right)}
+
+
+def promised(count, kind, number_of_tests):
+    """Spread of the critical temperature that planned tests promise, over that had."""
+    unknown, bulks = KINDS[kind]
+    idle = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild", "friction": 0.1}
+    idle |= {"friction_scatter": FRICTION_ERROR * 0.1}
+    samples = dataclasses.replace(samples_of(unknown), tests=(idle,))
+    before = pipeline.posterior(samples)
+    batch = pipeline.plan_tests(before, number_of_tests, CRITICAL.path, bulks)
+    squares = []
+    for number in range(count):
+        lab = Laboratory(unknown, number)
+        scatter = SCATTER * 2.0 ** float(ndtri(van_der_corput(number + 1)))
+        tests = tuple(
+            lab.tested(
+                one.test["normal_load"],
+                one.test["bulk_temperature"],
+                scatter,
+                below=None if "transition" in one.what else one.test["velocity"],
+            )
+            for one in batch
+        )
+        after = pipeline.posterior(dataclasses.replace(samples, tests=tests))
+        squares.append(next(after.summary())["posterior"]["sd"] ** 2)
+    ratio = batch[-1].spread / math.sqrt(np.mean(squares))
+    again = np.random.default_rng(0).choice(squares, (2000, count)).mean(axis=1)
+    error = ratio * float(np.std(np.sqrt(again / np.mean(squares))))
+    row = {"kind": kind, "tests": number_of_tests, "laboratories": count}
+    right = 0.8 - error <= ratio <= 1.2 + error
+    return row | {"promised over had": ratio, "its error": error, "right": bool(right)}
+
+
+def rows(count):
+    """All parts, one after the other."""
+    yield from (covered(4 * count, between) for between in (0.0, 0.02, 0.08))
+    yield from (named(count, wrong) for wrong in ("", *WRONG))
+    for kind in KINDS:
+        yield from (promised(count, kind, tests) for tests in (4, 10, 20, 40))
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.promises.laboratories", description=__doc__
+    )
+    parser.add_argument("--count", type=int, default=50, help="laboratories of a part")
+    options = parser.parse_args()
+    right = True
+    width = mock.Mock(side_effect=lambda draws, *_: Excess(*np.full((3, len(draws)), 1e-3)))
+    with mock.patch.multiple(Ensemble, excess=_excess, width=width):
+        for row in rows(options.count):
+            print(json.dumps(row), flush=True)
+            right &= row["right"]
+    return 0 if right else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
