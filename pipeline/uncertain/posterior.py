@@ -236,7 +236,7 @@ def faults(
     words = []
     if inferred[0] > scatter:
         words.append(
-            f"the tests scatter by {100 * inferred[0]:.2g} % at least, and are said to by "
+            f"the tests scatter by {100 * inferred[0]:.3g} % at least, and are said to by "
             f"{100 * scatter:g} %"
         )
     for one, column in zip(unknown, draws.inputs.T, strict=False):  # without those of the rig
