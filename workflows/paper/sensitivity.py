@@ -122,7 +122,8 @@ def _worst(outcome: _Outcome) -> float:
 def _unworn_widths(study: Study, sweep: Sweep) -> Array:
     """Width of the unworn contact at each transition on each surface [µm]."""
     transitions = [(worn(sweep, "unworn"), row) for row in TABLE_4]
-    return 1e6 * on_surfaces(transitions, study.seeds(_SURFACES))["contact_width"]
+    widths: Array = 1e6 * on_surfaces(transitions, study.seeds(_SURFACES))["contact_width"]
+    return widths
 
 
 def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
