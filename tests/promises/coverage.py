@@ -50,7 +50,8 @@ def van_der_corput(number):
 def judged(posterior, truth):
     """Mean, spread, rank and interval of each input beside its hidden value."""
     draws = posterior.draws
-    for unknown, column, hidden in zip(posterior.unknown, draws.inputs.T, truth, strict=True):
+    # The inputs of the rig, which stand last, are none of the truth's.
+    for unknown, column, hidden in zip(posterior.unknown, draws.inputs.T, truth, strict=False):
         if unknown.kind == "list":
             continue
         values, value = (np.log(v) if unknown.is_relative else v for v in (column, hidden))
