@@ -65,6 +65,8 @@ def pairs_of(document: Document, faults: Faults) -> Pairs | None:
     sweep = document.entries().get("sweep")
     asked = sweep.get("along") if isinstance(sweep, dict) else None
     wrong = Faults()
+    if isinstance(sweep, dict) and asked is None and "around" in sweep:
+        faults.note("sweep.around", "sweep.along is not given, which it belongs to; leave it out")
     if isinstance(asked, str) and asked:
         rows = _of_file(document.file_of("sweep.along").parent / asked, wrong)
     elif isinstance(asked, list) and asked and all(isinstance(row, dict) for row in asked):
@@ -75,15 +77,21 @@ def pairs_of(document: Document, faults: Faults) -> Pairs | None:
     if wrong or not rows:
         return None
     for number, row in enumerate(rows):
+        for name in _PLACE.keys() - row.keys():
+            wrong.note(f"sweep.along[{number}].{name}", f"missing; give {_PLACE[name]}")
         if row.keys() != rows[0].keys():
             other = ", ".join(sorted(row.keys() ^ rows[0].keys()))
             wrong.note(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
-    places = tuple(
-        (
-            LOAD.read(row.get("load"), f"sweep.along[{number}].load", wrong),
-            SPEED.read(row.get("velocity"), f"sweep.along[{number}].velocity", wrong),
+    places = (
+        ()
+        if wrong
+        else tuple(
+            (
+                LOAD.read(row.get("load"), f"sweep.along[{number}].load", wrong),
+                SPEED.read(row.get("velocity"), f"sweep.along[{number}].velocity", wrong),
+            )
+            for number, row in enumerate(rows)
         )
-        for number, row in enumerate(rows)
     )
     faults += wrong
     if wrong:

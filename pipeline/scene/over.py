@@ -17,7 +17,7 @@ from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import Column, Variants, combinations, wear_rates
+from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column, Variants, combinations, wear_rates
 from tribo import InputError, Wear
 from tribo.simulation import inseparable
 
@@ -25,6 +25,7 @@ _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown
 _SAME = (
     "loads", "velocities", "variants", "unequal_bulks", "independent", "steps",
 )  # fmt: skip
+_ASKED_BY = {VARIANT: "along", WEAR_RATE: "wear_rates"}  # entries that fill these dimensions
 _MOST = 10_000  # combinations, each of which is read as a scene
 _RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
 
@@ -64,6 +65,12 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
 def notes_of(table: Variants) -> Iterator[str]:
     """Notes that a command prints which computes one value of each entry alone."""
     for column in table.chosen:
+        if asked_by := _ASKED_BY.get(column.name):
+            yield (
+                f"note: sweep.{asked_by} is set aside; the scene's own values hold, or those of "
+                "its first row: --set takes others"
+            )
+            continue
         yield (
             f"note: sweep.over is set aside; {column.name} is the scene's own or the first listed: "
             f'--set "{column.name}=..." takes another'

@@ -319,23 +319,20 @@ def wear_rates(own: float, low: float, high: float) -> Variants:
     return Variants((column,), parts, given)
 
 
-def drawn_rows(draw: Draw, count: int, parts: Sequence[Part] = ()) -> Variants:
+def drawn_rows(draw: Draw, count: int) -> Variants:
     """Samples of inputs that are not known exactly, each with a velocity of its own."""
     values, velocities = draw.design.draw(count)
     meaning = "value of an input that is not known exactly"
-    sample = Column(
-        "sample", tuple(range(count)), "1", VARIANT, meaning="number of the sample of inputs"
-    )
+    words = "number of the sample of inputs"
+    sample = Column("sample", tuple(range(count)), "1", VARIANT, meaning=words)
     inputs = (
         Column(one.path, tuple(column), one.unit, VARIANT, meaning=meaning)
         for one, column in zip(draw.design.inputs, values.T.tolist(), strict=True)
     )
-    meaning_of_velocity = "sliding velocity of the sample"
-    velocity = Column(
-        "velocity", tuple(velocities.tolist()), "m/s", VARIANT, meaning=meaning_of_velocity
-    )
+    words = "sliding velocity of the sample"
+    velocity = Column("velocity", tuple(velocities.tolist()), "m/s", VARIANT, meaning=words)
     columns = (_numbers(count, is_drawn=True), sample, *inputs, velocity)
-    return Variants(columns, tuple(parts) or ((),) * count, draw=draw)
+    return Variants(columns, ((),) * count, draw=draw)
 
 
 def placed_rows(

@@ -69,6 +69,12 @@ def test_faults_of_rows_are_named(tmp_path, rows, words):
     assert words in faults(scene(tmp_path, rows=rows))
 
 
+def test_what_a_row_lacks_is_named(tmp_path):
+    said = faults(scene(tmp_path, TABLES.replace(', velocity = "2 m/s"', "")))
+    assert "sweep.along[1].velocity: missing" in said
+    assert "sweep.along is not given" in faults(scene(tmp_path, "around = 5"))
+
+
 def test_rows_exclude_what_has_other_velocities(tmp_path):
     rates = 'along = "mesh.csv"\nwear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
     assert "leave out one or the other" in faults(scene(tmp_path, rates))

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -243,7 +244,7 @@ def sampled(count=2, seed=0):
 
     radii = design.draw(count)[0][:, 0].tolist()
     parts = [(("pin", tribo.Cylinder(radius, 3.375e-3, STEEL)),) for radius in radii]
-    return drawn_rows(Draw(unknown, design), count, parts)
+    return replace(drawn_rows(Draw(unknown, design), count), parts=parts)
 
 
 def several(**changes):
