@@ -103,8 +103,8 @@ def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.D
     ds, to_fix = taken(ds, wanted)
     if to_fix and options.command not in _FIXING:
         raise InputError(
-            "--at fixes unknown inputs of samples in irg risk, irg margin, irg boundary and "
-            f"irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
+            "--at fixes unknown inputs of samples in irg risk, irg margin, irg boundary, irg infer "
+            f"and irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
             "into another store"
         )
     return ds
