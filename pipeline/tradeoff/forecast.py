@@ -17,7 +17,6 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.plan import stacked_columns, step_count
-from pipeline.sweep.stages import duration
 from pipeline.sweep.stations import Stations
 from tribo import State
 from tribo.simulation import contacts, forget_contacts, heat, leads_to
@@ -48,8 +47,8 @@ class Estimate:
     workers : int
         Processes that compute.
     seconds : float
-        Wall time, as long as the machine stays as busy as it is [s]; with many more workers than
-        it has cores, that of workers elsewhere which have a core each.
+        Wall time on an idle machine [s]; with many more workers than it has cores, that of workers
+        elsewhere which have a core each.
     basis : str
         Measurement from which the time is foretold.
     worker_bytes, disk_bytes : float
@@ -144,17 +143,11 @@ def estimate(
         of_contacts = min(of_contacts, parallel * variants)
         turns = min(turns, variants)
     alone += timed.begin * variants + turns * len(steps) * timed.contact
-    busy = min(os.getloadavg()[0], cores) if hasattr(os, "getloadavg") else 0.0
-    elsewhere = workers > _HERE * cores
-    seconds, idle = (
-        _SECONDS_TO_START + alone * (1.0 if elsewhere else max(1.0, (others + parallel) / cores))
-        for others in (busy, 0.0)
-    )
-    basis = "mostly right within a factor of 1.5, from steps timed just now"
-    if elsewhere:
+    basis = "mostly right within a factor of 1.5 on an idle machine, from steps timed just now"
+    seconds = _SECONDS_TO_START + alone * max(1.0, parallel / cores)
+    if workers > _HERE * cores:
+        seconds = _SECONDS_TO_START + alone
         basis += "; for workers that have a core each, as fast as those here"
-    if seconds > 1.1 * idle:
-        basis += f"; other programs use {busy:.2g} of {cores} cores, without them {duration(idle)}"
     return Estimate(
         points=points,
         steps=len(steps) * of_contacts,

@@ -61,7 +61,6 @@ def fixed_rates(monkeypatch):
     """A quiet machine with two cores, where a contact takes 1 s and its temperature 9 s."""
     timed = _Timed(5.0, 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0)))
     monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
-    monkeypatch.setattr(forecast.os, "getloadavg", lambda: (0.0, 0.0, 0.0))
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
 
 
@@ -80,17 +79,6 @@ def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(fixed_rates):
     # 7 steps, 4 of them with a temperature, whose contacts 4 samples share.
     ramp = 4 * 9.0 + 7 * 1.0 / 4
     assert estimate("uncertain", 1).seconds == pytest.approx(128 * ramp, rel=0.02)
-
-
-def test_where_others_take_the_cores_it_says_what_it_would_be_without_them(
-    fixed_rates, monkeypatch
-):
-    alone = estimate(SWEEP, 1)
-    assert alone.basis == "mostly right within a factor of 1.5, from steps timed just now"
-    monkeypatch.setattr(forecast.os, "getloadavg", lambda: (100.0, 0.0, 0.0))
-    crowded = estimate(SWEEP, 1)
-    assert crowded.seconds == pytest.approx(1.5 * alone.seconds, rel=0.02)
-    assert "other programs use 2 of 2 cores" in crowded.basis
 
 
 def test_the_boundary_alone_takes_fewer_points(fixed_rates):
