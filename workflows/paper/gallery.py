@@ -6,14 +6,21 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pipeline.analysis.tables import markdown_of
-from workflows.paper.report import Report
+from workflows.paper.report import WORDS, Report
 
-_PAGE = Path(__file__).with_name("gallery.md")
+_PAGE = Path(__file__).parents[1] / "README.md"
+_BEGIN, _END = "<!-- results: written by the command -->\n", "\n<!-- end of results -->"
 
 
 def page(reports: Sequence[Report]) -> str:
-    """Markdown of the gallery; figures lie beside it under the names of their results."""
-    return _PAGE.read_text(encoding="utf-8").replace("<!-- results -->", "\n".join(_lines(reports)))
+    """Markdown of the gallery: the shipped page with these results in place of its own.
+
+    Figures lie beside it under the names of their results. A result whose figure draws all of its
+    table (``drawn`` in `WORDS`) is shown without it.
+    """
+    before, _, rest = _PAGE.read_text(encoding="utf-8").partition(_BEGIN)
+    after = rest.partition(_END)[2]
+    return before + _BEGIN + "\n".join(_lines(reports)) + _END + after
 
 
 def _lines(reports: Sequence[Report]) -> Iterator[str]:
@@ -28,10 +35,11 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
     for report in reports:
         name, title = report.name, report.title
         yield f"\n## {name}\n"
-        yield f"{title[0].upper()}{title[1:]}. `python -m workflows.paper {name}`\n"
-        yield f"![{title}]({name}.png)\n"
-        yield from markdown_of(report.table)
-        yield ""
+        yield f"{title[0].upper()}{title[1:]}.\n"
+        yield f"![{name}]({name}.png)\n"
+        if not WORDS[name].get("drawn"):
+            yield from markdown_of(report.table)
+            yield ""
         for finding in report.findings:
             verdict = "agrees" if finding.agrees else "differs"
             yield f"- **{verdict}** — *{finding.printed}*: {finding.computed}.{finding.reason}"
