@@ -5,6 +5,7 @@ The table of all cases is EXTREMES.md; ``python -m tests.tribo.simulation.test_e
 
 import itertools
 import math
+import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -328,13 +329,25 @@ INTRODUCTION = """\
 # Extremes, and what happens
 
 For users with unusual inputs, and for developers of a solver. After it you know which inputs are
-solved, and which end in an error. Each case is a test on 48 × 16 elements of the paper's system,
-unless it says otherwise.
+solved, and which end in an error. Each case is a test on 48 × 16 elements of the paper's system.
 
-**Solved** means that a check apart from the solver holds at every step. All is finite, the load is
-carried, and pressure lies between 0 and the hardness. The conditions on the gap hold, and the worn
-volume follows from the load. Other cases name their error, with words of its message.
+**Solved** means that a check apart from the solver holds at every step: of the load, the pressure,
+the gap and the worn volume. Other cases name their error, with words of its message.
 """
+
+
+def joined(names):
+    """Names of cases, those that differ in one number or body as a list of these."""
+    kinds = {}
+    for name in names:
+        parts = re.fullmatch(r"(.* on )(.*)()", name) or re.fullmatch(
+            r"((?:[^×]*?\s)?)(-?[\d.]+(?:e[-+]?\d+)?)((?: [^×]*)?)", name
+        )
+        before, varied, after = parts.groups() if parts else (name, "", "")
+        kinds.setdefault((before, after), []).append(varied)
+    return "; ".join(
+        f"{before}{', '.join(varied)}{after}" for (before, after), varied in kinds.items()
+    )
 
 
 def table():
@@ -347,7 +360,7 @@ def table():
             outcome = case.outcome.replace("\\", "")
             said = outcome if case.error is None else f"`{case.error.__name__}`: …{outcome}…"
             by_outcome.setdefault(said, []).append(case.what)
-        lines += [f"| {said} | {'; '.join(what)} |" for said, what in by_outcome.items()]
+        lines += [f"| {said} | {joined(what)} |" for said, what in by_outcome.items()]
         lines.append("")
     return "\n".join(lines)
 
