@@ -15,8 +15,8 @@ _BEGIN, _END = "<!-- results: written by the command -->\n", "\n<!-- end of resu
 def page(reports: Sequence[Report]) -> str:
     """Markdown of the gallery: the shipped page with these results in place of its own.
 
-    Figures lie beside it under the names of their results. A result whose figure draws all of its
-    table (``drawn`` in `WORDS`) is shown without it.
+    Figures lie beside it under the names of their results. Where the figure shows
+    what the table does (``drawn`` in `WORDS`), the table is left to the command.
     """
     before, _, rest = _PAGE.read_text(encoding="utf-8").partition(_BEGIN)
     after = rest.partition(_END)[2]
