@@ -77,7 +77,7 @@ COMMANDS = (
     ),
     Command(
         "ask", "margin", "margins:margin",
-        "distance of operating points from severe wear: of one, or of a table of them",
+        "distance of operating points from severe wear: one, a table, or the rows of pairs",
         f"results/scene.zarr {_AT}",
         (
             o.STORE, *o.PLACE, o.POINTS, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
