@@ -26,6 +26,7 @@ from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
+from tribo import MeasuredLoad
 from tribo.types import Array
 
 # Time since the first points [s], and points since then on each worker, that tell the pace.
@@ -186,7 +187,8 @@ def _weights(sweep: Sweep, loads: Sequence[float]) -> Array:
     a larger contact.
     """
     scene = sweep.variant(sweep.variants.names[0]).scene
-    lower = [0.0, *loads[:-1]] if not sweep.plane.independent else [0.0] * len(loads)
+    goes_on = not (sweep.plane.independent or isinstance(scene.loading, MeasuredLoad))
+    lower = [0.0, *loads[:-1]] if goes_on else [0.0] * len(loads)
     steps = [
         sum(1 for _ in scene.stations(load, after))
         for load, after in zip(loads, lower, strict=True)
