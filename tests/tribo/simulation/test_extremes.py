@@ -337,17 +337,20 @@ the gap and the worn volume. Other cases name their error, with words of its mes
 
 
 def joined(names):
-    """Names of cases, those that differ in one number or body as a list of these."""
-    kinds = {}
+    """Names of cases; those that differ in one number, or in the bodies, as one."""
+    kinds, bodies, pairs = {}, {}, {}
     for name in names:
-        parts = re.fullmatch(r"(.* on )(.*)()", name) or re.fullmatch(
-            r"((?:[^×]*?\s)?)(-?[\d.]+(?:e[-+]?\d+)?)((?: [^×]*)?)", name
-        )
-        before, varied, after = parts.groups() if parts else (name, "", "")
-        kinds.setdefault((before, after), []).append(varied)
-    return "; ".join(
-        f"{before}{', '.join(varied)}{after}" for (before, after), varied in kinds.items()
-    )
+        pin, pair, disk = name.partition(" on ")
+        number = re.fullmatch(r"((?:[^×]*?\s)?)(-?[\d.]+(?:e[-+]?\d+)?)((?: [^×]*)?)", name)
+        if pair:
+            bodies.setdefault(pin, []).append(disk)
+        else:
+            before, varied, after = number.groups() if number else (name, "", "")
+            kinds.setdefault((before, after), []).append(varied)
+    for pin, disks in bodies.items():
+        pairs.setdefault(", ".join(disks), []).append(pin)
+    texts = [f"{before}{', '.join(varied)}{after}" for (before, after), varied in kinds.items()]
+    return "; ".join(texts + [f"{', '.join(pins)} on {disks}" for disks, pins in pairs.items()])
 
 
 def table():
