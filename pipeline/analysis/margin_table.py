@@ -15,7 +15,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.boundary import BAND
-from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.dataset import dataset_of, require_plane
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import rows_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of
@@ -81,6 +81,8 @@ def margin_table(
     if points is None:
         return _of_rows(dataset_of(ds), conditions)
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
+    ds = dataset_of(ds)
+    require_plane(ds)
 
     def of_scene(scene: xr.Dataset) -> pd.DataFrame:
         rows = rows_of(scene, **conditions)
@@ -90,7 +92,7 @@ def margin_table(
             read, _HEADS_OF_SEVERAL, lambda *place: _of_several([row.at(*place) for row in rows])
         )
 
-    return frame_by_scene(dataset_of(ds), of_scene)
+    return frame_by_scene(ds, of_scene)
 
 
 def frame_of_points(

@@ -115,6 +115,8 @@ def test_rows_at_places_have_margins_there_as_points_do_and_factors_by_places_ab
     assert "velocity factor" in said
     frame = pipeline.margin_table(path, **conditions)
     assert frame["gear"].tolist() == ["a", "b"]
+    (tmp_path / "duty.csv").write_text("load [N],velocity [m/s]\n300,1\n")
+    assert "each row at its place" in irg("margin", path, "--points", tmp_path / "duty.csv", code=2)
     assert "each row at its place" in irg("plot", path, "-o", tmp_path / "p.png", code=2)
 
 
