@@ -31,6 +31,7 @@ from tribo.types import Array
 
 # Time since the first points [s], and points since then on each worker, that tell the pace.
 _ENOUGH, _SEVERAL = 3.0, 2
+_LONG = 10.0  # [s] of a point, beside which the start of a worker does not count
 _HEAT = 8.0  # steps of contact that a temperature takes as long as: 5 to 16 of the scenes tried
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
@@ -47,7 +48,7 @@ class Progress:
     elapsed : float
         Time since this run began [s].
     time_to_go : float or None
-        Estimated time until the end [s]; None until the first point is done.
+        Estimated time until the end [s]; None until points tell it.
 
     Examples
     --------
@@ -142,12 +143,17 @@ class Tally:
         asked, flags, now = self._store.asked == 1, self._store.flags, time.monotonic()
         done, failed = (int(np.count_nonzero(flags[asked] == flag)) for flag in (DONE, FAILED))
         time_to_go = None
-        if self._connection and self.computed and self._worked:
+        if self._connection and self._can_tell(self._connection):
             pending = asked & (flags != DONE) & (flags != FAILED)
             work = float(self._expected()[pending].sum())
             time_to_go = work * self._seconds_of_work(self._connection)
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
+
+    def _can_tell(self, link: Connection) -> bool:
+        """True if more points are known than the first of each worker, which takes longer."""
+        is_long = self._worked >= _LONG * self.computed
+        return self._worked > 0 and (is_long or self.computed > link.workers)
 
     def _expected(self) -> Array:
         """Durations of all points [s], shape of their statuses."""
@@ -200,28 +206,29 @@ def _weights(sweep: Sweep, loads: Sequence[float]) -> Array:
 def expected_durations(durations: Array, velocities: Iterable[float], weights: Array) -> Array:
     """Durations of all points [s], shape (…, n_load, n_velocity), by those that are not NaN.
 
-    They are interpolated over velocity at each load. At a load without any they are the mean of
-    all, each times the ratio of the weights of the loads.
+    They are the product of a number for each load and one for each velocity. Where no point of a
+    load is known, its number is its weight; velocities between known ones are interpolated. Medians
+    are taken, since the first point of a worker takes longer than others like it.
 
     Examples
     --------
     >>> known = np.array([[1.0, np.nan, 3.0], [np.nan] * 3])
     >>> expected_durations(known, [1.0, 2.0, 3.0], np.array([1.0, 2.0]))
     array([[1., 2., 3.],
-           [4., 4., 4.]])
+           [2., 4., 6.]])
     """
     axis = np.array(list(velocities), float)
-    rows = durations.reshape(-1, *durations.shape[-2:])
-    counts = np.count_nonzero(np.isfinite(rows), axis=0)
-    means = np.nansum(rows, axis=0) / np.maximum(counts, 1)
-    order = np.argsort(axis)
-    of_weight = np.nansum(rows / weights[:, None]) / max(counts.sum(), 1)
-    expected = np.full(means.shape, of_weight) * weights[:, None]
-    for load in range(len(means)):
-        present = order[counts[load][order] > 0]
-        if present.size:
-            expected[load] = np.interp(axis, axis[present], means[load][present])
-    return np.broadcast_to(expected, durations.shape)
+    rows = durations.reshape(-1, *durations.shape[-2:]) / weights[:, None]
+    is_known = np.isfinite(rows)
+    present = np.flatnonzero(is_known.any(axis=(0, 1)))
+    order = present[np.argsort(axis[present])]
+    medians = np.nanmedian(rows[..., order], axis=(0, 1)) if order.size else np.zeros(0)
+    of_velocity = np.interp(axis, axis[order], medians) if order.size else np.ones(axis.shape)
+    of_load = weights.copy()
+    at = is_known.any(axis=(0, 2))
+    if at.any():
+        of_load[at] *= np.nanmedian((rows / of_velocity)[:, at], axis=(0, 2))
+    return np.broadcast_to(of_load[:, None] * of_velocity, durations.shape)
 
 
 def in_notebook() -> bool:

@@ -1,8 +1,9 @@
-"""Kills of a driver whose store lies in an object store, while the sweep grows."""
+"""Kills of a driver whose store lies in an object store, while the sweep grows at its ends."""
 
 import os
 
 from tests.crash.loop import job, started
+from tests.crash.sweeps import STAGES
 from tests.helpers.s3 import served
 
 TRIALS = 1
@@ -26,5 +27,5 @@ def campaign(run):
                 driver.kill()
                 driver.wait()
 
-            trial.start = start
+            trial.start, trial.stages = start, STAGES[:2]  # values between others are refused there
             trial.go([kill] * _KILLS)

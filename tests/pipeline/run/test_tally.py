@@ -46,7 +46,8 @@ def test_the_start_of_the_workers_is_not_taken_for_the_pace_of_their_points(tall
 
 
 def test_the_first_point_tells_nothing_of_the_start_of_the_workers(tallied):
-    assert tallied([60.0], workers=2) == pytest.approx((COUNT - 1) / 2)
+    assert tallied([60.0, 60.5], workers=2) is None
+    assert tallied([60.0, 60.5, 61.0], workers=2) == pytest.approx((COUNT - 3) / 2)
 
 
 def test_points_that_cost_the_schedule_more_than_themselves_tell_the_pace(tallied):
@@ -57,8 +58,8 @@ def test_points_that_cost_the_schedule_more_than_themselves_tell_the_pace(tallie
 
 
 def test_the_wait_in_the_queue_is_not_taken_for_the_pace_of_points(tallied):
-    """The first worker comes after an hour, and finishes its first point a second later."""
-    assert tallied([3601.0], absent=3600.0) == pytest.approx(COUNT - 1)
+    """The first worker comes after an hour, and finishes a point in each second."""
+    assert tallied([3601.0, 3602.0], absent=3600.0) == pytest.approx(COUNT - 2)
 
 
 def test_workers_that_come_later_count_with_the_time_to_go(tallied):
