@@ -19,9 +19,10 @@ import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.dataset import attributes_of
-from pipeline.analysis.warned_points import SLOWEST, warnings_of
+from pipeline.analysis.warned_points import warnings_of
 from pipeline.sweep.selection import velocity_error
 from tribo import WarningKind
+from tribo.simulation.point_warnings import SLOWEST
 from tribo.types import Array, Indices
 
 _OF_WARNED = {

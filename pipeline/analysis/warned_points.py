@@ -3,9 +3,9 @@
 Two warnings follow from a whole sweep alone. Where the rise grows slowly with the velocity, its
 errors count severalfold: the error of a boundary velocity is that of the rise over the exponent n
 of rise ∝ Vⁿ. Presets were tried down to n = 0.3. Below it, as under smooth and heavily worn balls,
-`standard` was 5 to 8 % off in velocity, beyond its 3 %, and `draft` 11 to 21 %, beyond its 8 %. One
-point does not tell n, since wear widens the contact at a higher velocity; its neighbours do. The
-other: bodies that roll as if each turn met a cold track.
+`standard` was 5 to 8 % off in velocity, beyond its 3 %, and `draft` 11 to 21 %, beyond its 8 %. A
+point knows n of a ball alone, since wear widens the contact at a higher velocity; its neighbours
+tell any. The other: bodies that roll as if each turn met a cold track.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from pipeline.sweep.warned import (
     with_turns,
 )
 from tribo import CRITERIA, Ball, Criterion, Crowned, Cylinder, Material, Motion, WarningKind
+from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array, Mask
 
 
@@ -139,7 +140,7 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
     for place in np.argwhere(chosen.values):
         point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
         flag = flags.values[tuple(place)]
-        slow = WORDS if flag & WarningKind.SLOW_RISE else ""
+        slow = SLOW if flag & WarningKind.SLOW_RISE else ""
         melted = MOLTEN if flag & WarningKind.MOLTEN else ""
         if message := str(point["message"].item()) or slow or melted:
             names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
@@ -163,13 +164,6 @@ def _turns(rise: Array, limit: float) -> Mask:
     return beside
 
 
-SLOWEST = 0.3
-"""Exponent of the rise over the velocity down to which presets keep what they promise."""
-
-WORDS = (
-    "the rise grows more slowly than the velocity to the power of 0.3, so that the boundary "
-    "velocity errs two to three times as much as the preset promises; ask for an accuracy"
-)
 _APART = 1.1  # least ratio of velocities over which an exponent is taken
 
 

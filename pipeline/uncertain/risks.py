@@ -12,12 +12,12 @@ import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_table import OperatingPoints, frame_of_points
-from pipeline.analysis.warned_points import SLOWEST
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, QUANTILES, Draws
+from tribo.simulation.point_warnings import SLOWEST
 from tribo.types import Array
 
 _APART = 1.1  # ratio of velocities over which a slope is taken

@@ -234,3 +234,12 @@ def test_the_present_heat_does_not_warn_long_after_a_contact_has_grown():
     loading = Ramp(rate=150.0, reference_load=600.0, hold=50.0, hold_steps=1)
     scene = replace(small_scene(), loading=loading)
     assert not texts(scene, last(scene, 600.0, 0.05), WarningKind.PRESENT_HEAT)
+
+
+def test_a_ball_worn_at_speed_whose_rise_hardly_grows_with_the_velocity_warns():
+    grid = Grid((32, 32), (25e-6, 25e-6), (False, False))
+    worn = replace(small_scene(), pin=BALL, roughness=None, pixels=grid, wear=Wear(3e-15))
+    assert_told("ask for an accuracy", worn, last(worn, 10.0, 20.0), WarningKind.SLOW_RISE)
+    assert_told(None, worn, last(worn, 10.0, 1.0), WarningKind.SLOW_RISE)
+    unworn = replace(worn, wear=None)
+    assert_told(None, unworn, last(unworn, 10.0, 20.0), WarningKind.SLOW_RISE)
