@@ -193,7 +193,7 @@ def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_
     path = tmp_path / "tiny.zarr"
     lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe")
     with client_of(cluster.address) as client, lost:
-        run_sweep(SLOW, path, client=client, progress=lose, patience=15.0)
+        run_sweep(SLOW, path, client=client, progress=lose, patience=6.0)
     assert summary(path).done
 
 
