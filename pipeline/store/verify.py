@@ -8,7 +8,6 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,8 +15,17 @@ import numpy as np
 
 from pipeline.store.attributes import checksum
 from pipeline.store.layout import Slices, blocks, chunk_key, field_key, slices_of
-from pipeline.store.lock import held
-from pipeline.store.place import ROOT, PathLike, Place, StoreError, place_of, reaches, writes
+from pipeline.store.lock import Lock, held
+from pipeline.store.place import (
+    ROOT,
+    PathLike,
+    Place,
+    StoreError,
+    place_of,
+    reaches,
+    steadily,
+    writes,
+)
 from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
@@ -113,10 +121,15 @@ def verify_store(
     >>> verification.done, verification.is_clean
     (24, True)
     """
-    place = place_of(path)
-    read_root(place)  # before a lock is laid in what is no store
-    with held(place) if repair else nullcontext() as lock:
+
+    def read(place: Place, lock: Lock | None = None) -> Verification:
         return examined(Store(place, read_root(place), lock, is_damaged=True), repair, progress)
+
+    if not repair:
+        return steadily(path, read)
+    read_root(place := place_of(path))  # before a lock is laid in what is no store
+    with held(place) as lock:
+        return read(place, lock)
 
 
 def examined(

@@ -16,12 +16,14 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
 ):
     page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
-    assert len(commands) == 12
+    assert len(commands) == 15
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     scene = str(WORKFLOWS / "uncertain.toml")
     printed = []
     for command in commands[1:]:  # the first foretells the cost alone
+        if "--certify" in command:  # 25 boundaries, of which tests of a certificate find fewer
+            continue
         arguments = shlex.split(command.replace("workflows/uncertain.toml", scene))[1:]
         few = [*FEW, "--workers", "2"] if arguments[0] == "run" else []
         if "posterior.png" in command or "given-measured" in command:
