@@ -121,7 +121,7 @@ def exact_si(text: str, like: str) -> Decimal:
     '1.571'
     """
     needed = _parts(like)[1]
-    if needed in _USUAL["m s-1"] and (turns := _TURNS.fullmatch(text)):
+    if needed in ("m/s", "mm/s") and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
         return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
     number, unit = _with_pressure(text)

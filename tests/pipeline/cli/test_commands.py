@@ -108,7 +108,7 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(s
     near = irg(*place, "--critical-temperature", critical, "--json")
     assert near["verdict"] == "not decided"
     assert [warning["kind"] for warning in near["warnings"]] == ["few nodes"]
-    expected = (0.08 + 0.80) * (temperature - 298.15)
+    expected = (0.08 + 0.36) * (temperature - 298.15)
     assert near["temperature_error"] == pytest.approx(expected, rel=1e-6)
     (command,) = near["next"]
     assert command.startswith("irg point ")

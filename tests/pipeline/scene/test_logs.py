@@ -125,7 +125,7 @@ def test_a_trace_of_forces_and_a_speed_in_rpm_are_understood(tmp_path):
     trace = read_trace(path)
     assert trace.load[trace.row] == 300.0
     (fault,) = read_log_faults(path, "load [N],speed [rpm],outcome\n400,300,mild\n")
-    assert "pi times the diameter of the track" in fault
+    assert "give its track, too" in fault
 
 
 def read_log_faults(path, log):

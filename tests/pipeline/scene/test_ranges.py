@@ -152,6 +152,7 @@ def test_every_range_of_the_format_is_held_against_tribo():
         "sweep.samples",  # how many
         "sweep.sample_seed",  # as a seed above
         "sweep.steps",  # how many
+        "sweep.around",  # how many
         "sweep.wear_rates",  # about the rate above, and above 0
         "disk.film",  # a quotient of both
         "friction.band",  # as the coefficient
