@@ -146,7 +146,6 @@ def asked_of_each_case(conditions):
     "settings",
     [
         ["--preset", "draft", "--set", "wear.specific_wear_rate=2e-6 mm^3/(N m)"],
-        ["--set", "friction.coefficient=0.11", "--set", "increments=12"],
     ],
 )
 def test_the_command_that_is_named_computes_what_was_beyond(

@@ -37,7 +37,7 @@ def test_when_the_power_fails_nothing_is_lost():
 
 
 def test_damage_of_any_file_is_named_or_harmless_and_healed():
-    report = reported("damage", trials=3)
+    report = reported("damage")
     assert report["faults"] == []
 
 

@@ -115,10 +115,10 @@ PHYSICS = {
     [("plain", "loads"), ("plain", "end"), *itertools.product(PHYSICS, (2, "all"))],
 )
 def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
-    """250 N and 500 N are steps of the trunk, so that the one's end lies on the other's."""
+    """250 N is a step of the trunk, so that its end lies on another's."""
     sweep = tiny.sweep(steps=steps, **PHYSICS[physics])
     highest, trunk = run_point(sweep, 625.0, 1.0), None
-    for load in (100.0, 150.0, 250.0, 500.0, 600.0):
+    for load in (150.0, 250.0, 600.0):
         result = run_point(sweep, load, 1.0, trunk=trunk)
         assert same(result, run_point(sweep, load, 1.0))
         assert len(result.columns["time"]) == Stations.of(sweep).count(sweep.scene, load)

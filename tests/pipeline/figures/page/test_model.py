@@ -28,7 +28,7 @@ return argument.map((given) => {
 SIDES = (("load", "critical_velocity", "[m/s]"), ("velocity", "critical_load", "[N]"))
 
 
-def random_conditions(ds, count=20):
+def random_conditions(ds, count=12):
     """Conditions of all kinds, the first those of the sweep."""
     draw = np.random.default_rng(ds.sizes["velocity"])
     yield {}
