@@ -83,7 +83,9 @@ class RiseError:
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
         unknown = " and ".join(name for name, part in parts.items() if part is None)
         if unknown:
-            return f"not known, for that of {unknown} is not" + (f" ({known})" if known else "")
+            return f"not known, since that of {unknown} is not known" + (
+                f" ({known})" if known else ""
+            )
         return f"± {self.total:.2g} K" + (f": {known}" if known else "")
 
     def times(self, factor: float) -> RiseError:

@@ -110,7 +110,7 @@ def _too_little_memory() -> str | None:
         return None
     return (
         f"this process may take {limit / 2**20:.0f} MB of memory (ulimit -v), and needs "
-        f"{_LEAST_MEMORY / 2**20:.0f} MB at least: raise that"
+        f"{_LEAST_MEMORY / 2**20:.0f} MB at least: raise the limit"
     )
 
 

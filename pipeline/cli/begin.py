@@ -57,18 +57,16 @@ def new(options: argparse.Namespace) -> Result:
 
 
 def surface(options: argparse.Namespace) -> Result:
-    """Print the roughness of a scan, and the table of a scene that makes more of the same."""
+    """Print the roughness of a scan, and the table of a scene for random surfaces like it."""
     with working("fitting the spectrum"):
         scan = pipeline.surface_statistics(
             options.scan, options.height_unit, options.pixel_size, options.transpose
         )
     text = list(scan.lines())
     if scan.is_self_affine:
-        text += ["", "more of the same, in a scene:", "", scan.toml.rstrip()]
+        text += ["", "random surfaces like it, in a scene:", "", scan.toml.rstrip()]
     else:
-        text.append(
-            "no random roughness stands for it: give the scan itself, as disk.roughness.file"
-        )
+        text.append("no random surface is like it: use the scan itself, as disk.roughness.file")
     return Result(scan.as_dict(), text)
 
 
@@ -154,8 +152,8 @@ def tests(options: argparse.Namespace) -> Result:
         text.append(f"{_counts(found)}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
             text.append(
-                "(transitions, since no column is the outcome; of tests name it with "
-                '--column "outcome=HEADING")'
+                "(read as transitions, since no column has outcomes; if they are tests, name the "
+                'column with --column "outcome=HEADING")'
             )
         text += ["", *toml, ""]
     if log.left_out:

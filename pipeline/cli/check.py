@@ -32,7 +32,7 @@ def check(options: argparse.Namespace) -> Result:
     if is_too_large:
         doubted.append(
             f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
-            "the time is not tried out; give fewer window.pixels, or a coarser fidelity"
+            "the time is not estimated; give fewer window.pixels, or a coarser fidelity"
         )
     nx, ny = sweep.scene.grid.shape
     document: dict[str, Any] = {
@@ -148,7 +148,7 @@ def _share(facts: Facts) -> str:
     if facts.greatest_load == float("inf"):
         return "elastic at any load"
     kilonewtons = 1e-3 * facts.greatest_load
-    return f"carries at most {kilonewtons:.3g} kN on the pin, all of it at the hardness"
+    return f"carries at most {kilonewtons:.3g} kN on the pin, with all of it at the hardness"
 
 
 def _text(span: Span, factor: float = 1.0) -> str:
@@ -188,10 +188,10 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
     yield (
         f"  samples  {count} of a scrambled Sobol' sequence, seed "
         f"{design.seed}, from {low:g} to {high:g} m/s; "
-        + ("they suffice" if are_all else "more go on from these")
+        + ("all that are needed" if are_all else "more can be added")
     )
     if design.per_contact > 1:
-        yield f"           {design.per_contact} share each contact, and have heat of their own"
+        yield f"           {design.per_contact} share each contact; heat is computed for each"
 
 
 def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
@@ -210,7 +210,7 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
         yield f"  points   {cost.points}: {loads}, {velocities}{variants}"
     yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not searched:
-        yield f"  chains   {cost.chains}, each computed by one worker: more would be idle"
+        yield f"  chains   {cost.chains}, each computed by one worker: more workers would be idle"
     workers = counted(cost.workers, "worker", "workers")
     yield f"  time     about {duration(cost.seconds)} on {workers}"
     yield from (f"           {line}" for line in cost.basis.split("; "))

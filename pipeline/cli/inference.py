@@ -99,7 +99,7 @@ def _on_point(
     load, velocity = result.point[:2]
     wear = judged if judged == NOT_DECIDED else f"{judged} wear"
     if judged is None:
-        wear = "mild or severe is open without temperature.critical"
+        wear = "mild or severe is not known without temperature.critical"
     yield (
         f"{load:g} N at {velocity:g} m/s after {measured['time']:.3g} s "
         f"and {measured['sliding_distance']:.3g} m: {wear}"
@@ -220,17 +220,17 @@ def _of_tests(
     frame.insert(3, "outcome", outcomes)
     frame = frame.rename(columns={"critical temperature [°C]": "temperature [°C]"})
     text: list[str | pd.DataFrame] = [
-        f"temperature of {counted(len(outcomes), 'test', 'tests')}, below the critical one where "
-        "wear stayed mild, above it where it turned severe:",
+        f"temperature of {counted(len(outcomes), 'test', 'tests')}, below the critical "
+        "temperature where wear stayed mild, above it where wear turned severe:",
         short(frame),
     ]
     above, below = (None if end is None else pipeline.display(end, "°C", 4) for end in (low, high))
     if low is None or high is None:
         text.append(
-            f"the critical one lies {f'below {below}' if low is None else f'above {above}'}"
+            f"the critical temperature is {f'below {below}' if low is None else f'above {above}'}"
         )
     elif low < high:
-        text.append(f"the critical one lies between {above} and {below}")
+        text.append(f"the critical temperature is between {above} and {below}")
     else:
         text.append(f"the tests contradict each other: mild up to {above}, severe from {below} on")
     known = [end - 273.15 for end in (low, high) if end is not None]
@@ -240,7 +240,7 @@ def _of_tests(
         f'"temperature.critical" = {{ from = "{first} degC", to = "{last} degC" }}',
     ]
     text += [
-        "", "how likely each value is, with the scatter of tests: give the scene the lines", "",
+        "", "for the probability of each value, with the scatter of tests, add to the scene:", "",
         *toml, "", f"and samples = 64 in [sweep]; then irg run {name}.toml, irg infer {name}.toml",
     ]  # fmt: skip
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}

@@ -175,7 +175,7 @@ def _origin(here: Margin) -> str:
     if here.is_computed:
         return "computed there"
     if here.is_continued:
-        return "continued as a power of the velocity beyond the computed points"
+        return "extrapolated beyond the computed points, as a power of the velocity"
     return "interpolated between computed points"
 
 

@@ -79,7 +79,7 @@ def lines_on(commands: Sequence[str]) -> Iterator[str]:
     if more := len(commands[_MOST:]):
         yield f"and {more} more commands, which --json lists"
     if not commands:
-        yield "not decided, nor by any accuracy: it is nearer to the boundary than that is known"
+        yield "not decided by any accuracy: the point is nearer to the boundary than its error"
 
 
 def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str, Any]) -> str:
@@ -237,7 +237,7 @@ def _words_of(
 def _in_python(margin: Margin) -> str:
     """What decides at a row that no scene file has."""
     place = Point(margin.load, margin.velocity, tuple(margin.entries.items()))
-    return f"{place}, more accurately, in Python: a scene file has no such row"
+    return f"{place}, more accurately, in Python, since no scene file has this row"
 
 
 def _scene_of(attributes: Mapping[str, Any]) -> list[str]:

@@ -57,12 +57,10 @@ FIGURE_OR_TABLE = output(
 )  # fmt: skip
 
 SCENE = Option("scene", metavar="SCENE.toml", type=Path, help="scene file, or a shipped scene")
-PRESET = Option(
-    "--preset", metavar="NAME", help=f"fidelity in place of the scene's own: {_PRESETS}"
-)
+PRESET = Option("--preset", metavar="NAME", help=f"preset of the numerical choices: {_PRESETS}")
 SET = Option(
     "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
-    help="another numerical choice, such as increments=50, or another entry of the scene, such as "
+    help="change a numerical choice, such as increments=50, or an entry of the scene, such as "
     "wear.pattern=local or without=motion; may be repeated for other keys",
 )  # fmt: skip
 OWN_LAWS = _flag(
@@ -72,22 +70,23 @@ OWN_LAWS = _flag(
 OF_SCENE = (SCENE, PRESET, SET, OWN_LAWS)
 ACCURACY = Option(
     "--accuracy", metavar="BOUND", type=values.share,
-    help="largest error of the boundary, such as 2%%, for which the cheapest fidelity is picked",
+    help="pick the cheapest fidelity whose boundary errs by this at most, such as 2%%",
 )  # fmt: skip
 BOUNDARY_ONLY = Option(
     "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.tolerance,
-    help="tolerance of the boundary, for which the velocities are chosen; default: 1%%",
+    help="compute the boundary alone, to this tolerance, at velocities that the run chooses; "
+    "default: 1%%",
 )  # fmt: skip
 
 STORE = Option("store", metavar="OUT.zarr", type=values.store, help="store that irg run has made")
 OTHER_STORE = Option(
-    "other", metavar="OTHER.zarr", type=values.store, help="store to compare it with"
+    "other", metavar="OTHER.zarr", type=values.store, help="store to compare with the first"
 )
 STORE_OR_FOLDER = STORE.but(
     metavar="OUT.zarr", nargs="?", default=Path("results"),
-    help="store that irg run has made, or a folder of them; default: results",
+    help="store that irg run has made, or a folder of stores; default: results",
 )  # fmt: skip
-REPAIR = _flag("--repair", "set damaged points to be computed again")
+REPAIR = _flag("--repair", "mark damaged points as pending, so that irg run computes them again")
 
 OF_SCAN = (
     Option(
@@ -112,14 +111,14 @@ OF_TESTS = (
     ),
     Option(
         "--column", metavar="ENTRY=HEADING", type=values.pair, action="append", default=[],
-        help='column of an entry that is not found, like "load=Normalkraft F_N / N"; may be '
+        help='column of an entry that was not recognised, like "load=Normalkraft F_N / N"; may be '
         "repeated",
     ),
     Option(
         "--word", metavar="WORD=OUTCOME", type=values.word, action="append", default=[],
         help="what a word of the log means, like Fresser=severe; may be repeated",
     ),
-    Option("--decimal", choices=(".", ","), help="mark of decimals, where it is not found"),
+    Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
 )  # fmt: skip
 TOPIC = Option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
 OF_NEW = (
@@ -130,12 +129,12 @@ OF_NEW = (
             LIST.but(help="list the shipped scenes"),
             Option(
                 "--schema", metavar="FILE.json", type=Path,
-                help="file for a JSON schema of the format instead, by which editors complete "
+                help="write a JSON schema of the format instead, with which editors complete "
                 "scenes",
             ),
         ),
     ),
-    _flag("--full", "explain every entry, and add those that are not used as comments"),
+    _flag("--full", "explain every entry, and add unused ones as comments"),
     Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
 )  # fmt: skip
 
@@ -146,7 +145,7 @@ WORKERS = Option(
 KEPT = (
     Option(
         "--store", metavar="OUT.zarr", dest="kept", type=values.new_store,
-        help="store of the points, resumed if it is there; without it none is kept",
+        help="store for the points, resumed if it exists; by default no point is kept",
     ),
     WORKERS,
 )  # fmt: skip
@@ -159,7 +158,7 @@ OF_RUN = (
             Option("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler"),
             Option(
                 "--scheduler-file", metavar="FILE", type=Path,
-                help="file that a running Dask scheduler has written, in place of its address",
+                help="file that a running Dask scheduler has written, instead of its address",
             ),
         ),
     ),
@@ -185,8 +184,8 @@ REALIZATION = Option(
 )  # fmt: skip
 AT = Option(
     "--at", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
-    help='value of an entry with several, like "pin.radius=2 mm", of a store whose scene has over; '
-    "and of samples one at which to fix an unknown input; may be repeated for other entries",
+    help='take one value of an entry in sweep.over, like "pin.radius=2 mm"; for samples, fix an '
+    "unknown input; may be repeated for other entries",
 )  # fmt: skip
 WEAR_RATE = _quantity(
     "--wear-rate", "K", "2e-6 mm^3/(N m)", "specific wear rate of a store with wear_rates"
@@ -198,12 +197,12 @@ FRICTIONS = FRICTION.but(
 )
 BULK = Option(
     "--bulk-temperature", metavar="T", type=values.bulk,
-    help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" in a sweep of unequal ones',
+    help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" if they differ',
 )  # fmt: skip
 CRITERION = Option(
     "--criterion", metavar="NAME", type=values.criterion,
-    help="temperature that decides: share (the one that the share exceeds), highest or mean; or "
-    "your own, like laws:hottest, with --own-laws",
+    help="temperature that decides: share (exceeded on the failing share of the contact), highest "
+    "or mean; or your own, like laws:hottest, with --own-laws",
 )  # fmt: skip
 _THRESHOLD = (
     _quantity(
@@ -217,25 +216,26 @@ _THRESHOLD = (
     ),
     CRITERION,
 )  # fmt: skip
-_INSTEAD = "conditions, in place of the scene's own"
+_INSTEAD = "conditions, instead of the scene's"
 CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, *_THRESHOLD))
 CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, *_THRESHOLD))
 
 OVER = Option(
     "--over", metavar="KEY=VALUE,VALUE", type=values.settings, action="append", default=[],
-    help="an entry of the scene, and the values to give it, such as 0.08,0.12; or -20%%,+20%% of "
-    "its own value; may be repeated",
+    help="entry of the scene and its values, such as 0.08,0.12, or -20%%,+20%% of the value in "
+    "the scene; may be repeated",
 )  # fmt: skip
 PHYSICS = _flag(
     "--physics",
-    "physics beside the half-spaces: what is counted, could be, or cannot be sized",
+    "size each effect beside the two half-spaces: counted, left out, or impossible to size",
 )
 SCATTER = Option(
     "--scatter", metavar="SHARE", type=values.share,
-    help="relative standard deviation of measured velocities that give none; default: 5%%",
+    help="relative standard deviation of measured velocities, where the scene gives none; "
+    "default: 5%%",
 )  # fmt: skip
 GIVEN_MEASURED = _flag(
-    "--given-measured", "let the scene's measured transitions narrow down the unknown inputs"
+    "--given-measured", "use the posterior: inputs weighed by the scene's transitions and tests"
 )
 CERTIFY = _flag(
     "--certify", "find 25 boundaries of random inputs by simulations, and keep them in the store"
@@ -249,11 +249,11 @@ OF_INFER = (
     *KEPT,
     Option(
         "--next", metavar="COUNT", nargs="?", const=1, type=values.count,
-        help="of samples: rank the measurements to make next, or plan so many tests at once",
+        help="for samples: rank the measurements to make next, or plan COUNT tests at once",
     ),
     Option(
         "--until", metavar="SPREAD",
-        help='with --next: plan tests until the target is known so well, like "5 %%" or "3 K"',
+        help='with --next: plan tests until the target has this spread, like "5 %%" or "3 K"',
     ),
     Option(
         "--for", metavar="ENTRY", dest="target",
@@ -263,8 +263,8 @@ OF_INFER = (
     SCATTER,
     _flag(
         "--discrepancy",
-        "of samples: infer slopes over velocity and bulk temperature that the model lacks, and "
-        "what they gain",
+        "for samples: infer whether the rise needs a further slope over velocity or bulk "
+        "temperature, and how much likelier that makes the tests",
     ),
     _quantity(
         "--contact-width", "W", "348 um",
@@ -272,14 +272,14 @@ OF_INFER = (
     ),
     _quantity(
         "--duration", "T", "8 s",
-        "sliding from the start of the ramp until the width was measured (default: the scene's)",
+        "time of sliding until the width was measured, ramp included; default: the scene's",
     ),
     BULK.but(
         action="append",
-        help='bulk temperature, like "25 degC"; with --next one to choose from, may be repeated',
+        help='bulk temperature, like "25 degC"; with --next a candidate, may be repeated',
     ),
     FIGURE_OR_TABLE.but(
-        metavar="TABLE.csv", help="file of the table, .csv or .md; or, of samples, of a figure"
+        metavar="TABLE.csv", help="file of the table, .csv or .md; for samples also of a figure"
     ),
     *PLACE,
     REALIZATION,
@@ -296,14 +296,16 @@ OF_DESIGN = (
     ),
     _quantity(
         "--margin", "T", "20 K",
-        "distance to the critical temperature that 95 %% of the probability keeps, instead of a "
-        "risk",
+        "goal instead of --risk: a distance below the critical temperature, kept with 95 %% "
+        "probability",
     ),
 )  # fmt: skip
 
 OF_TRADE = (
     *OF_SCENE,
-    Option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice"),
+    Option(
+        "--base", metavar="NAME", default="fine", help="preset whose choices are varied one by one"
+    ),
     FIGURE_OR_TABLE,
 )
 
@@ -311,7 +313,7 @@ OF_PLOT = (
     Option(
         "--kind", default="diagram",
         choices=("diagram", "ramp", "fields", "temperature"),
-        help="default: diagram; temperature is over the velocity",
+        help="default: diagram; temperature is drawn over the velocity",
     ),
     Group(
         "",
@@ -319,13 +321,13 @@ OF_PLOT = (
             output("FILE.png", "file of the figure; default: beside the store"),
             Option(
                 "--watch", metavar="FILE.png", type=Path,
-                help="file that is drawn again as points come, until the run ends",
+                help="file to draw again and again while a run goes on, until it ends",
             ),
         ),
     ),
-    _quantity("--width", "W", "8.5 cm", "width of the figure, whose words stay readable"),
+    _quantity("--width", "W", "8.5 cm", "width of the figure; its text keeps its size"),
     _flag("--no-title", "draw no title, where a caption gives it"),
-    _flag("--log", "scale both axes of the diagram by the logarithm"),
+    _flag("--log", "logarithmic axes of the diagram"),
     Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),
 )  # fmt: skip
 OF_EXPLORE = (

@@ -40,7 +40,8 @@ COMMANDS = (
     ),
     Command(
         "run", "surface", "begin:surface",
-        "describe a scan: roughness, lay, correlation lengths, and a scene's table that makes more",
+        "describe a scan: roughness, lay, correlation lengths; print a table for random surfaces "
+        "like it",
         'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SCAN,
     ),
     Command(

@@ -78,7 +78,7 @@ def _is_folder_of_stores(path: Path | str) -> bool:
 def _besides(state: Summary) -> Iterator[str]:
     """Points beyond those that were asked for, and the process that runs."""
     if state.earlier:
-        yield f"{state.earlier} more are done, for which an earlier run asked"
+        yield f"{state.earlier} more are done from an earlier run, which asked for them"
     if state.running:
         yield f"running: {state.running}"
 

@@ -89,7 +89,7 @@ def _on_variations(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd
     """The frame, and physics that the scene leaves out."""
     yield short(frame)
     yield ""
-    yield f"from {result.points} points on the contacts of {result.contacts}"
+    yield f"{result.points} points, computed on the contacts of {result.contacts}"
     for state, group in itertools.groupby(
         sorted(result.physics, key=lambda effect: _STATES.index(effect.state)),
         key=lambda effect: effect.state,
@@ -203,7 +203,7 @@ def _worded(entry: Unknown, value: float, digits: int = 4) -> str:
 
 def _wanted(goal: Goal) -> str:
     if goal.margin:
-        return f"{goal.margin:g} K below the critical with {100 * (1 - goal.risk):g} %"
+        return f"{goal.margin:g} K below the critical temperature with {100 * (1 - goal.risk):g} %"
     return f"a risk of {100 * goal.risk:g} %"
 
 
@@ -212,7 +212,7 @@ def _in_words(limit: Limit) -> str:
     path, place = limit.entry.path, limit.binding
     where = f"{_wanted(limit.goal)} at {place.load:g} N and {place.velocity:g} m/s"
     if len(limit.goal.places) > 1:
-        where += f", which decides of {len(limit.goal.places)} points"
+        where += f", the worst of {len(limit.goal.places)} points"
     if limit.side == "none":
         best = f"{100 * limit.best[1]:.2g} % at best, with {_worded(limit.entry, limit.best[0])}"
         return f"not by {path} alone: {best}, for {where}"
@@ -237,8 +237,8 @@ def _on_check(
         yield f"  not confirmed by direct simulations: {reason}"
         return
     found = (
-        f"{direct.probability:.4f} ± {direct.error:.4f} of {direct.draws} draws made anew, of "
-        f"which the {direct.simulated} near the limit were simulated"
+        f"{direct.probability:.4f} ± {direct.error:.4f} in {direct.draws} new draws; the "
+        f"{direct.simulated} near the limit were simulated"
     )
     where = "".join(f" with {path} {value:.4g}" for path, value in at.items())
     if direct.agrees_with(goal.risk):

@@ -67,8 +67,8 @@ def risk(options: argparse.Namespace) -> Result:
         text = [
             on_risk(here),
             *text,
-            f"  emulated by {here.samples} samples, whose rise errs by "
-            f"{100 * here.rise_error:.2g} %; the error of the probability has it in",
+            f"  emulated from {here.samples} samples: the rise errs by "
+            f"{100 * here.rise_error:.2g} %, which the ± includes",
             *_if_given(ensemble, here, weighed),
         ]
     warned = pipeline.warned(ds)
@@ -91,7 +91,7 @@ def _certify(options: argparse.Namespace, ds: xr.Dataset) -> None:
     """Find boundaries directly, and keep how far those of the samples are off."""
     if given := values_in(options, "at", "criterion"):
         raise InputError(
-            f"--certify is of the samples as they were drawn; leave out {flags_of([*given])}"
+            f"--certify judges the samples as they were drawn; leave out {flags_of([*given])}"
         )
     ensemble = pipeline.Ensemble.of(ds)
     if ensemble.certificate is None:
@@ -214,15 +214,15 @@ def _on_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.
     yield short(frame)
     if not np.isfinite(indices.total).all():
         given_measured = "given the measurements"
-        reason = given_measured if indices.given_measured else "as the scene correlates them,"
-        yield f"no total index: {reason} the inputs depend on one another"
+        reason = given_measured if indices.given_measured else "as stated in the scene"
+        yield f"no total index: {reason}, the inputs are correlated"
     for load, spread, error in zip(
         indices.loads, indices.spread, indices.velocity_error, strict=True
     ):
         if error > _GOOD * spread:
             yield (
-                f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, of a "
-                f"spread of {100 * spread:.2g} %; run more samples"
+                f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, beside "
+                f"a spread of {100 * spread:.2g} %; run more samples"
             )
 
 
@@ -233,7 +233,7 @@ def samples_of(
     others = [name for name in conditions if name not in ("criterion", "own_laws")]
     if others and (weighed := weighing(options)):
         raise InputError(
-            f"conditions are weighed as they were drawn by {flags_of(weighed)}: leave out "
+            f"{flags_of(weighed)} weighs the conditions as they were drawn: leave out "
             f"{flags_of(others)}"
         )
     with working("reading samples"):
@@ -284,7 +284,7 @@ def draws_in_words(weighed: Posterior) -> str:
 def scatter_in_words(weighed: Posterior) -> str:
     """Scatter of the velocities, as said and as inferred."""
     low, middle, high = (100 * value for value in weighed.inferred_scatter)
-    said = f"velocities said to scatter by {100 * weighed.scatter:g} %"
+    said = f"scatter of the velocities as stated, {100 * weighed.scatter:g} %"
     if not weighed.judged:
         return said
     ends = {
@@ -292,4 +292,4 @@ def scatter_in_words(weighed: Posterior) -> str:
         "below": "; it may be smaller, which is not considered",
     }
     cut_off = ends.get(weighed.cut_off, "")
-    return f"{said}: by the tests {middle:.2g} % ({low:.2g} to {high:.2g}{cut_off})"
+    return f"{said}, and by the tests {middle:.2g} % ({low:.2g} to {high:.2g}{cut_off})"

@@ -130,7 +130,7 @@ def _on_discrepancy(gain: float) -> str:
     times = f"{math.exp(gain):.2g}" if abs(gain) < _SURE else f"10^{gain / math.log(10):.0f}"
     meaning = "neither is likelier"
     if abs(gain) > _TELLS:
-        meaning = "the model lacks these slopes" if gain > 0 else "it is not needed"
+        meaning = "the model lacks these slopes" if gain > 0 else "the model needs no slopes"
     return f"with the discrepancy the tests are {times} times as likely: {meaning}"
 
 

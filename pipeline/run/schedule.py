@@ -52,7 +52,7 @@ _POLL = 1.0  # [s] between looks at the workers, and at what lies there
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
 _END = 300.0  # [s] without a worker that computes, after which the sweep is given up
 _KILLED = (
-    "every worker process that computed it died, and the next one again: "
+    "each worker process that computed it died, also when it was tried alone: "
     "out of memory, or killed from outside"
 )
 _TOO_LONG = (

@@ -67,12 +67,13 @@ def notes_of(table: Variants) -> Iterator[str]:
     for column in table.chosen:
         if asked_by := _ASKED_BY.get(column.name):
             yield (
-                f"note: sweep.{asked_by} is set aside; the scene's own values hold, or those of "
-                "its first row: --set takes others"
+                f"note: sweep.{asked_by} is ignored here; the scene's own values are taken, or "
+                "those of its first row: --set takes others"
             )
             continue
         yield (
-            f"note: sweep.over is set aside; {column.name} is the scene's own or the first listed: "
+            f"note: sweep.over is ignored here; {column.name} is the scene's own or the first "
+            "listed: "
             f'--set "{column.name}=..." takes another'
         )
 

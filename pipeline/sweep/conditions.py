@@ -174,9 +174,9 @@ class Conditions:
         """Critical temperature [K]; an `InputError` if it is not known."""
         if self.critical_temperature is None:
             raise InputError(
-                "temperature.critical: the scene does not give it, and this needs it; add it to "
-                'the scene, such as critical = "145 degC", or where options or arguments take '
-                "it, give --critical-temperature or critical_temperature"
+                "temperature.critical is missing, and this needs it; add one to the scene, such as "
+                'critical = "145 degC", or give --critical-temperature (in Python '
+                "critical_temperature) where it is taken"
             )
         return self.critical_temperature
 

@@ -86,15 +86,15 @@ _NOT_SIZED = (
         "cannot be sized",
         "summits that were pressed flat stay flat at the next turn: +4 % of the critical velocity "
         "at 750 N and +17 % at 200 N in the paper's system, by a trial of 6 turns",
-        "on the safe side; the mean pressure on the summits falls by a quarter, and with it what a "
-        "film does; nothing measured is there to hold it against",
+        "on the safe side; the mean pressure on the summits falls by a quarter, and so does the "
+        "effect of a film; no measurement can check it",
     ),
     Effect(
         "kinetics of desorption",
         "cannot be sized",
         "a film that fails in time and not at a temperature",
-        "needs an activation energy, which is not known; above about 200 kJ/mol a temperature is "
-        "as good",
+        "needs an activation energy, which is not known; above about 200 kJ/mol a critical "
+        "temperature does as well",
     ),
 )
 

@@ -140,8 +140,8 @@ class Selection:
         err = f"errs by at most {100 * self.error:.2g} % at any load"
         if self.largest_error > self.error:
             err = (
-                f"errs by up to {100 * self.largest_error:.3g} %, by which elements of twice the "
-                "pixels' size move it: give smaller pixels"
+                f"errs by up to {100 * self.largest_error:.3g} %, the change with elements of "
+                "twice the pixels' size: give smaller pixels"
             )
         if self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"

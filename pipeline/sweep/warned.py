@@ -16,9 +16,9 @@ from tribo import Corrections, Material, Motion, Pin, Track, contact_modulus
 MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
 
 MOLTEN = (
-    f"the deciding temperature is above {MELTS - 273.15:.0f} °C, where steel melts: the model's "
-    "bodies stay solid and keep their properties, so that it says no more than that wear is "
-    "severe; check the load, the velocity and the units if this is where tests were"
+    f"the deciding temperature is above {MELTS - 273.15:.0f} °C, where steel melts: the bodies "
+    "of the model do not melt, so it says only that wear is severe; if tests were made here, check "
+    "load, velocity and units"
 )
 
 

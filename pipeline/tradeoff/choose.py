@@ -102,7 +102,7 @@ def at_accuracy(
     if selection is None:
         if store is not None and read_attributes(store) is not None:
             raise StoreMismatchError(
-                f"{store} was computed with a fidelity of the scene's own, not one picked for its "
+                f"{store} was computed with the scene's own fidelity, not one picked for its "
                 "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
             )
         if store is not None:

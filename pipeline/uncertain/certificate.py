@@ -94,7 +94,7 @@ class Certificate:
     def __str__(self) -> str:
         return (
             f"{len(self.found)} boundaries of random inputs found directly: the emulator's are "
-            f"{100 * self.error:.2g} % off, its 90 % hold {self.held}"
+            f"{100 * self.error:.2g} % off, its 90 % bands hold {self.held}"
         )
 
 

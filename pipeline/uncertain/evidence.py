@@ -57,9 +57,9 @@ def require_possible(ensemble: Ensemble) -> None:
         hold = test.get("hold", ensemble.hold)
         if hold not in ensemble.by_hold:
             raise InputError(
-                f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: run "
-                "them with loading.hold of the longest test, and for shorter ones with "
-                'loading.hold_steps that end with these and sweep.steps = "all"'
+                f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: give "
+                "loading.hold of the longest test, and for a shorter one loading.hold_steps of "
+                'which one ends with it, and sweep.steps = "all"'
             )
         if "load_scatter" in test and len(ensemble.loads) < 2:
             raise InputError(

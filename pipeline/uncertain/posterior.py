@@ -236,15 +236,12 @@ def faults(
     words = []
     if inferred[0] > scatter:
         words.append(
-            f"the tests scatter by {100 * inferred[0]:.3g} % at least, and are said to by "
-            f"{100 * scatter:g} %"
+            f"the tests scatter by {100 * inferred[0]:.3g} % at least, and "
+            f"{100 * scatter:g} % is stated"
         )
     for one, column in zip(unknown, draws.inputs.T, strict=False):  # without those of the rig
         if (share := float(draws.mean(_is_outer(one, column)))) > _MUCH:
-            words.append(
-                f"{one.path} is pressed against the end of what is assumed, with {share:.2f} of "
-                "its probability"
-            )
+            words.append(f"{one.path} has {share:.2f} of its probability at the ends of its range")
     return tuple(words)
 
 

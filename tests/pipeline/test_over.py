@@ -225,7 +225,9 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
 def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeypatch):
     load(folder)
     place = ("--load", "200 N", "--velocity", "1 m/s")
-    note = "sweep.over is set aside; pin.radius is the scene's own or the first listed: --set \"pin"
+    note = (
+        "sweep.over is ignored here; pin.radius is the scene's own or the first listed: --set \"pin"
+    )
     assert note in irg("point", folder / "scene.toml", *place)
     assert note not in irg("point", alone_file(folder), *place)
     notes = []

@@ -67,7 +67,7 @@ def test_status_tells_of_points_that_the_scene_no_longer_asks_for(scene, store, 
     irg("run", scene, "--set", 'sweep.loads=["200 N"]', "-o", copy, "-q")
     said = irg("status", copy)
     assert "3 points: 3 done" in said
-    assert "6 more are done, for which an earlier run asked" in said
+    assert "6 more are done from an earlier run, which asked for them" in said
     assert irg("status", copy, "--json")["done_earlier"] == 6
 
 

@@ -333,7 +333,7 @@ def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():
     cool = Unknown(CRITICAL.path, "uniform", (383.15, 423.15), "K")
     posterior = pipeline.posterior(ensemble((cool, LENGTH), tests=transitions(hot, 0.02, seed=3)))
     assert not posterior.fits
-    assert "temperature.critical is pressed against the end" in " ".join(posterior.faults)
+    assert "of its probability at the ends of its range" in " ".join(posterior.faults)
     usual = pipeline.posterior(ensemble((WIDE, LENGTH), tests=transitions(hot - [20, 0, 0, 0])))
     assert usual.fits
 
