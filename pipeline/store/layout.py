@@ -33,7 +33,7 @@ from pipeline.store.schema import (
     is_of_points,
 )
 from pipeline.sweep.plan import PointRecord
-from tribo.types import Array, Mask
+from tribo.types import Mask
 
 Slices = tuple[slice, ...]
 
@@ -179,11 +179,3 @@ def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
         message=message,
         checksum=checksum(simulated.at(record.point), record.point, data | about),
     )
-
-
-def unpacked(encoded: bytes, name: str, shape: tuple[int, ...]) -> Array:
-    """Return an array from the chunk that Zarr makes of it, in a tenth of the time that Zarr takes.
-
-    Raises a `RuntimeError` or `ValueError` for a chunk that is damaged.
-    """
-    return np.frombuffer(_ENCODER.decode(encoded), VARIABLES[name].dtype).reshape(shape)

@@ -8,12 +8,14 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from pipeline.store.attributes import checksum
+from pipeline.store.files import THREADS
 from pipeline.store.layout import Slices, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
@@ -33,6 +35,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.variants import Variant
 from tribo.types import Mask
 
+_BESIDE = ("checksum", "steps", "warning_flags")
 _OTHER = "the data are not those that were computed"
 
 
@@ -240,10 +243,10 @@ def _entries(
         name: None if entries is None else entries[within] for name, entries in values.items()
     }
     fields = store.arrays.keys() & AT_END.keys()
-    return of_block | {name: read_or_none(store.place, field_key(name, index)) for name in fields}
+    return of_block | {name: _read_or_none(store.place, field_key(name, index)) for name in fields}
 
 
-def read_or_none(place: Place, key: str) -> bytes | None:
+def _read_or_none(place: Place, key: str) -> bytes | None:
     """Content of a key; None where it is lost, or cannot be read."""
     try:
         return place.read(key)
@@ -257,10 +260,27 @@ def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool
         return _unreadable(sorted(lost))
     simulated = store.simulated.at(point)
     own = entries if is_done else {name: entries[name] for name in entries.keys() & RECORDS.keys()}
-    return fault_of_data(simulated, point, own)
+    return _fault_of_data(simulated, point, own)
 
 
-def fault_of_data(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
+def faults_at(store: Store, indices: Iterable[tuple[int, ...]]) -> Iterator[tuple[Point, str]]:
+    """Done points at some places, each with the fault of its data; empty if it has none."""
+    keys, of_chunk = store.place.keys(), dict[tuple[int, ...], list[tuple[int, ...]]]()
+    names = [name for name in store.arrays if name in STEPPED or name in _BESIDE]
+    for index in sorted(indices):
+        numbers = tuple(i // n for i, n in zip(index, store.block, strict=True))
+        of_chunk.setdefault(numbers, []).append(index)
+    for numbers, members in of_chunk.items():
+        with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers side by side
+            parts = threads.map(lambda name, at=numbers: _read(store, name, at, keys), names)
+            values = dict(zip(names, parts, strict=True))
+        points = store.points_at([*np.transpose(members)])
+        for index, point in zip(members, points, strict=True):
+            entries = _entries(store, index, values, keys)
+            yield point, _fault_of_data(store.simulated.at(point), point, entries)
+
+
+def _fault_of_data(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
     """Fault of the data of a point by its entries, lost ones None; empty if they are sound."""
     checked = {*STEPPED, *AT_END, "warning_flags"}
     data = {name: entries[name] for name in entries.keys() & checked}
