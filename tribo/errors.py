@@ -101,7 +101,7 @@ class RangeError(TriboError, ArithmeticError):
 
 @contextmanager
 def of_law(name: str) -> Iterator[None]:
-    """Turn any error within a law of one's own into an `InputError` that names the law."""
+    """Turn any error within a user's own law into an `InputError` that names the law."""
     try:
         yield
     except TriboError:

@@ -81,9 +81,9 @@ def boundary(
         temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
     criterion : str, optional
         Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
-        ``"mean"``; see `tribo.CRITERIA`. Or one's own, such as ``"laws:hottest"``.
+        ``"mean"``; see `tribo.CRITERIA`. Or your own, such as ``"laws:hottest"``.
     own_laws : bool
-        Allow one's own criterion to run, which is code of a file in the working folder.
+        Allow your own criterion to run, which is code of a file in the working folder.
 
     Returns
     -------

@@ -183,7 +183,7 @@ DISK = Table({
     }), "An oxide or tribofilm on the disk, a thermal resistance; none without the table. It takes "
         "effect after the simulation."),
     "surface": Optional(own_law('Module and name of the surface, such as "laws:dimples".'),
-        "A surface of one's own in place of a roughness, see [`OWN_LAWS.md`](OWN_LAWS.md)."),
+        "Your own surface instead of a roughness, see [`OWN_LAWS.md`](OWN_LAWS.md)."),
     "roughness": Optional(Either(RANDOM_SURFACE, MEASURED_SURFACE),
         "Its surface: random, or measured; smooth without the table."),
 })

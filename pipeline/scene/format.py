@@ -126,7 +126,7 @@ OIL = Table({
     "pressure_viscosity_coefficient": Optional(
         one_or_two(Quantity("a pressure coefficient", "20 1/GPa")),
         "Pressure–viscosity coefficient, one, or one at each of both temperatures; without it no "
-        "film is foretold."),
+        "film is predicted."),
 })
 
 FRICTION_TABLE = Table({
@@ -156,7 +156,7 @@ TEMPERATURES = Table({
     "criterion": Optional(
         Either(OneOf(tuple(tribo.CRITERIA)), Text(), lambda word: ":" in str(word)),
         "Temperature that decides: the one that the failing share of the contact area exceeds, the "
-        "highest, or the mean of the contact; or a [criterion of one's own](OWN_LAWS.md), such as "
+        "highest, or the mean of the contact; or a [criterion of your own](OWN_LAWS.md), such as "
         '"laws:hottest_tenth", which runs only with `--own-laws`.', default="share"),
 })
 
@@ -284,7 +284,7 @@ FORMAT = Table({
         "Motion of both bodies; without it the pin is at rest. Give one of `slide_roll_ratio` and "
         "`entrainment_velocity`."),
     "wear": Optional(WEAR,
-        "Archard's wear of the pin, or [a law of one's own](OWN_LAWS.md); no wear without the "
+        "Archard's wear of the pin, or [a law of your own](OWN_LAWS.md); no wear without the "
         "table."),
     "oil": Optional(OIL,
         "The lubricant, which says only which crossings lie in boundary lubrication. In place of "

@@ -69,7 +69,7 @@ def loading_of(
 
 
 def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
-    """Archard's wear, or a law of one's own."""
+    """Archard's wear, or a user's own law."""
     if table is None or faults.touch("wear"):
         return None
     if "law" in table:

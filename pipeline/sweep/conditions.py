@@ -36,7 +36,7 @@ class Conditions:
         Temperature of the disk far from the contact [K]; None where it is that of the pin.
     criterion : str
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
-        Or the name of one's own, such as ``"laws:hottest"``.
+        Or the name of your own, such as ``"laws:hottest"``.
     corrections : Corrections or None
         Friction by velocity, earlier passes, stem and film; a mapping is read as what
         `as_dict` gives.
@@ -47,7 +47,7 @@ class Conditions:
     ------
     InputError
         If one lies outside its range, or friction varies with velocity between bodies of unequal
-        bulk temperatures; or if the criterion is one's own, and not given by value.
+        bulk temperatures; or if the criterion is your own, and not given by value.
 
     Examples
     --------
@@ -112,7 +112,7 @@ class Conditions:
 
     @property
     def criterion_hash(self) -> str | None:
-        """SHA-256 of the text of one's own criterion."""
+        """SHA-256 of the text of the user's criterion."""
         return self.own_criterion.digest if self.own_criterion else None
 
     @property
@@ -147,7 +147,7 @@ class Conditions:
         return difference / self.rise_factor if difference else 0.0
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data, of one's own criterion name and hash."""
+        """Return all values as plain data, with the name and hash of the user's criterion."""
         plain = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         del plain["own_criterion"]
         rare = {

@@ -1,4 +1,4 @@
-"""Laws of one's own, named in a scene as ``"module:name"``: code, which runs only where allowed.
+"""The user's own laws, named in a scene as ``"module:name"``: code, which runs only where allowed.
 
 ::
 
@@ -113,7 +113,7 @@ class Laws:
 
 @dataclass(frozen=True, repr=False)
 class Own:
-    """An object of a module of one's own; it has the attributes of that object.
+    """An object of a user's module; it has the attributes of that object.
 
     It is made of its reference, such as ``"laws:running_in"``, and its kind; the names and values
     with which a class is called; the text of the module, its hash, and the package that it belongs

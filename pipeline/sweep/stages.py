@@ -9,7 +9,7 @@ from typing import TypeVar
 T = TypeVar("T")
 
 _YEAR = 365.25 * 24 * 3600  # [s]
-_SOON = 2.0  # [s] before which nothing is foretold
+_SOON = 2.0  # [s] before which no time is predicted
 
 
 def staged(

@@ -50,7 +50,7 @@ class Estimate:
         Wall time on an idle machine [s]; with many more workers than it has cores, that of workers
         elsewhere which have a core each.
     basis : str
-        Measurement from which the time is foretold.
+        Measurement from which the time is predicted.
     worker_bytes, disk_bytes : float
         Memory of each worker; room that the store takes on a disk [B].
 

@@ -50,7 +50,7 @@ class Emulator:
     ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``whitener`` (n, n) is
     the inverse of the Cholesky factor of the kernel between the rows. The ``calibration``
     (n_output,) is the root mean square of what contacts miss that are left out, over the error
-    foretold, and at least 1.
+    predicted, and at least 1.
     """
 
     features: Array

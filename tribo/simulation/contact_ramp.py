@@ -49,7 +49,7 @@ def wear_number(scene: Scene, velocity: float) -> float:
     """
     if scene.wear is None:
         return 0.0
-    # A law of one's own has no rate, and contacts at one velocity alone.
+    # A user's own law has no rate, and contacts at one velocity alone.
     return (scene.wear.specific_wear_rate if isinstance(scene.wear, Wear) else 1.0) * abs(velocity)
 
 
@@ -93,7 +93,7 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     if scene.remembers_heat:
         return "heat_model is 'history': temperatures depend on the heat of all the steps before"
     if scene.wears_by_law:
-        return "the wear follows a law of one's own, by the distance slid"
+        return "the wear follows a law of your own, by the distance slid"
     if scene.wears and len({scene.windows_worn(velocity) for velocity in velocities}) > 1:
         return "the pin rolls at some of the velocities and stands still at others"
     return None

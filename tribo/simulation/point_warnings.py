@@ -246,7 +246,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
         )
     else:
         text += (
-            "so few had the boundary of random scenes off by 0.4 to 100 %, by 10 % in the median; "
+            "with so few, boundaries of random scenes were 0.4 to 100 % off, in the median 10 %; "
             f"take smaller elements (fewest_elements = {FEW_NODES}, or pixels_per_element = 1), "
             "or ask for an accuracy"
         )
@@ -287,9 +287,9 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
     yield (
         WarningKind.PRESENT_HEAT,
         "the present friction heat, taken to have acted since the start, makes this contact about "
-        f"{100 * excess:.1f} % too warm, and so places the boundary at too low a velocity, mostly "
-        "by once to twice as much; take heat_model = 'history' and history_coarsening = 1, or ask "
-        "for an accuracy",
+        f"{100 * excess:.1f} % too warm; the critical velocity is then too low, mostly by one to "
+        "two times that. Take heat_model = 'history' and history_coarsening = 1, or ask for an "
+        "accuracy",
     )
 
 

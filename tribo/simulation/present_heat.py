@@ -33,7 +33,7 @@ _HOTTEST = 0.1  # of the contact, as the criterion has it unless told otherwise
 def excess_of_present_heat(scene: Scene, state: State) -> float:
     """Relative error of the rise that the hottest tenth of a contact exceeds, with its sign.
 
-    Below 0.1 m/s that foretells the error to some percent. On random scenes at 0.07 to 31 m/s the
+    Below 0.1 m/s that predicts the error to some percent. On random scenes at 0.07 to 31 m/s the
     true one was 0.88 of it in the median, and 1.31 of it at most.
 
     Examples

@@ -49,9 +49,9 @@ class Scene:
     loading : Ramp or MeasuredLoad
         Growth of the load with time.
     roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
-        Roughness of the disk, or a surface of one's own; smooth if not given.
+        Roughness of the disk, or a surface of your own; smooth if not given.
     wear : Wear or WearLaw, optional
-        Wear of the pin, or a law of one's own; none if not given.
+        Wear of the pin, or a law of your own; none if not given.
     friction_heat : bool
         True if there is friction, and with it heat. If not, no temperature is solved for: the rise
         is 0.
@@ -114,8 +114,8 @@ class Scene:
             self.heights()
         if self.motion and self.wears_by_law:
             raise InputError(
-                "wear follows a law of one's own, and the scene has a motion; a law of one's own "
-                "needs a pin at rest: leave out one of them"
+                "wear follows a law of your own, which needs a pin at rest, and the scene has a "
+                "motion; leave out one of them"
             )
         if self.unequal_bulks and self.fidelity.partition == "uniform":
             raise InputError(
@@ -146,7 +146,7 @@ class Scene:
 
     @property
     def wears_by_law(self) -> bool:
-        """True if the pin wears by a law of one's own, at a rate that depends on the way."""
+        """True if the pin wears by a user's own law, whose rate depends on the distance."""
         return self.wear is not None and not isinstance(self.wear, Wear)
 
     @property
@@ -167,7 +167,7 @@ class Scene:
     def wear_at(self, sliding: float, way: tuple[float, float]) -> Wear | None:
         """Wear of the pin by one contact at a sliding velocity [m/s]; None if it does not wear.
 
-        A law of one's own may depend on the way, the distances slid at both ends of the step [m].
+        A user's own law may depend on the distances slid at both ends of the step, `way` [m].
         """
         if self.wear is None or self.contact_pattern is None:
             return None

@@ -183,7 +183,7 @@ class Criterion:
 
 
 def _require_within(name: str, rise: Any, quantiles: Array) -> None:
-    """Raise for a criterion of one's own that says a rise beyond those of the contact."""
+    """Raise for a user's own criterion that gives a rise beyond those of the contact."""
     expected = np.shape(quantiles)[:-1]
     if np.shape(rise) != expected:
         raise InvariantError(

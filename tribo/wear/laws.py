@@ -77,7 +77,7 @@ class RunningIn:
 
 
 def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
-    """Wear between two sliding distances [m], also by a law of one's own.
+    """Wear between two sliding distances [m], also by a user's own law.
 
     Examples
     --------

@@ -136,7 +136,7 @@ def test_what_is_no_record_is_refused(times, loads, said):
 
 
 def test_a_reference_load_beyond_the_record_is_refused():
-    with pytest.raises(InputError, match="reaches 750 N; its reference load of 800 N"):
+    with pytest.raises(InputError, match="reaches 750 N; its reference load is 800 N"):
         MeasuredLoad(TIMES, np.linspace(0.0, 750.0, TIMES.size), reference_load=800.0)
 
 

@@ -1,4 +1,4 @@
-"""Laws of one's own: the shipped example against its closed form, and laws that break their own."""
+"""Own laws: the shipped example against its closed form, and laws that break their contract."""
 
 import math
 from dataclasses import dataclass, replace
