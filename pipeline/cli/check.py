@@ -13,6 +13,7 @@ from pipeline.cli.output import Result, counted, show_text
 from pipeline.cli.scenes import scene_of, selected
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
+from pipeline.store.schema import require_free_names
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws
@@ -26,6 +27,7 @@ def check(options: argparse.Namespace) -> Result:
     """Print the meaning of a scene, and then the cost of its sweep."""
     sweep = scene_of(options)
     require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
+    require_free_names(sweep)
     facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))
     doubted = list(doubts(sweep, facts))
     is_too_large = memory > machine_bytes()

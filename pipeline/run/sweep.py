@@ -33,7 +33,7 @@ from pipeline.store.place import Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.restore import changed_chunks, note_files, restore_root
 from pipeline.store.root import read_attributes
-from pipeline.store.schema import FAILED
+from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
@@ -142,6 +142,7 @@ def run_sweep(
         require_count("workers", workers)
     _require_cluster(client, dashboard)
     sweep = sweep_of(sweep, own_laws)
+    require_free_names(sweep)  # before a folder is made
     began = time.monotonic()
     is_restored = restore_root(out, sweep)
     before = read_attributes(out)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from pipeline.scene.headings import (
     with_velocity_of_turns,
 )
 from pipeline.scene.over import scene_with
+from pipeline.scene.quantities import is_shown_unit
 from pipeline.scene.rows import may_be_thousands, read_rows
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
@@ -49,14 +50,14 @@ class Pairs:
     entries : tuple of mapping
         Values of entries in each row, by their paths as TOML has them.
     labels : mapping
-        Cells of the other columns, by their headings.
+        Cells of the other columns, by their headings without units.
     around : int or None
         Number of velocities, and of loads, about each place.
     """
 
     places: tuple[tuple[float, float], ...]
     entries: tuple[Mapping[str, Any], ...]
-    labels: Mapping[str, Sequence[str]]
+    labels: Mapping[str, Sequence[Any]]
     around: int | None
 
 
@@ -102,7 +103,7 @@ def pairs_of(document: Document, faults: Faults) -> Pairs | None:
     return Pairs(
         places,
         tuple({path: row[path] for path in paths} for row in rows),
-        {head: [str(row[head]) for row in rows] for head in others},
+        {head: [row[head] for row in rows] for head in others},
         around if isinstance(around, int) else None,
     )
 
@@ -139,7 +140,7 @@ def along_of(pairs: Pairs, sweep: Sweep, make: Make) -> Sweep:
     )
     parts = [tuple(differing_inputs(sweep, scene)) for scene in scenes]
     columns = [_column(path, [row[path] for row in pairs.entries]) for path in pairs.entries[0]]
-    columns += [Column(head, tuple(cells), None) for head, cells in pairs.labels.items()]
+    columns += [_label(head, cells) for head, cells in pairs.labels.items()]
     table = placed_rows(
         [parts[number] for number in numbers],
         [column.taken(numbers) for column in columns],
@@ -162,6 +163,32 @@ def _column(path: str, cells: Sequence[Any]) -> Column:
     except (UnitError, TypeError, ValueError):
         words: tuple[Label, ...] = tuple(str(cell) for cell in cells)
         return Column(path, words, None, meaning=meaning)
+
+
+def _label(head: str, cells: Sequence[Any]) -> Column:
+    """A label of the rows: numbers in SI, or in their own unit if that is never shown; or words.
+
+    Examples
+    --------
+    >>> labels = {"angle": ["5 deg", "10 deg"], "time": ["2 min"], "gear": ["2a", "3"]}
+    >>> for head, cells in labels.items():
+    ...     column = _label(head, cells)
+    ...     print(column.values, column.unit)
+    (5.0, 10.0) deg
+    (120.0,) s
+    ('2a', '3') None
+    """
+    numbers, _, (unit, *others) = zip(*(str(cell).partition(" ") for cell in cells), strict=True)
+    column = _column(head, cells) if unit else Column(head, (), "1", meaning=f"{head} of the row")
+    try:
+        own = tuple(map(float, numbers))
+    except ValueError:
+        own = ()
+    if not own or {unit, *others} != {unit} or column.unit is None:
+        return replace(column, values=tuple(map(str, cells)), unit=None, texts=())
+    if unit and is_shown_unit(column.unit):
+        return replace(column, texts=())
+    return replace(column, values=own, unit=unit or "1", texts=())
 
 
 def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:

@@ -171,14 +171,24 @@ def _variable_of(column: Column) -> Variable:
     return Variable(dims, column.unit, column.meaning, dtype)
 
 
+def require_free_names(sweep: Sweep) -> None:
+    """Raise an `InputError` at a label of rows with a name that the dataset uses otherwise."""
+    columns = sweep.variants.columns
+    own = {*PLANE, "sample"} if sweep.variants.draw else {*PLANE}
+    labels = [one.name for one in columns if one.along and not one.is_drawn]
+    for name in labels:
+        is_twice = [one.name for one in columns].count(name) > 1
+        if name in VARIABLES.keys() - own or is_twice:
+            raise InputError(
+                f"a column of the rows is called {name}, as is one of the dataset; give it another "
+                f'name, such as "{name} of the row"'
+            )
+
+
 def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     """Variables of the store of a sweep, with fields at the end of each point or without."""
+    require_free_names(sweep)
     table = {column.name: _variable_of(column) for column in sweep.variants.columns}
-    for name in table.keys() & VARIABLES.keys() - COORDINATES.keys():
-        raise InputError(
-            f"a column of the rows is called {name}, as is a variable of the dataset; give it "
-            "another name"
-        )
     front, placed = tuple(sweep.variants.axes), frozenset(table)
     absent = {*_OF_TABLE}
     if not with_fields:

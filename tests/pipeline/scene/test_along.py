@@ -5,6 +5,7 @@ import math
 import pytest
 
 import pipeline
+from pipeline.cli import main
 from pipeline.scene.faults import SceneFileError
 from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
@@ -78,3 +79,22 @@ def test_what_a_row_lacks_is_named(tmp_path):
 def test_rows_exclude_what_has_other_velocities(tmp_path):
     rates = 'along = "mesh.csv"\nwear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
     assert "leave out one or the other" in faults(scene(tmp_path, rates))
+
+
+def test_a_label_in_numbers_keeps_its_unit(tmp_path):
+    rows = "cycle time [s],angle [deg],load [N],velocity [m/s]\n0.5,30,300,1\n1,60,600,2\n"
+    columns = pipeline.load_scene(scene(tmp_path, rows=rows)).variants.columns
+    held = {column.name: (column.values, column.unit) for column in columns}
+    assert held["cycle time"] == ((0.5, 1.0), "s")
+    assert held["angle"] == ((30.0, 60.0), "deg")
+
+
+@pytest.mark.parametrize("name", ["time", "step", "max_rise", "realization"])
+def test_check_and_run_refuse_a_label_that_the_dataset_uses_before_they_make_a_store(
+    tmp_path, capsys, name
+):
+    path, out = scene(tmp_path, rows=FILE.replace("gear", name)), tmp_path / "out.zarr"
+    for command in (["check", str(path)], ["run", str(path), "-o", str(out)]):
+        assert main(command) == 2
+        assert f"is called {name}, as is one of the dataset; give it" in capsys.readouterr().err
+    assert not out.exists()
