@@ -49,6 +49,7 @@ from pipeline.sweep.variants import Variant
 
 _AHEAD = 2  # points for each thread: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there
+_SOONER = 0.1  # of the time since the beginning between them, until that is more
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
 _END = 300.0  # [s] without a worker that computes, after which the sweep is given up
 _KILLED = (
@@ -88,11 +89,13 @@ def compute(
     sweep: Sweep,
     writer: Writer,
     waiting: Iterable[tuple[Point, ...]],
+    learn: Callable[[Iterable[PointRecord]], None],
     report: Callable[[list[PointRecord]], None],
 ) -> None:
     """Compute chains of points, until the writer has written each of them as done or failed.
 
-    `report` is called now and then with the records that have been written since the last call.
+    `learn` is called with records as they come from a worker, but not with its first, and `report`
+    now and then with the records that have been written since the last call.
 
     Raises
     ------
@@ -103,7 +106,7 @@ def compute(
     """
     news = threading.Event()
     with Reports(connection, news) as reports:
-        run = _Run(connection, sweep, writer, reports, map(_ramp_of, waiting))
+        run = _Run(connection, sweep, writer, reports, learn, map(_ramp_of, waiting))
         silence = _Silence(connection)
         while run.is_under_way():
             moved = run.look()
@@ -134,9 +137,11 @@ class _Run:
         sweep: Sweep,
         writer: Writer,
         reports: Reports,
+        learn: Callable[[Iterable[PointRecord]], None],
         ramps: Iterable[_Ramp],
     ) -> None:
         self._connection, self._writer, self._reports = connection, writer, reports
+        self._learn = learn
         with_fields, store = "pressure" in writer.store.arrays, writer.store
         asked = sweep.changed(chosen=None, stations=store.attributes["stations"])
         self._pickled = pickle.dumps((asked, with_fields, store.simulated))
@@ -148,7 +153,9 @@ class _Run:
         self._waiting: list[tuple[set[Point], _Ramp]] = []
         self._failed = _Failed(store.points_at(np.nonzero(store.flags == FAILED)))
         self._workers: Counter[str] = Counter()
+        self._began = connection.clock()
         self._looked = -_POLL
+        self._warm: set[str] = set()  # workers that have told of a point
         self.running: list[_Task] = []
         self.computed: dict[str, _Task] = {}
         self.computes = True
@@ -207,7 +214,8 @@ class _Run:
         """Now and then, ask them for records; take what they have answered meanwhile."""
         now, is_last = self._connection.clock(), not (self._ramps or self.running)
         are_there = any(task.future.status == "finished" for task in self.computed.values())
-        if now - self._looked >= _POLL or (is_last and are_there):
+        pause = min(_POLL, _SOONER * (now - self._began))
+        if now - self._looked >= pause or (is_last and are_there):
             self._looked = now
             self._workers = threads_of(self._connection)
             self._reports.ask(self._workers, list(self.computed))
@@ -237,7 +245,11 @@ class _Run:
             self._writer.store.note_worker(packages_of(answer.versions))
         for key, content in answer.records.items():
             if self.computed.pop(key, None):  # not if another worker has a copy
-                self._settle(pickle.loads(content))
+                records = pickle.loads(content)
+                self._settle(records)
+                if worker in self._warm:
+                    self._learn(records)
+                self._warm.add(worker)
         for task in self.running:
             if task.future.key == answer.now:
                 task.begun[worker] = task.begun.get(worker, (now, now))[0], now

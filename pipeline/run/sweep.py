@@ -162,9 +162,9 @@ def run_sweep(
             count = min(workers or CPU_COUNT, most)
             with connected(client, count, patience, tell, dashboard) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
-                    tally.begin(asked, store, link)
+                    tally.begin(asked, store, link, waiting)
                     with Writer(store) as writer:
-                        compute(link, asked, writer, waiting, tally.note)
+                        compute(link, asked, writer, waiting, tally.learn, tally.note)
         summary = summarized(store)
         store.keep_root()
         note_files(store)

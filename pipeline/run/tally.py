@@ -27,11 +27,12 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from tribo import MeasuredLoad
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 # Time since the first points [s], and points since then on each worker, that tell the pace.
-_ENOUGH, _SEVERAL = 3.0, 2
-_LONG = 10.0  # [s] of a point, beside which the start of a worker does not count
+_ENOUGH, _SEVERAL = 1.0, 4
+_TURNS = 3  # of a fit of durations by load and by velocity
+_FEW = 2.0  # points of the mean duration that are added to the known ones of a load or a velocity
 _HEAT = 8.0  # steps of contact that a temperature takes as long as: 5 to 16 of the scenes tried
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
@@ -76,7 +77,10 @@ class Progress:
 
 
 class Tally:
-    """Counts the points that a run has computed since it began [s], and tells the caller."""
+    """Counts the points that a run has computed since it began [s], and tells the caller.
+
+    What is written counts as done; the time to go is told by what workers have computed already.
+    """
 
     def __init__(
         self, store: Store, progress: Callable[[Progress], None] | None, began: float
@@ -84,21 +88,38 @@ class Tally:
         self._progress, self._began = progress, began
         self._connection: Connection | None = None
         self._worked = 0.0
-        self._first: tuple[float, float, int] | None = None
+        self._known = 0
         self._weights: Array = np.ones(1)
         self._marks: deque[tuple[float, float, int]] = deque()
+        self._first = 0.0
         self._failures: Counter[str] = Counter()
         self.computed = 0
-        self._take(store)
+        self._take(store, ())
         self._report()
 
-    def begin(self, sweep: Sweep, store: Store, connection: Connection) -> None:
-        """Take note that points of a sweep begin to be computed into its store."""
-        self._take(store)
+    def begin(
+        self,
+        sweep: Sweep,
+        store: Store,
+        connection: Connection,
+        waiting: Sequence[Sequence[Point]],
+    ) -> None:
+        """Take note that chains of points of a sweep begin to be computed into its store."""
+        self._take(store, waiting)
         self._weights = _weights(sweep, self._store.axes["load"])
         self._connection = connection
-        if not self.computed:
-            self._marks = deque([(connection.clock(), 0.0, 0)])
+
+    def learn(self, records: Iterable[PointRecord]) -> None:
+        """Take note of how long points have taken, but of the first of a worker, which starts."""
+        for record in records:
+            if record.data is not None:
+                self._known += 1
+                self._worked += record.wall_time
+                self._durations[self._store.index(record.point)] = record.wall_time
+        if self._connection:
+            self._marks.append((self._connection.clock(), self._worked, self._known))
+            self._first = self._marks[-1][0] if len(self._marks) == 1 else self._first
+        self._report()
 
     def note(self, records: Iterable[PointRecord]) -> None:
         """Take note of points that have been written.
@@ -113,13 +134,8 @@ class Tally:
             any_new = True
             if record.data is None:
                 self._count_failure(record)
-                continue
-            self.computed += 1
-            self._worked += record.wall_time
-            self._durations[self._store.index(record.point)] = record.wall_time
-        if self._connection and self._worked > self._marks[-1][1]:
-            self._marks.append((self._connection.clock(), self._worked, self.computed))
-            self._first = self._first or self._marks[-1]
+            else:
+                self.computed += 1
         if any_new:
             self._report()
 
@@ -132,28 +148,32 @@ class Tally:
                 "that right, and run the sweep again with --retry-failed"
             )
 
-    def _take(self, store: Store) -> None:
+    def _take(self, store: Store, waiting: Sequence[Sequence[Point]]) -> None:
         self._store = store
         times = store.read("wall_time", ...)
         self._durations = np.where(store.flags == DONE, times, np.nan)
+        self._chains = np.zeros(store.flags.shape, int)
+        for number, chain in enumerate(waiting):
+            for point in chain:
+                self._chains[store.index(point)] = number
 
     def _report(self) -> None:
         if self._progress is None:
             return
         asked, flags, now = self._store.asked == 1, self._store.flags, time.monotonic()
         done, failed = (int(np.count_nonzero(flags[asked] == flag)) for flag in (DONE, FAILED))
+        pending = asked & (flags != DONE) & (flags != FAILED) & np.isnan(self._durations)
         time_to_go = None
-        if self._connection and self._can_tell(self._connection):
-            pending = asked & (flags != DONE) & (flags != FAILED)
-            work = float(self._expected()[pending].sum())
-            time_to_go = work * self._seconds_of_work(self._connection)
+        if self._connection and pending.any() and np.isfinite(self._durations).any():
+            time_to_go = self._time_to_go(pending, self._connection)
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
 
-    def _can_tell(self, link: Connection) -> bool:
-        """True if more points are known than the first of each worker, which takes longer."""
-        is_long = self._worked >= _LONG * self.computed
-        return self._worked > 0 and (is_long or self.computed > link.workers)
+    def _time_to_go(self, pending: Mask, link: Connection) -> float:
+        """Time of pending points on all workers, or of the longest chain of them on one [s]."""
+        expected, slowness = self._expected()[pending], self._slowness(link)
+        longest = np.bincount(self._chains[pending], expected).max()
+        return slowness * float(max(expected.sum() / link.workers, longest))
 
     def _expected(self) -> Array:
         """Durations of all points [s], shape of their statuses."""
@@ -166,24 +186,28 @@ class Tally:
         expected = expected_durations(rows, self._store.axes["velocity"], weights)
         return np.moveaxis(expected, (-2, -1), axes).reshape(self._durations.shape)
 
-    def _seconds_of_work(self, link: Connection) -> float:
-        """Time that a second of a worker's work takes, all workers together [s].
+    def _slowness(self, link: Connection) -> float:
+        """Time that passes while all workers do a second of work each [s].
 
         By the later half of the time since the first points, as workers may come one by one. As
         long as few points tell it, each worker is taken to work all the time: their start says
         nothing of their pace, nor do a few points of minutes each.
         """
-        (now, worked, count), least = self._marks[-1], 1.0 / link.workers
-        first = self._first or self._marks[-1]
-        if now - first[0] < _ENOUGH or count - first[2] < _SEVERAL * link.workers:
-            return least
-        enough = max(_ENOUGH, (now - first[0]) / 2)
-        while len(self._marks) > 2 and (
-            self._marks[0][1] == 0 or now - self._marks[1][0] >= enough
-        ):
+        if not self._marks:
+            return 1.0
+        now, worked, known = self._marks[-1]
+        several = _SEVERAL * link.workers
+        enough = max(_ENOUGH, (now - self._first) / 2)
+
+        def tells(mark: tuple[float, float, int]) -> bool:
+            return now - mark[0] >= enough and known - mark[2] >= several
+
+        while len(self._marks) > 1 and tells(self._marks[1]):
             self._marks.popleft()
         began, before, _ = self._marks[0]
-        return max(least, (now - began) / (worked - before))
+        if not tells(self._marks[0]):
+            return 1.0
+        return max(1.0, (now - began) * link.workers / (worked - before))
 
 
 def _weights(sweep: Sweep, loads: Sequence[float]) -> Array:
@@ -206,28 +230,33 @@ def _weights(sweep: Sweep, loads: Sequence[float]) -> Array:
 def expected_durations(durations: Array, velocities: Iterable[float], weights: Array) -> Array:
     """Durations of all points [s], shape (…, n_load, n_velocity), by those that are not NaN.
 
-    They are the product of a number for each load and one for each velocity. Where no point of a
-    load is known, its number is its weight; velocities between known ones are interpolated. Medians
-    are taken, since the first point of a worker takes longer than others like it.
+    They are the product of a number for each load and one for each velocity, with which the sums of
+    the known ones at each load and at each velocity agree; to each sum some points of the mean
+    duration are added, so that a few points do not tell of all others. Between known loads, the
+    ratio of the number to its weight is interpolated; between known velocities, the number itself.
 
     Examples
     --------
     >>> known = np.array([[1.0, np.nan, 3.0], [np.nan] * 3])
-    >>> expected_durations(known, [1.0, 2.0, 3.0], np.array([1.0, 2.0]))
-    array([[1., 2., 3.],
-           [2., 4., 6.]])
+    >>> expected_durations(known, [1.0, 2.0, 3.0], np.array([1.0, 2.0])).round(1)
+    array([[1.7, 2. , 2.3],
+           [3.3, 4. , 4.7]])
     """
     axis = np.array(list(velocities), float)
-    rows = durations.reshape(-1, *durations.shape[-2:]) / weights[:, None]
-    is_known = np.isfinite(rows)
-    present = np.flatnonzero(is_known.any(axis=(0, 1)))
+    rows = durations.reshape(-1, *durations.shape[-2:])
+    counts, sums = np.isfinite(rows).sum(axis=0), np.nansum(rows, axis=0)
+    loads, present = (np.flatnonzero(counts.any(axis=along)) for along in (1, 0))
+    if not present.size:
+        return np.broadcast_to(weights[:, None], durations.shape)
     order = present[np.argsort(axis[present])]
-    medians = np.nanmedian(rows[..., order], axis=(0, 1)) if order.size else np.zeros(0)
-    of_velocity = np.interp(axis, axis[order], medians) if order.size else np.ones(axis.shape)
-    of_load = weights.copy()
-    at = is_known.any(axis=(0, 2))
-    if at.any():
-        of_load[at] *= np.nanmedian((rows / of_velocity)[:, at], axis=(0, 2))
+    weights = weights * sums.sum() / (weights @ counts).sum()
+    few = _FEW * sums.sum() / counts.sum()
+    of_load, of_velocity, numbers = weights, np.ones(axis.shape), np.arange(len(weights))
+    for _ in range(_TURNS):
+        known = (sums.sum(axis=0) + few) / (of_load @ counts + few)
+        of_velocity = np.interp(axis, axis[order], known[order])
+        known = (sums.sum(axis=1) + few) / (weights * (counts @ of_velocity) + few)
+        of_load = weights * np.interp(numbers, loads, known[loads])
     return np.broadcast_to(of_load[:, None] * of_velocity, durations.shape)
 
 

@@ -37,11 +37,12 @@ def compute_sweep(tmp_path, monkeypatch):
     monkeypatch.setattr(schedule, "_POLL", 0.01)
 
     def compute_all(client=None, tell=None):
-        ended = []
+        ended, learned = [], []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = chains(points(SWEEP), SWEEP)
             link = Connection(client or LocalClient(), Source(), 1.0, tell or unheard)
-            compute(link, SWEEP, writer, waiting, ended.extend)
+            compute(link, SWEEP, writer, waiting, learned.extend, ended.extend)
+        assert len(learned) < len(ended)  # the first point of a worker tells of its start, too
         return store, Counter("failed" if point.data is None else "done" for point in ended)
 
     return compute_all

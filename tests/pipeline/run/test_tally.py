@@ -11,7 +11,7 @@ from pipeline.run.tally import Tally, _weights
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord, points
+from pipeline.sweep.plan import PointRecord, chains, points
 from tests.helpers import tiny
 from tribo import MeasuredLoad
 
@@ -28,12 +28,12 @@ def tallied(tmp_path, monkeypatch):
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
             tally = Tally(store, reports.append, now)
-            tally.begin(sweep, store, link)
+            tally.begin(sweep, store, link, chains(points(sweep), sweep))
             link.absent, link.workers = absent, workers
             for now, velocity in zip(ends, sweep.plane.velocities, strict=False):  # noqa: B007
                 point = Point(150.0, velocity)
                 store.flags[store.index(point)] = DONE
-                tally.note([PointRecord(point, {}, wall_time=1.0)])
+                tally.learn([PointRecord(point, {}, wall_time=1.0)])
         return reports[-1].time_to_go
 
     return run
@@ -45,9 +45,12 @@ def test_the_start_of_the_workers_is_not_taken_for_the_pace_of_their_points(tall
     assert to_go == pytest.approx((COUNT - 20) / 2, rel=0.15)
 
 
-def test_the_first_point_tells_nothing_of_the_start_of_the_workers(tallied):
-    assert tallied([60.0, 60.5], workers=2) is None
-    assert tallied([60.0, 60.5, 61.0], workers=2) == pytest.approx((COUNT - 3) / 2)
+def test_the_first_point_tells_a_time_and_nothing_of_the_start_of_the_workers(tallied):
+    assert tallied([60.0], workers=2) == pytest.approx((COUNT - 1) / 2)
+
+
+def test_more_workers_than_chains_do_not_shorten_the_last_of_them(tallied):
+    assert tallied([60.0], workers=1000) == pytest.approx(1.0)
 
 
 def test_points_that_cost_the_schedule_more_than_themselves_tell_the_pace(tallied):
@@ -73,14 +76,14 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
     places = points(sweep)
     with writing(tmp_path / "out.zarr", sweep) as store:
         tally = Tally(store, None, time.monotonic())
-        tally.begin(sweep, store, Connection(None, Source()))
+        tally.begin(sweep, store, Connection(None, Source()), ())
         failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
         other = [PointRecord(point, None, "MemoryError: ") for point in places]
         tally.note([*failures[:19], *other[:19]])
         with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
             tally.note(failures[19:20])
         done = Tally(store, None, time.monotonic())
-        done.begin(sweep, store, Connection(None, Source()))
+        done.begin(sweep, store, Connection(None, Source()), ())
         done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
 
 
