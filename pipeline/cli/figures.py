@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import pipeline
+from pipeline.cli.datasets import opened
 from pipeline.cli.output import Result, tell, working
 from pipeline.cli.scenes import (
     CONDITIONS,
@@ -15,7 +16,6 @@ from pipeline.cli.scenes import (
     conditions_in,
     criterion_in,
     flags_of,
-    opened,
     values_in,
 )
 from tribo import InputError

@@ -32,9 +32,10 @@ from pipeline.analysis.scenes import parts_of, words
 from pipeline.analysis.tables import as_dict, short
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
 from pipeline.analysis.warned_points import turns_left_out
+from pipeline.cli.datasets import by_samples, opened, operating_points_in
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
-from pipeline.cli.scenes import by_samples, conditions_in, opened, operating_points_in, values_in
+from pipeline.cli.scenes import conditions_in, values_in
 from pipeline.cli.unknowns import (
     about,
     boundary_of_samples,

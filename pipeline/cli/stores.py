@@ -14,8 +14,9 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
+from pipeline.cli.datasets import opened
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
-from pipeline.cli.scenes import criterion_in, opened
+from pipeline.cli.scenes import criterion_in
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes

@@ -13,16 +13,9 @@ import numpy as np
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
+from pipeline.cli.datasets import opened, operating_points_in, scene_with_of
 from pipeline.cli.output import Result, run_line, tell, working
-from pipeline.cli.scenes import (
-    beside,
-    criterion_in,
-    opened,
-    operating_points_in,
-    scene_of,
-    scene_with_of,
-    settings_of,
-)
+from pipeline.cli.scenes import beside, criterion_in, scene_of, settings_of
 from pipeline.cli.unknowns import about, notes, samples_of
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Goal, Limit, confirmed, designed
 from tribo import InputError, TriboError

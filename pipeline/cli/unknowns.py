@@ -15,18 +15,10 @@ import numpy as np
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.transition import UNITS
+from pipeline.cli.datasets import opened, scene_with_of
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
-from pipeline.cli.scenes import (
-    at_in,
-    beside,
-    criterion_in,
-    flags_of,
-    opened,
-    scene_with_of,
-    values_in,
-    weighing,
-)
+from pipeline.cli.scenes import at_in, beside, criterion_in, flags_of, values_in, weighing
 from pipeline.uncertain.answers import frame_of_lines
 from pipeline.uncertain.certify import certify
 from pipeline.uncertain.inputs import QUANTILES

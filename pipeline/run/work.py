@@ -18,7 +18,7 @@ from distributed import Worker
 from pipeline.run.cluster import Versions, versions
 from pipeline.run.source import SAFE, ExecutionError
 from pipeline.store.attributes import Simulated
-from pipeline.store.layout import packed
+from pipeline.store.packing import packed
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_points
 from tribo import InputError

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from pipeline.scene.rows import decoded
 from pipeline.scene.units import UnitError, to_si
@@ -177,6 +176,8 @@ def _require_equal_rows(path: Path, head: list[str], body: list[str], separator:
 
 def _table(path: Path, body: list[str], separator: str, decimal: str) -> Array:
     """Numbers of all rows; NaN in holes."""
+    import pandas as pd  # here, since few scenes have heights in text, and workers read none
+
     try:
         frame = pd.read_csv(
             io.StringIO("\n".join(body)), sep=separator, header=None, decimal=decimal,

@@ -78,7 +78,7 @@ class Folder:
 
     def zarr(self, read_only: bool) -> Store:
         """Zarr's view of the folder, whose files are on the disk once they are set."""
-        from pipeline.store.files import Durable
+        from pipeline.store.durable import Durable  # with zarr, which workers do not need
 
         return Durable(self.path, read_only=read_only)
 

@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from pipeline.store.attributes import Simulated
 from pipeline.store.files import THREADS
-from pipeline.store.layout import arrays_of, blocks, chunk_key, field_key, packed, slices_of
+from pipeline.store.layout import arrays_of, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import Lock
+from pipeline.store.packing import packed
 from pipeline.store.place import (
     LOCK,
     ROOT,

@@ -7,7 +7,8 @@ import pytest
 from zarr.core.buffer import cpu
 from zarr.testing.store import StoreTests
 
-from pipeline.store.files import Durable, replace_file
+from pipeline.store.durable import Durable
+from pipeline.store.files import replace_file
 
 
 class TestDurable(StoreTests[Durable, cpu.Buffer]):
