@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import multiprocessing
+import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -161,6 +162,7 @@ def run_sweep(
             most = len(first[2]) if further is None else CPU_COUNT
             count = min(workers or CPU_COUNT, most)
             with connected(client, count, patience, tell, dashboard) as link:
+                threading.Thread(target=_import_readers, daemon=True).start()
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(asked, store, link, waiting)
                     with Writer(store) as writer:
@@ -175,6 +177,15 @@ def run_sweep(
         failed=summary.failed,
         wall_time=time.monotonic() - began,
     )
+
+
+def _import_readers() -> None:
+    """Import what opens the store when the run is over, while the workers compute.
+
+    It takes 0.8 s of CPU time: 6 % of 12 × 30 points at `standard`, if they waited for it.
+    """
+    import dask.array  # noqa: F401 - which xarray imports with its first variable
+    import xarray  # noqa: F401
 
 
 def _require_cluster(client: Client | None, dashboard: bool) -> None:
