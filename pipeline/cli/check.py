@@ -214,7 +214,6 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     if not searched:
         yield f"  chains   {cost.chains}, each computed by one worker: more workers would be idle"
     workers = counted(cost.workers, "worker", "workers")
-    yield f"  time     about {duration(cost.seconds)} on {workers}"
-    yield from (f"           {line}" for line in cost.basis.split("; "))
+    yield f"  time     roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
     size = cost.disk_bytes / 1e6
     yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")

@@ -1,4 +1,4 @@
-"""Forecast of the cost of a sweep: time, memory and disk, and what work it is spared."""
+"""Rough forecast of the cost of a sweep: time, memory and disk, and what work it is spared."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import os
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
-from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,9 +18,8 @@ from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.plan import stacked_columns, step_count
 from pipeline.sweep.stations import Stations
 from tribo import State
-from tribo.simulation import contacts, forget_contacts, heat, leads_to
+from tribo.simulation import contacts, heat, leads_to
 
-_HERE = 4  # workers a core; more of them are taken to be on other machines
 _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
@@ -29,8 +27,7 @@ _PACKED = 0.35  # of a field in single precision is left by zstd: 0.355 of first
 _STORE_BYTES = 0.36e6  # of a store without points: some 30 arrays, a folder and two files each
 _HALF_BLOCK = 2048  # of the disk, which the end of each file leaves empty
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
-_PATIENCE = 3.0  # [s] of processor time, after which no further point is timed
-_SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
+_PATIENCE = 3.0  # [s] of processor time, after which no further step is timed
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,17 +37,13 @@ class Estimate:
     Attributes
     ----------
     points, steps, temperatures : int
-        Points of the diagram; contacts and heat partitions to solve for them. Without wear each
-        worker solves the contact at a load once for all velocities.
+        Points of the diagram; contacts and heat partitions to solve for them.
     chains : int
         Chains of points, each of which one worker computes at a time: more workers are idle.
     workers : int
         Processes that compute.
     seconds : float
-        Wall time on an idle machine [s]; with many more workers than it has cores, that of workers
-        elsewhere which have a core each.
-    basis : str
-        Measurement from which the time is predicted.
+        Wall time on an idle machine, roughly, by steps that are timed here and now [s].
     worker_bytes, disk_bytes : float
         Memory of each worker; room that the store takes on a disk [B].
 
@@ -68,7 +61,6 @@ class Estimate:
     chains: int
     workers: int
     seconds: float
-    basis: str
     worker_bytes: float
     disk_bytes: float
 
@@ -114,48 +106,37 @@ def estimate(
         require_count("workers", workers)
     sweep, cores = sweep_of(sweep, own_laws), os.cpu_count() or 1
     workers, (every, variants) = workers or cores, sweep.lines
-    if searched := boundary_only:
+    if boundary_only:
         sweep.require_search()
-    velocities = _searched(sweep) if searched else len(every)
-    ramps = velocities * variants
-    loads = len(sweep.plane.loads)
-    points = min(2, velocities) * loads * variants if searched else len(points_of(sweep))
-    moving = sum(velocity != 0 for velocity in every) * sweep.scene.friction_heat
-    names, given = sweep.variants.names, list(sweep.variants.given)
+    loads, names = len(sweep.plane.loads), sweep.variants.names
+    # A search takes two velocities at each load, of which neighbouring loads share one.
+    velocities = min(len(every), loads + 1) if boundary_only else len(every)
+    points = min(2, velocities) * loads * variants if boundary_only else len(points_of(sweep))
+    given = list(sweep.variants.given)
     scene = sweep.variant(given[len(given) // 2])
-    # Rows that share a contact; of these, those with one velocity and scene share its heat, too.
-    shared = Fraction(len(names), len({lead.variant for lead in sweep.leads.values()}))
-    alike = len({sweep.variant(name).scene for name in names}) / len(names) if variants > 1 else 1.0
-    timed, steps = _timed(scene), list(_steps_of_ramp(scene))
-    if searched:  # each velocity is looked at for some of the loads alone
+    shared = len(names) / len({lead.variant for lead in sweep.leads.values()})
+    moving = sum(velocity != 0 for velocity in every) * sweep.scene.friction_heat
+    steps, timed = list(_steps_of_ramp(scene)), _timed(scene)
+    if boundary_only:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
         steps = [step for step in steps if step[0] <= np.median(sweep.plane.loads)]
     heated = sum(is_heated for _, is_heated in steps)
-    chains = math.ceil((points if sweep.plane.independent else ramps) / shared)
-    parallel, of_contacts = min(workers, chains), math.ceil(ramps / shared)
-    turns = of_contacts / parallel if sweep.plane.independent else math.ceil(of_contacts / parallel)
-    alone = (
-        turns
-        * float(shared)
-        * (alike * heated * timed.heat + len(sweep.plane.loads) * _SECONDS_TO_COMMIT)
-    )
-    if not sweep.scene.remembers_steps:  # workers keep those of the first velocity
-        of_contacts = min(of_contacts, parallel * variants)
-        turns = min(turns, variants)
-    alone += timed.begin * variants + turns * len(steps) * timed.contact
-    basis = "mostly right within a factor of 1.5 on an idle machine, from steps timed just now"
-    seconds = _SECONDS_TO_START + alone * max(1.0, parallel / cores)
-    if workers > _HERE * cores:
-        seconds = _SECONDS_TO_START + alone
-        basis += "; for workers that have a core each, as fast as those here"
+    ramps = math.ceil(velocities * variants / shared)
+    chains = math.ceil(points / shared) if sweep.plane.independent else ramps
+    parallel = min(workers, chains)
+    if not sweep.scene.remembers_steps:  # workers keep the contacts of the first velocity
+        ramps = min(ramps, parallel * variants)
+    turns = max(1.0, ramps / parallel) if sweep.plane.independent else math.ceil(ramps / parallel)
+    of_heat = math.ceil(velocities * variants / parallel) * heated * timed.heat
+    commits = loads * velocities * variants / parallel * _SECONDS_TO_COMMIT
+    alone = turns * len(steps) * timed.contact + of_heat + commits
     return Estimate(
         points=points,
-        steps=len(steps) * of_contacts,
-        temperatures=round(alike * heated * moving * variants),
+        steps=len(steps) * ramps,
+        temperatures=heated * moving * variants,
         chains=chains,
         workers=workers,
-        seconds=seconds,
-        basis=basis,
+        seconds=_SECONDS_TO_START + alone * max(1.0, parallel / cores),
         worker_bytes=max(worker_bytes(sweep.variant(name)) for name in given),
         disk_bytes=_STORE_BYTES + points * _point_bytes(scene, timed.state),
     )
@@ -177,20 +158,15 @@ def machine_bytes() -> float:
 class _Timed(NamedTuple):
     """Processor times [s], and a state as high as they lead to."""
 
-    begin: float  # of a worker's first step, beyond that of later ones
     contact: float  # of a step
     heat: float  # of the temperature of a contact
     state: State
 
 
 def _timed(sweep: Sweep) -> _Timed:
-    """Compute a ramp here and now: its first point, and more if it is fast."""
+    """Compute a ramp here and now, as far as it is fast."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
-    velocity, firsts = moving[len(moving) // 2], []
-    for _ in ("cold", "warm"):
-        state, taken = next(_clocked(sweep, velocity * 1.01))
-        firsts.append(taken + _heat_seconds(sweep, state, velocity * 1.01))
-        forget_contacts()
+    velocity = moving[len(moving) // 2]
     of_contacts, of_heat = list[float](), list[float]()
     for state, taken in _clocked(sweep, velocity):
         of_contacts.append(taken)
@@ -198,8 +174,7 @@ def _timed(sweep: Sweep) -> _Timed:
             of_heat.append(_heat_seconds(sweep, state, velocity))
         if state.is_asked and sum(of_contacts) + sum(of_heat) > _PATIENCE:
             break
-    begin, contact = max(0.0, firsts[0] - firsts[1]), float(np.mean(of_contacts))
-    return _Timed(begin, contact, float(np.mean(of_heat or 0.0)), state)
+    return _Timed(float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state)
 
 
 def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
@@ -221,13 +196,6 @@ def _heat_seconds(sweep: Sweep, state: State, velocity: float) -> float:
     began = time.process_time()
     heat(sweep.scene, state, velocity)
     return time.process_time() - began
-
-
-def _searched(sweep: Sweep) -> int:
-    """Number of velocities that the search for a boundary takes at all loads together, about."""
-    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
-    spans = math.log(moving[-1] / moving[0]) / _SPAN if moving else 0.0
-    return min(2 * len(sweep.plane.loads), math.ceil(spans) + 1)
 
 
 def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:

@@ -11,10 +11,9 @@ import pipeline
 from pipeline.analysis.dataset import attributes_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.selection import Selection
-from pipeline.sweep.variants import Variants, surfaces
+from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff import choose as accuracy_module
 from pipeline.tradeoff.choose import (
-    _steps_of_sweep,
     at_accuracy,
     choose_fidelity,
     stored_selection,
@@ -86,25 +85,6 @@ def test_one_error_is_said_the_largest_known():
 def test_every_surface_has_its_turn():
     several = UNWORN.changed(variants=surfaces((3, 4, 5)))
     assert {place.variant[0][1] for place in some_places(several, 6)} == {3, 4, 5}
-    asked = []
-    kept = accuracy_module.probe
-
-    def noted(sweep, fidelity, points):
-        asked.extend(points)
-        return kept(sweep, fidelity, points)
-
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(accuracy_module, "probe", noted)
-        choose_fidelity(several.changed(velocities=(1.0, 2.0)), 0.05)
-    assert {point.variant[0][1] for point in asked} == {3, 4, 5}
-
-
-def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
-    one = _steps_of_sweep(UNWORN)
-    assert _steps_of_sweep(UNWORN.changed(variants=surfaces((3, 4, 5)))) == 3 * one
-    uncertain = pipeline.load_scene("workflows/uncertain.toml")
-    alone = _steps_of_sweep(uncertain.changed(variants=Variants()))
-    assert _steps_of_sweep(uncertain) == 128 * alone / 2 > alone
 
 
 def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():

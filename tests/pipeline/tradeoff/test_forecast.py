@@ -56,37 +56,23 @@ def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
     assert (forecast.steps, forecast.temperatures) == counted(sweep, monkeypatch)
 
 
-@pytest.fixture
-def fixed_rates(monkeypatch):
-    """A quiet machine with two cores, where a contact takes 1 s and its temperature 9 s."""
-    timed = _Timed(5.0, 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0)))
+def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkeypatch):
+    # On two cores, where a contact takes 1 s and its temperature 9 s.
+    timed = _Timed(1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0)))
     monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
-
-
-def test_the_time_is_that_of_all_steps_shared_by_the_workers(fixed_rates):
     sweep = SWEEP.changed(fidelity=Fidelity(increments=30))
-    three = sweep.changed(velocities=(1.0, 2.0, 4.0))
     # 30 steps up to 750 N at each velocity, of which 3 have a temperature.
     ramp = 30 * 1.0 + 3 * 9.0
-    for case, workers, turns in ((sweep, 1, 2), (sweep, 2, 1), (three, 2, 2)):
-        assert estimate(case, workers).seconds == pytest.approx(turns * ramp + 5, rel=0.02)
-    # Three at a time on two cores
-    assert estimate(three, 3).seconds == pytest.approx(1.5 * (ramp + 5), rel=0.02)
-
-
-def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(fixed_rates):
-    # 7 steps, 4 of them with a temperature, whose contacts 4 samples share.
-    ramp = 4 * 9.0 + 7 * 1.0 / 4
-    assert estimate("uncertain", 1).seconds == pytest.approx(128 * ramp, rel=0.02)
-
-
-def test_the_boundary_alone_takes_fewer_points(fixed_rates):
-    many = SWEEP.changed(velocities=tuple(0.5 * k for k in range(1, 41)))
+    assert estimate(sweep, 1).seconds == pytest.approx(2 * ramp, rel=0.02)
+    assert estimate(sweep, 2).seconds == pytest.approx(ramp, rel=0.02)
+    many = sweep.changed(velocities=tuple(0.5 * k for k in range(1, 41)))
     whole, boundary = (estimate(many, 1, boundary_only=only) for only in (False, True))
-    assert whole.points == 3 * 40
-    assert boundary.points == 3 * 2
+    assert (whole.points, boundary.points) == (3 * 40, 3 * 2)
     assert boundary.seconds < whole.seconds / 5
+    # 7 steps, 4 of them with a temperature, whose contacts 4 samples share.
+    shared = 128 * (4 * 9.0 + 7 * 1.0 / 4)
+    assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 
 
 @pytest.mark.parametrize("patience", [forecast._PATIENCE, 0.0], ids=["a ramp", "a point"])
@@ -102,7 +88,7 @@ def test_the_time_is_that_of_a_whole_run_within_its_factor(monkeypatch, patience
             trunk = run_point(sweep, *point, trunk=trunk).trunk
     taken = time.process_time() - began
     foretold = estimate(sweep, 1).seconds - 1.0  # the start of a cluster
-    assert taken / 2 < foretold < 2.5 * taken  # on a machine that is busy by turns
+    assert taken / 3 < foretold < 3 * taken  # on a machine that is busy by turns
 
 
 def test_fields_take_room_only_where_they_are_asked_for():
