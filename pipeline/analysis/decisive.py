@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
-from pipeline.analysis.dataset import dataset_of, plane_of, sweep_at_bulks, values_of
+from pipeline.analysis.dataset import (
+    dataset_of,
+    own_wear_rate,
+    plane_of,
+    sweep_at_bulks,
+    values_of,
+)
 from pipeline.analysis.scenes import by_scene
-from pipeline.analysis.soundness import deciding, require_sound
 from pipeline.analysis.transition import certain, interpolated
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
@@ -19,8 +26,9 @@ from pipeline.sweep.criterion import (
     rise_limit,
     worst_rises,
 )
-from tribo import InputError
-from tribo.types import Array
+from pipeline.sweep.variants import WEAR_RATE
+from tribo import Criterion, InputError
+from tribo.types import Array, Mask
 
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
@@ -45,7 +53,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     is_done = values_of(ds, "status") == DONE
     rises = np.where(is_done, rises, np.nan)
     limit = None if conditions.critical_temperature is None else rise_limit(conditions)
-    require_sound(ds, deciding(is_done, rises, limit, *dims), *dims)
+    require_sound(ds, _deciding(is_done, rises, limit, *dims), *dims)
     return xr.DataArray(
         rises,
         {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords},
@@ -62,6 +70,70 @@ def _about_quantile(ds: xr.Dataset, level: float | None) -> xr.Dataset:
         return ds
     last = max(int(np.searchsorted(stored, level)), 1)
     return ds.isel(cooler_share=slice(last - 1, last + 1))
+
+
+def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
+    """Compare the data of some points, by the given dimensions, with their checksums, each once.
+
+    Datasets of no store are left alone.
+
+    Raises
+    ------
+    StoreError
+        If one is damaged; it says which, and how to repair it.
+    """
+    reader = ds["status"].encoding.get("reader")
+    if reader is None:
+        return
+    # The velocity at another wear rate is that of a contact of the store, scaled.
+    rate = ds.attrs.get("wear_rate")
+    scale = {"velocity": rate / own_wear_rate(ds)} if rate else {}
+    places: dict[str, list[int | None]] = {}
+    for name in reader.dims:
+        values = np.atleast_1d(ds[name].values).tolist() if name in ds.coords else [None]
+        places[name] = [
+            None if value is None else reader.position(name, value * scale.get(name, 1))
+            for value in values
+        ]
+    if rate:  # interpolated between all of them
+        places |= {name: [*reader.positions(name)] for name in reader.dims if name == WEAR_RATE}
+    indices = set()
+    for found in np.argwhere(suspects).tolist():
+        at = dict(zip(dims, found, strict=True))
+        here = ([places[k][at[k]]] if k in at else places[k] for k in reader.dims)
+        indices |= {index for index in itertools.product(*here) if None not in index}
+    reader.require_sound(indices)
+
+
+def _deciding(is_done: Mask, rises: Array, limit: float | None, *dims: str) -> Mask:
+    """Done points without a rise [K], and those beside which it crosses a limit [K].
+
+    Examples
+    --------
+    >>> rises = np.array([[5.0, 7.0, 9.0, np.nan]])
+    >>> _deciding(np.full((1, 4), True), rises, 8.0, "load", "velocity").tolist()
+    [[False, True, True, True]]
+    """
+    mask = is_done & np.isnan(rises)
+    for axis, name in enumerate(dims):
+        if limit is not None and name in PLANE:
+            mask |= np.apply_along_axis(turns, axis, rises, limit)
+    return mask
+
+
+def turns(rise: Array, limit: float) -> Mask:
+    """Known points of a row with the other kind of wear at the next known one on either side.
+
+    Examples
+    --------
+    >>> turns(np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0]), 4.0)
+    array([False,  True, False,  True,  True,  True])
+    """
+    (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
+    turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
+    beside = np.zeros(rise.shape, dtype=bool)
+    beside[indices[turns]] = beside[indices[turns + 1]] = True
+    return beside
 
 
 def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> xr.DataArray:

@@ -21,7 +21,7 @@ import xarray as xr
 from pipeline.analysis.boundary import boundary_under
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of, dataset_of, entry_dims, has_one_scene
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import decisive_rise, turns
 from pipeline.analysis.scenes import planes, stacked, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -38,9 +38,9 @@ from pipeline.sweep.warned import (
     on_cold_bodies,
     with_turns,
 )
-from tribo import CRITERIA, Ball, Criterion, Crowned, Cylinder, Material, Motion, WarningKind
+from tribo import CRITERIA, Ball, Crowned, Cylinder, Material, Motion, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 
 def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
@@ -130,7 +130,7 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
             return None
         rise, limit = decisive_rise(ds, judged), rise_limit(judged)
         for axis in (-2, -1):  # along the load, and along the velocity
-            marked = rise.copy(data=np.apply_along_axis(_turns, axis, rise.values, limit))
+            marked = rise.copy(data=np.apply_along_axis(turns, axis, rise.values, limit))
             near = marked if near is None else near | marked
     return near
 
@@ -147,21 +147,6 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
             values = tuple((name, value_text(ds[name], point[name].item())) for name in names)
             return f"{Point(point['load'].item(), point['velocity'].item(), values)}: {message}"
     return ""
-
-
-def _turns(rise: Array, limit: float) -> Mask:
-    """Known points of a row with the other kind of wear at the next known one on either side.
-
-    Examples
-    --------
-    >>> _turns(np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0]), 4.0)
-    array([False,  True, False,  True,  True,  True])
-    """
-    (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
-    turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
-    beside = np.zeros(rise.shape, dtype=bool)
-    beside[indices[turns]] = beside[indices[turns + 1]] = True
-    return beside
 
 
 _APART = 1.1  # least ratio of velocities over which an exponent is taken

@@ -12,6 +12,7 @@ from os import PathLike, fspath
 from typing import Any
 
 import tribo
+from pipeline.scene.along import Pairs, along_of, pairs_of, with_first_row
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
 from pipeline.scene.facts import track_faults
@@ -19,6 +20,7 @@ from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
+from pipeline.scene.over import over_of, with_first_values, with_rates_of
 from pipeline.scene.parts import (
     corrections_of,
     loading_of,
@@ -32,7 +34,7 @@ from pipeline.scene.quantities import in_si
 from pipeline.scene.reference import sections
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.surfaces import realizations_of, roughness_of
-from pipeline.scene.variants import with_first_variant, with_variants
+from pipeline.scene.unknown import Make, fixed_paths, samples_of
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
@@ -82,7 +84,7 @@ def load_scene(
     faults = Faults()
     replaced = _by_path(overrides or {}, preset, faults)
     document = with_entries(read_document(path, faults), replaced, faults)
-    document, pairs = with_first_variant(document, faults)
+    document, pairs = _with_first_variant(document, faults)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
@@ -99,7 +101,7 @@ def load_scene(
     try:
         sweep, tables = reader.sweep(entries, faults)
         if sweep is not None:
-            sweep = with_variants(sweep, tables, document, pairs, variant, faults)
+            sweep = _with_variants(sweep, tables, document, pairs, variant, faults)
             sweep = sweep.changed(notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
@@ -186,6 +188,34 @@ class _Reader:
         if part is not None:  # a faulty one is told each time
             self.parts[key] = part
         return part
+
+
+def _with_first_variant(document: Document, faults: Faults) -> tuple[Document, Pairs | None]:
+    """The document with the values of the first row below all it has itself, and its pairs."""
+    document = with_first_values(document)
+    pairs = pairs_of(document, faults)
+    return with_first_row(document, pairs), pairs
+
+
+def _with_variants(
+    sweep: Sweep,
+    tables: dict[str, Any],
+    document: Document,
+    pairs: Pairs | None,
+    make: Make,
+    faults: Faults,
+) -> Sweep:
+    """The sweep, on its random surfaces so far, with all rows of its table of variants.
+
+    `make` reads the scene with other values of some entries; `InputError` is raised at a row that
+    does not go with the scene, other faults are noted.
+    """
+    asked = tables["sweep"]
+    over = over_of(asked["over"], sweep, make)
+    samples = samples_of(tables, sweep, over, make, faults, fixed_paths(document))
+    sweep = sweep.changed(variants=samples or over * sweep.variants)
+    sweep = with_rates_of(asked["wear_rates"], sweep, faults.notes)
+    return along_of(pairs, sweep, make) if pairs else sweep
 
 
 def _arguments(

@@ -30,8 +30,8 @@ from pipeline.analysis.dataset import (
     require_one_scene,
     values_of,
 )
+from pipeline.analysis.decisive import require_sound
 from pipeline.analysis.scenes import taken
-from pipeline.analysis.soundness import require_sound
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
