@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from pipeline.run.tally import Progress
     from pipeline.store.progress import FailedPoint
-    from pipeline.store.verify import Damage
     from pipeline.sweep.warned import Warned
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
@@ -104,7 +103,7 @@ def counted(number: int, one: str, several: str) -> str:
     return f"{number} {one if number == 1 else several}"
 
 
-def failed_points(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]]:
+def failed_points(points: Iterable[FailedPoint]) -> list[dict[str, Any]]:
     """Points for a JSON document, each with its surface only in a sweep over several."""
     return [with_variant(asdict(point)) for point in points]
 

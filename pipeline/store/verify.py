@@ -9,7 +9,7 @@ import itertools
 import json
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,37 +28,15 @@ from pipeline.store.place import (
     steadily,
     writes,
 )
+from pipeline.store.progress import FailedPoint
 from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
-from pipeline.sweep.variants import Variant
 from tribo.types import Mask
 
 _BESIDE = ("checksum", "steps", "warning_flags")
 _OTHER = "the data are not those that were computed"
-
-
-@dataclass(frozen=True, slots=True)
-class Damage:
-    """A damaged point: load [N], velocity [m/s], reason, and variant.
-
-    The place is the point in words, where the scene writes values of the variant in units.
-
-    Examples
-    --------
-    >>> print(Damage(400.0, 2.2, "its rise is not readable"))
-    400 N, 2.2 m/s: its rise is not readable
-    """
-
-    load: float
-    velocity: float
-    reason: str
-    variant: Variant = ()
-    place: str = field(default="", compare=False)
-
-    def __str__(self) -> str:
-        return f"{self.place or Point(self.load, self.velocity, self.variant)}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +47,7 @@ class Verification:
     ----------
     done : int
         Points that are done and intact.
-    damaged : tuple of Damage
+    damaged : tuple of FailedPoint
         Points that are damaged; repair makes them pending.
     shared : tuple of str
         Faults of coordinates and metadata, which belong to no point.
@@ -87,7 +65,7 @@ class Verification:
     """
 
     done: int
-    damaged: tuple[Damage, ...]
+    damaged: tuple[FailedPoint, ...]
     shared: tuple[str, ...]
     without_status: tuple[Point, ...]
     repaired: bool
@@ -163,7 +141,7 @@ def _examined(
     keys = store.place.keys()  # again: a writer may have finished points meanwhile
     apart = {*filter(is_coordinate, store.arrays), *AT_END, "status", "asked"}
     total, count = int(np.count_nonzero(store.flags == DONE)), 0
-    damaged: dict[tuple[int, ...], Damage] = {}
+    damaged: dict[tuple[int, ...], FailedPoint] = {}
     complete: list[Point] = []
     for numbers, block in begun:
         values = {n: _read(store, n, numbers, keys) for n in store.arrays if n not in apart}
@@ -180,7 +158,9 @@ def _examined(
             reason = _fault(store, point, entries, is_done)
             if reason and not unknown[index]:
                 place = store.in_words(point)
-                damaged[index] = Damage(point.load, point.velocity, reason, point.variant, place)
+                damaged[index] = FailedPoint(
+                    point.load, point.velocity, reason, point.variant, place
+                )
             elif unknown[index] and not reason:
                 complete.append(point)
         count += int(np.count_nonzero(store.flags[block] == DONE))

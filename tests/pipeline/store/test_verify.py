@@ -61,7 +61,7 @@ def reasons(damages):
 
 
 def astuple(damage):
-    return damage.load, damage.velocity, damage.reason
+    return damage.load, damage.velocity, damage.message
 
 
 def assert_repaired(path, damaged):
@@ -210,7 +210,7 @@ def test_the_command_names_what_is_damaged(copy, irg):
     reason = "the data are not those that were computed"
     assert document["done"] == 8
     assert document["damaged"] == [
-        {"load": 250.0, "velocity": 1.0, "reason": reason, "place": "250 N, 1 m/s"}
+        {"load": 250.0, "velocity": 1.0, "message": reason, "place": "250 N, 1 m/s"}
     ]
     assert f"damaged: 250 N, 1 m/s: {reason}" in irg("verify", copy, "--repair", code=1)
     irg("verify", copy)
