@@ -17,12 +17,8 @@ const KINDS = [
 ];
 
 /** Ends of an axis that holds some values, with room about them. @param {number[]} values */
-function ends(values, isLog = false) {
+function ends(values) {
   const [low, high] = [Math.min(...values), Math.max(...values)];
-  if (isLog) {
-    const factor = (high > low ? high / low : 2) ** 0.04;
-    return { low: low / factor, high: high * factor, isLog: true };
-  }
   const room = 0.04 * (high - low || low || 1);
   return { low: low - room, high: high + room };
 }
@@ -41,25 +37,13 @@ function extent() {
   };
 }
 
-/** Offer logarithmic axes, where all values have a logarithm. */
-function makeScaleChoice() {
-  const { velocities, loads } = extent();
-  element("log-choice").hidden = Math.min(...velocities, ...loads) <= 0;
-  input("log").checked = chosen.isLog;
-  input("log").addEventListener("change", () => {
-    chosen.isLog = input("log").checked;
-    makeDiagram();
-    update();
-  });
-}
-
 /** Draw the parts that do not follow the conditions: axes, and rings about points. */
 function makeDiagram() {
   const room = element("diagram");
   const width = Math.max(room.clientWidth, 280);
   const { velocities, loads } = extent();
-  const x = { ...ends(velocities, chosen.isLog), label: "sliding velocity [m/s]" };
-  const y = { ...ends(loads, chosen.isLog), label: "normal load [N]" };
+  const x = { ...ends(velocities), label: "sliding velocity [m/s]" };
+  const y = { ...ends(loads), label: "normal load [N]" };
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
   const { root, inside, frame } = axes(width, height, x, y);
   const label = "Points of the sweep by velocity and load; arrow keys move, Enter keeps one";

@@ -32,7 +32,6 @@ function begin() {
   Object.assign(chosen.conditions, takeScene(changes));
   listenToConditions();
   listenToOperatingPoint(takeOperatingPoint);
-  makeScaleChoice();
   makeDiagram();
   update();
   let width = element("diagram").clientWidth;

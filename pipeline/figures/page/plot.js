@@ -7,7 +7,7 @@ const SVG = "http://www.w3.org/2000/svg";
 /**
  * @typedef {{x: (value: number) => number, y: (value: number) => number, left: number,
  *   right: number, top: number, bottom: number}} Frame places of values [px]
- * @typedef {{low: number, high: number, label: string, isLog?: boolean}} Axis
+ * @typedef {{low: number, high: number, label: string}} Axis
  */
 
 /**
@@ -58,27 +58,11 @@ function ticks(low, high, count) {
 }
 
 /**
- * Round values on a logarithmic axis: 1, 2 and 5 times powers of ten, if there are enough of them.
- * @param {number} low @param {number} high @param {number} count
- */
-function logTicks(low, high, count) {
-  const first = Math.floor(Math.log10(low));
-  const powers = Array.from({ length: Math.ceil(Math.log10(high)) - first }, (_, k) => first + k);
-  const inside = powers
-    .flatMap((power) => [1, 2, 5].map((part) => Number((part * 10 ** power).toPrecision(12))))
-    .filter((value) => value >= low && value <= high);
-  return inside.length < 3 ? ticks(low, high, count) : inside;
-}
-
-/**
  * Places of an axis' values [px].
  * @param {Axis} axis @param {number} from @param {number} to @returns {(value: number) => number}
  */
-function scale({ low, high, isLog }, from, to) {
-  const part = isLog
-    ? (/** @type {number} */ value) => Math.log(value / low) / Math.log(high / low)
-    : (/** @type {number} */ value) => (value - low) / (high - low);
-  return (value) => from + part(value) * (to - from);
+function scale({ low, high }, from, to) {
+  return (value) => from + ((value - low) / (high - low)) * (to - from);
 }
 
 /** A number as people read it. @param {number} value @param {number} [digits] */
@@ -99,7 +83,7 @@ function axes(width, height, x, y) {
   const frame = { left, right, top, bottom, x: scale(x, left, right), y: scale(y, bottom, top) };
   const grid = svg("g", { class: "grid", "aria-hidden": "true" });
   const outline = svg("g", { class: "axis", "aria-hidden": "true" });
-  for (const value of (x.isLog ? logTicks : ticks)(x.low, x.high, (right - left) / 70)) {
+  for (const value of ticks(x.low, x.high, (right - left) / 70)) {
     const place = frame.x(value);
     grid.append(svg("path", { d: `M${place},${top}V${bottom}` }));
     outline.append(
@@ -107,7 +91,7 @@ function axes(width, height, x, y) {
       svg("text", { x: place, y: bottom + 17, "text-anchor": "middle" }, shown(value)),
     );
   }
-  for (const value of (y.isLog ? logTicks : ticks)(y.low, y.high, (bottom - top) / 40)) {
+  for (const value of ticks(y.low, y.high, (bottom - top) / 40)) {
     const place = frame.y(value);
     grid.append(svg("path", { d: `M${left},${place}H${right}` }));
     outline.append(

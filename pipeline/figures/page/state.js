@@ -8,14 +8,13 @@ const ZERO_CELSIUS = 273.15;
 const content = JSON.parse(element("content").textContent ?? "");
 const sweep = new Sweep(content);
 /** Choices of the reader. @type {{conditions: Conditions, surface: number | null,
- *  point: {i: number, j: number} | null, load: number, velocity: number, isLog: boolean}} */
+ *  point: {i: number, j: number} | null, load: number, velocity: number}} */
 const chosen = {
   conditions: { ...content.conditions },
   surface: sweep.surfaces > 1 ? null : 0,
   point: null,
   load: NaN,
   velocity: NaN,
-  isLog: false,
 };
 
 /** Surfaces that count: the one that was picked, or all. */

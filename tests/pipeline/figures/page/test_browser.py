@@ -269,27 +269,6 @@ def test_each_measured_transition_is_judged_at_its_own_friction(page):
         )
 
 
-def test_axes_are_logarithmic_on_request(page):
-    ds = synthetic.sweep(loads=(100.0, 200.0, 400.0, 800.0), velocities=(0.5, 1.0, 2.0, 4.0))
-    driver = page(ds)
-    places = """
-    const { frame } = diagram;
-    return [[0.5, 1, 2, 4].map(frame.x), [100, 200, 400, 800].map(frame.y),
-            [...document.querySelectorAll("#diagram .axis text")].map((each) => each.textContent)];
-    """
-    linear = driver.execute_script(places)[0]
-    assert np.diff(linear)[2] == pytest.approx(4 * np.diff(linear)[0])
-    driver.find_element(By.ID, "log").click()
-    x, y, words = driver.execute_script(places)
-    np.testing.assert_allclose(np.diff(x), np.diff(x)[0])
-    np.testing.assert_allclose(np.diff(y), np.diff(y)[0])
-    assert {"0.5", "1", "2", "100", "200", "500"} <= set(words)
-    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram path.boundary")) == 1
-    driver.find_element(By.ID, "log").click()
-    assert driver.execute_script(places)[0] == linear
-    assert not page(sweeps.with_zero_velocity()).find_element(By.ID, "log").is_displayed()
-
-
 def test_beyond_the_sweep_there_is_no_unit(page):
     driver = page(sweeps.over_surfaces())
     driver.find_element(By.ID, "at-load").send_keys("250")
