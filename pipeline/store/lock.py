@@ -24,6 +24,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import psutil
+
 from pipeline.store.files import PARTIAL, make_folder
 from pipeline.store.place import LOCK, Folder, Place, StoreError, writes
 
@@ -307,44 +309,17 @@ def is_local(folder: Path) -> bool:
     """True for a folder on a disk of this machine, where a `flock` reaches all who write to it.
 
     Elsewhere, as on NFS, FUSE or the folders of a virtual machine's host, locks may reach one
-    machine alone, or nobody. Systems without ``/proc`` are taken for local.
+    machine alone, or nobody. Where no mounts are known the folder is taken for local.
 
     Examples
     --------
     >>> is_local(Path("/"))
     True
     """
-    try:
-        mounts, kinds = (
-            Path("/proc/self/mounts").read_bytes(),
-            Path("/proc/filesystems").read_text(),
-        )
-    except OSError:
+    mounts = psutil.disk_partitions(all=True)
+    above = [mount for mount in mounts if folder.is_relative_to(mount.mountpoint)]
+    if not above:
         return True
-    kind = filesystem_of(folder, mounts.decode(errors="surrogateescape"))
-    return kind in _LOCAL | _of_blocks(kinds)
-
-
-def filesystem_of(folder: Path, mounts: str) -> str:
-    r"""Name of the file system of an absolute path, by the kernel's table of mounts.
-
-    Examples
-    --------
-    >>> mounts = "/dev/sda / ext4 rw 0 0\nhost:/home /home/my\\040group nfs4 rw 0 0\n"
-    >>> [filesystem_of(Path(name), mounts) for name in ("/home/my group/sweep.zarr", "/home/mine")]
-    ['nfs4', 'ext4']
-    """
-    found, length = "", -1
-    for line in mounts.splitlines():
-        _, point, kind, *_ = line.split(" ")
-        point = re.sub(r"\\([0-7]{3})", lambda code: chr(int(code[1], 8)), point)
-        above = Path(point)
-        if len(above.parts) >= length and folder.is_relative_to(above):  # the last one lies on top
-            found, length = kind, len(above.parts)
-    return found
-
-
-def _of_blocks(kinds: str) -> set[str]:
-    """File systems on devices of blocks, by the kernel's table."""
-    rows = (line.partition("\t") for line in kinds.splitlines())
-    return {kind for nodev, _, kind in rows if not nodev}
+    # Of those at the same place the last one lies on top.
+    here = max(reversed(above), key=lambda mount: len(Path(mount.mountpoint).parts)).fstype
+    return here in _LOCAL or here in {disk.fstype for disk in psutil.disk_partitions()}
