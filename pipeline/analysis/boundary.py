@@ -70,7 +70,7 @@ def boundary(
         Dataset of `pipeline.open_sweep`, or folder or address of the store. Points that are pending
         or failed are skipped.
     friction : float or several, optional
-        Coefficient of friction, at least 0; like the following the sweep's own if not given.
+        Coefficient of friction, at least 0. A condition that is not given is the sweep's own.
         Several give a dimension ``friction``.
     bulk_temperature, critical_temperature : float, str or mapping, optional
         Temperature far from the contact, and the one above which the lubricant fails [K]; or text
@@ -104,7 +104,7 @@ def boundary(
         ``film_parameter_at_load`` and ``film_parameter_at_velocity`` are the film parameters at
         the crossings (see `pipeline.sweep.lubrication`).
 
-        All of these have a dimension ``realization`` more over several surfaces, and there are
+        Over several surfaces all have a dimension ``realization`` in front, and there are also
         ``critical_velocity_quantile(quantile, load)``, the velocity below which 10, 50 and 90 %
         of the surfaces turn severe: those that stay mild or are severe throughout are counted,
         beyond all velocities, so that a quantile among them is NaN. ``critical_velocity_mean``
@@ -370,10 +370,10 @@ def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Ar
 
 
 def quantile(low: Array, high: Array, share: float) -> float:
-    """Value that a share of all stays below, linear between them.
+    """Quantile of values that are known to lie from `low` to `high`, linear between ranks.
 
-    Each lies between its least and its greatest, infinite where beyond the rest. NaN where the
-    quantile does not lie between finite values, or is not the same whatever the values are.
+    A bound is infinite where a value lies beyond the sweep. NaN where the quantile is not finite,
+    or depends on where between its bounds a value lies.
 
     Examples
     --------

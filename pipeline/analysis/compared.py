@@ -48,7 +48,7 @@ def compared(ds: xr.Dataset, **conditions: Any) -> pd.DataFrame | None:
 
     A test agrees if its outcome is the computed one beyond the error of the temperature. A
     transition agrees if the computed one lies within two standard deviations of its velocity, 5 %
-    each if it gives none, or if the place is not decided. None if the scene has no tests.
+    each where the test gives none, or if the place is not decided. None if the scene has no tests.
     """
     tests = laboratory_tests(ds)
     if not (tests and planes(ds)):

@@ -42,7 +42,7 @@ def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def with_changes(attributes: Mapping[Any, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Portable attributes with some in place of others, or without those that are None."""
+    """Portable attributes after changes; a change to None removes an attribute."""
     new = portable(changes)
     names = {*str(attributes.get(_ENCODED, "")).split(), *new[_ENCODED].split()}
     kept = {name: value for name, value in attributes.items() if name not in changes}
@@ -50,9 +50,9 @@ def with_changes(attributes: Mapping[Any, Any], changes: Mapping[str, Any]) -> d
 
 
 def attributes_of(ds: xr.Dataset | xr.DataArray) -> dict[Any, Any]:
-    """Attributes of a sweep as plain data, those that are JSON text as what they say.
+    """Attributes of a sweep as plain data, with JSON text read.
 
-    What they say is kept for the next call, and not to be changed.
+    The result is cached for the next call: do not change it.
 
     Examples
     --------

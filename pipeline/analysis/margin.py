@@ -54,7 +54,7 @@ class Margin:
     is_computed : bool
         That very point is done, and the temperature not interpolated.
     is_continued : bool
-        Continuation of the temperature beyond the computed points.
+        Temperature extrapolated beyond the computed points.
     critical_temperature : float
         Temperature above which the lubricant fails [K].
     critical_velocity, critical_load : float
@@ -132,7 +132,7 @@ class Margin:
 
 
 def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
-    """Verdict on a place at a distance from severe wear [K], beyond the error of that [K].
+    """Verdict at a distance from severe wear [K] that has an error [K].
 
     Examples
     --------
@@ -188,7 +188,7 @@ class Row:
         return self.at(*self.place)
 
     def with_others(self, others: Sequence[Row]) -> Row:
-        """The row with the points of others about it, which lie on a cross."""
+        """The row together with the rows around it, which lie on a cross."""
         every = [self.grid, *(other.grid for other in others)]
         loads, velocities = (
             np.unique(np.concatenate([getattr(grid, name) for grid in every]))

@@ -48,7 +48,7 @@ The table of ACCURACY.md; 5 % is that of loads that jump late, also in longer te
 
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Relative error of a rise by its three parts; None where nothing tells a part.
+    """Relative error of a rise by its three parts; None where a part is not known.
 
     Examples
     --------
@@ -89,7 +89,7 @@ class RiseError:
         return f"± {self.total:.2g} K" + (f": {known}" if known else "")
 
     def times(self, factor: float) -> RiseError:
-        """The parts in other units; 0 where nothing is warmed, whatever they are."""
+        """The parts times a factor; all are 0 where the factor is 0."""
         if factor == 0:
             return RiseError(0.0, 0.0, 0.0)
         parts = (self.interpolation, self.preset, self.warned)
@@ -163,7 +163,7 @@ def _with_middles(x: Array) -> list[float]:
 def rise_error(
     grid: RisePlane, load: float, velocity: float, velocity_error: float | None
 ) -> RiseError:
-    """Relative error of the rise at a place, whose preset errs so much in velocity."""
+    """Relative error of the rise at a place, by the error of its preset in velocity."""
     rows = grid.rests_on(load, velocity)
     return RiseError(
         _interpolation(grid, rows, load, velocity),
@@ -179,7 +179,7 @@ def rise_error(
 def error_of_point(flags: int, duration: float, velocity_error: float | None) -> RiseError:
     """Relative error of the rise of a point that was computed by itself, by its warnings.
 
-    Its preset errs so much in velocity; no contact's rise grows faster than with exponent 1.
+    The error of its preset in velocity counts in full: no rise grows faster than with exponent 1.
 
     Examples
     --------

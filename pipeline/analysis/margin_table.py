@@ -102,8 +102,8 @@ def frame_of_points(
 ) -> pd.DataFrame:
     """Frame with the further columns of each operating point, its place, an answer, and a note.
 
-    The answer ends with the note; where an `InputError` stands for it, the first of the columns, a
-    verdict, is not known.
+    The answer ends with the note. Where a point raises an `InputError`, that is the note, and its
+    verdict is not known.
     """
     results = _results(heads, [(place, partial(answer, *place)) for place in points.places])
     others = {

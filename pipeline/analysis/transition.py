@@ -244,9 +244,9 @@ def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> 
 
 
 def certain(x: Array, y: Array, places: Array, limit: float) -> Array:
-    """Interpolate y, and continue it by a power law where that leaves the side of a limit as it is.
+    """Interpolate y, and extrapolate it by a power law where that cannot cross a limit.
 
-    It is continued below points that do not exceed the limit, and above points that do.
+    It is extrapolated below points that do not exceed the limit, and above points that do.
 
     Examples
     --------

@@ -4,8 +4,9 @@ Two warnings follow from a whole sweep alone. Where the rise grows slowly with t
 errors count severalfold: the error of a boundary velocity is that of the rise over the exponent n
 of rise ∝ Vⁿ. Presets were tried down to n = 0.3. Below it, as under smooth and heavily worn balls,
 `standard` was 5 to 8 % off in velocity, beyond its 3 %, and `draft` 11 to 21 %, beyond its 8 %. A
-point knows n of a ball alone, since wear widens the contact at a higher velocity; its neighbours
-tell any. The other: bodies that roll as if each turn met a cold track.
+single point tells n only under a ball, where wear widens the contact at a higher velocity; its
+neighbours tell n in every scene. The other warning is of bodies that roll as if each turn met a
+cold track.
 """
 
 from __future__ import annotations

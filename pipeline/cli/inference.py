@@ -1,4 +1,4 @@
-"""The commands that simulate one point, and that find what was not measured from what was."""
+"""The commands that simulate one point, and that infer unknown inputs from measurements."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def _on_contact(
 
 
 def infer(options: argparse.Namespace) -> Result:
-    """Find what was not measured from what was."""
+    """Infer a critical temperature, a wear rate, or all unknown inputs."""
     if any(path.is_dir() for path in options.scene):
         return _of_stores(options)
     scene, *others = options.scene

@@ -274,7 +274,7 @@ def draws_in_words(weighed: Posterior) -> str:
 
 
 def scatter_in_words(weighed: Posterior) -> str:
-    """Scatter of the velocities, as said and as inferred."""
+    """Scatter of the velocities, as stated and as inferred."""
     low, middle, high = (100 * value for value in weighed.inferred_scatter)
     said = f"scatter of the velocities as stated, {100 * weighed.scatter:g} %"
     if not weighed.judged:

@@ -1,4 +1,4 @@
-"""What tests leave of the unknown inputs, and what to measure next, for ``irg infer``."""
+"""The posterior of the unknown inputs, and what to measure next, for ``irg infer``."""
 
 from __future__ import annotations
 

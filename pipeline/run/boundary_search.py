@@ -1,4 +1,4 @@
-"""A sweep that chooses its own velocities, to find the boundary with few points and no more.
+"""A sweep that chooses its own velocities, to find the boundary with few points.
 
 At one load the rise grows with velocity about as a power of it. Between two velocities, one mild
 and one severe, a straight line through both in logarithms finds the crossing to κh²/8, where h is
@@ -108,7 +108,7 @@ class BoundarySearch:
         rises: Mapping[Point, float],
         hopeless: Iterable[Point] = (),
     ) -> tuple[Point, ...]:
-        """Points to look at next, none of them hopeless; none once the boundary is known.
+        """Points to compute next, without those that failed; none once the boundary is known.
 
         Rises of any points count, whether they were asked for here or not [K].
         """
@@ -243,7 +243,7 @@ def follow_boundary(
     dashboard: bool = False,
     own_laws: bool = False,
 ) -> Outcome:
-    """Find the critical velocity at each load of a sweep, with as few points as that takes.
+    """Find the critical velocity at each load of a sweep, with few points.
 
     Where there are several surfaces, the boundary of each is searched for. The result is a store
     like that of `pipeline.run_sweep`, with velocities that the search chose between the sweep's

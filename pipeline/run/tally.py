@@ -49,7 +49,7 @@ class Progress:
     elapsed : float
         Time since this run began [s].
     time_to_go : float or None
-        Estimated time until the end [s]; None until points tell it.
+        Estimated time until the end [s]; None until enough points are done.
 
     Examples
     --------

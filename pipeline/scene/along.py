@@ -62,7 +62,7 @@ class Pairs:
 
 
 def pairs_of(document: Document, faults: Faults) -> Pairs | None:
-    """The pairs that a scene asks for; None if none, or if they are faulty, which is noted."""
+    """The pairs that a scene asks for; None if there are none, or a noted fault."""
     sweep = document.entries().get("sweep")
     asked = sweep.get("along") if isinstance(sweep, dict) else None
     wrong = Faults()
@@ -109,7 +109,7 @@ def pairs_of(document: Document, faults: Faults) -> Pairs | None:
 
 
 def with_first_row(document: Document, pairs: Pairs | None) -> Document:
-    """The document with the first row's values, and all loads and velocities, below all it has."""
+    """The document with the first row's values and all places as its lowest layer."""
     if pairs is None:
         return document
     axes = zip(("loads", "velocities"), zip(*pairs.places, strict=True), ("N", "m/s"), strict=True)

@@ -32,7 +32,7 @@ def length(example: str) -> Quantity:
 
 
 def one_or_two(kind: Quantity) -> Either:
-    """Kind of a quantity along x and y, or of one for both."""
+    """Kind of a quantity: one value along x and one along y, or one for both."""
     return Either(kind, List(kind, length=2))
 
 

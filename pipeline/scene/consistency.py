@@ -1,4 +1,4 @@
-"""Checks between the tables of a scene, as far as the entries in question are sound."""
+"""Checks between the tables of a scene; a check is left out where one of its entries is faulty."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def check_tables(
     roughness: Roughness | None,
     faults: Faults,
 ) -> None:
-    """Note all that does not fit together in tables as the format reads them."""
+    """Note every conflict between the tables of a scene, as the format reads them."""
     _check_materials(tables, faults)
     _check_pixels(tables, fidelity.pixels_per_element, roughness, faults)
 

@@ -82,7 +82,7 @@ def _check_fit(
 
 
 def first_unfit(correlations: Array) -> int | None:
-    """Number of the first input that cannot be correlated with those before it as it is said to."""
+    """Number of the first input whose stated correlations with those before it are impossible."""
     for i in range(1, len(correlations)):
         before, last = correlations[:i, :i], correlations[i, :i]
         if 1 - last @ np.linalg.solve(before, last) < _LEAST:
@@ -91,7 +91,7 @@ def first_unfit(correlations: Array) -> int | None:
 
 
 def allowed(correlations: Array, i: int, j: int) -> tuple[float, float] | None:
-    """Ends of what the correlation of an input with one before it may be, given all the others.
+    """Lowest and highest correlation that an input may have with one before it, given all others.
 
     None if there is no such value.
 

@@ -40,7 +40,7 @@ class Layer(NamedTuple):
 
 
 class Document(NamedTuple):
-    """Entries of a scene, layer on layer: each goes before those after it."""
+    """Entries of a scene in layers: an earlier layer overrides those after it."""
 
     layers: tuple[Layer, ...]
 
@@ -123,7 +123,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
 
 
 def with_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
-    """Put other entries, by key path, in the place of a document's, some of them left out."""
+    """Override entries of a document by key path, and leave some out."""
     overrides = dict(overrides)
     without = overrides.pop("without", None)
     listed = [without] if isinstance(without, str) else without

@@ -88,7 +88,7 @@ def _rates(sweep: Sweep, slid: Array) -> Array:
 
 
 def facts_of(sweep: Sweep) -> Facts:
-    """Find what a scene means, without a simulation."""
+    """Calculate the facts of a scene in closed form."""
     modulus = contact_modulus(sweep.scene.pin.material, sweep.scene.disk)
     velocities = np.array(sweep.plane.velocities)
     pin, disk = np.transpose([sweep.scene.velocities_at(velocity) for velocity in velocities])
@@ -160,7 +160,8 @@ def tracks_of(sweep: Sweep) -> dict[str, Track]:
 def track_faults(sweep: Sweep) -> Iterator[tuple[str, str]]:
     """Bodies whose track is too short for the turns on it to be apart, and why it is a fault.
 
-    A turn is taken to lay its heat at once, which needs a round much longer than the contact.
+    Each turn is taken to release its heat at once; so the track has to be much longer than the
+    contact.
     """
     tracks = tracks_of(sweep)
     width = facts_of(sweep).contact_width.high if tracks else 0.0

@@ -40,7 +40,7 @@ _SHOWN = 6  # rows of a fault that are named
 
 
 def outcome_of(word: str, heading: str) -> str | None:
-    """Outcome for which a word stands below a heading, if that is known.
+    """Outcome that a word below a heading means, None if it is not known.
 
     Examples
     --------
@@ -111,7 +111,7 @@ class Log:
 
     @property
     def guessed(self) -> list[str]:
-        """What stands for an entry or an outcome without being called so."""
+        """Headings and words that were recognised, though not exact names."""
         said = [
             f'"{self.heads[place]}" as {name}'
             for name, place in self.places.items()

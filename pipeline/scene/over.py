@@ -79,7 +79,7 @@ def notes_of(table: Variants) -> Iterator[str]:
 
 
 def with_first_values(document: Document) -> Document:
-    """The document with the first values of ``over`` below all that it has itself."""
+    """The document with the first values of ``over`` as its lowest layer."""
     sweep, first = document.entries().get("sweep"), dict[str, Any]()
     over = sweep.get("over") if isinstance(sweep, dict) else None
     for path, values in flat(over) if isinstance(over, dict) else ():

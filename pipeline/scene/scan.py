@@ -1,4 +1,4 @@
-"""Statistics of a measured surface, and the random roughness that makes more of the same."""
+"""Statistics of a measured surface, and the random roughness that is like it."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def surface_statistics(
     transpose: bool = False,
     flip: Flip = "no",
 ) -> SurfaceStatistics:
-    """Find the roughness of a scan, and the random roughness that makes more of the same.
+    """Find the roughness of a scan, and the random roughness that is like it.
 
     Parameters
     ----------

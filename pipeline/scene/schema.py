@@ -131,7 +131,7 @@ class Range(Kind):
 class Either(Kind):
     """Kind `other` for values that satisfy `when` or have its form; `usual` for the rest.
 
-    Of two tables one has the form of the other where it has any key of that alone.
+    Of two tables, a value has the form of `other` if it has any key that only `other` has.
     """
 
     usual: Kind

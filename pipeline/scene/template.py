@@ -73,8 +73,8 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     path : path
         File to write; it must not exist yet.
     like : str, optional
-        Name of the shipped scene whose entries it gets, every entry explained; a template of a
-        diagram that is computed in seconds if not given.
+        Name of a shipped scene to begin with, every entry explained. By default a scene whose
+        diagram takes seconds.
     full : bool
         Explain every entry of the template, too, and add those that it has not as comments.
 

@@ -21,7 +21,7 @@ _LEAST_RISE = 0.2  # of friction before; less is running-in or a warmer film
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    r"""Friction over time, and where it rises once and for all.
+    r"""Friction over time, and the row from which on it is high.
 
     Attributes
     ----------

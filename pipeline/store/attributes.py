@@ -1,4 +1,4 @@
-"""Attributes of a store: what it belongs to by its identity, and what computed it."""
+"""Attributes of a store: the identity of its scene, and what computed it."""
 
 from __future__ import annotations
 
@@ -100,8 +100,8 @@ class Simulated:
 def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> np.uint64:
     """Hash of what was simulated, of the place of a point, and of what is stored of its stations.
 
-    Of each variable it takes the CRC, of a field that of its chunk as it is encoded: nothing else
-    writes that, and whoever compares need not decode it.
+    It takes the CRC of each variable. Of a field that is the CRC of the encoded chunk, so that a
+    comparison need not decode it: nothing else writes that chunk.
     """
     digest = hashlib.blake2b(simulated.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())

@@ -1,4 +1,4 @@
-"""The lock of a store: one driver writes at a time, by whatever path it came.
+"""The lock of a store: one driver writes at a time, whatever path it used for the store.
 
 On a disk of this machine it is a `flock` on a file of the store, which the kernel releases when its
 process dies. Nothing else decides there; what the file says is for people. On disks that other
@@ -116,7 +116,7 @@ def repeated(action: Callable[[], None]) -> Iterator[None]:
 
 
 def beats(place: Place) -> str | None:
-    """Name of the process that holds a store by a heartbeat, by our clock; None if none does."""
+    """Name of the process that holds a store by a heartbeat; None if none does, by our clock."""
     content = place.read(LOCK) or b""
     match = _CONTENT.fullmatch(content.decode(errors="replace"))
     is_of_heart = match and match[3]  # and not of a `flock`

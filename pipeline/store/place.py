@@ -120,7 +120,7 @@ class Folder:
             return 0.0
 
     def mark(self) -> Mark:
-        """What differs between the root and another one that replaced it; None if there is none."""
+        """Mark of the root, which another root in its place does not have; None if none."""
         with suppress(OSError):
             state = (self.path / ROOT).stat()
             return state.st_ino, state.st_mtime_ns, state.st_size
@@ -252,7 +252,7 @@ def place_of(path: PathLike) -> Place:
 
 
 def steadily(path: PathLike, read: Callable[[Place], T]) -> T:
-    """What is read of a place; read again if a larger store took the place meanwhile."""
+    """Read a place, and once more if a larger store has replaced it meanwhile."""
     for left in reversed(range(_TRIES)):
         place = place_of(path)
         before = place.mark()

@@ -50,7 +50,7 @@ class Summary:
     failed : tuple of FailedPoint
         Points that could not be computed.
     earlier : int
-        Points besides these that are done, since an earlier run asked for them.
+        Further points that are done, for which only an earlier run asked.
     warned : int
         Points that are done and carry a warning, also those that only an earlier run asked for.
     running : str or None

@@ -84,7 +84,7 @@ class _Generation:
         return self
 
     def require(self) -> None:
-        """Raise a `StoreError` if points have other places now, so that others' data were read."""
+        """Raise a `StoreError` if points have moved since the store was opened."""
         if (mark := self._place.mark()) == self._mark:
             return
         place = place_of(str(self._place))  # which may lie between its two renames
@@ -141,13 +141,13 @@ class Reader:
         return range(len(self._store.axes[name]))
 
     def kept(self, name: str) -> bytes | None:
-        """What a command has kept in the store under a name; None if nothing."""
+        """Content that a command has cached in the store under a name; None if there is none."""
         with suppress(OSError):
             return self._store.place.read(_KEPT + name)
         return None
 
     def keep(self, name: str, content: bytes) -> None:
-        """Keep what a command found of the store, unless it cannot be written."""
+        """Cache content in the store under a name, unless the store cannot be written."""
         with suppress(OSError):
             self._store.place.create(_KEPT + name, content)
 

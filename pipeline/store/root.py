@@ -1,7 +1,7 @@
 """The root of a store: its attributes and the metadata of all its arrays, replaced at one stroke.
 
-A hash over the whole document tells whether it is what was written, another one whether the
-conditions are: these are in no checksum of a point, and decide every answer.
+A hash over the whole document tells whether it is what was written, another hash does the same for
+the conditions, which no checksum of a point covers and which decide every answer.
 """
 
 from __future__ import annotations

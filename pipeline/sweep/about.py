@@ -16,7 +16,7 @@ from tribo.types import Array
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A test on a rig: a transition from mild to severe wear, or a point that was one of them.
+    """A test on a rig: a transition to severe wear, or a point that stayed mild or turned severe.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ def as_html(title: str, rows: Sequence[Row]) -> str:
 
 
 def on_scene(scene: Scene) -> Iterator[Row]:
-    """Say what a scene is of, a row for each subject."""
+    """Describe a scene, a row for each subject."""
     yield "pin", scene.pin.words
     yield "disk", _surface(scene)
     (nx, ny), (x, y) = scene.grid.shape, scene.grid.size
@@ -175,7 +175,7 @@ def on_scene(scene: Scene) -> Iterator[Row]:
 
 
 def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Row:
-    """Say at which loads and velocities a sweep is.
+    """Describe the loads and velocities of a sweep.
 
     Examples
     --------
@@ -205,7 +205,7 @@ def on_conditions(conditions: Conditions) -> Iterator[Row]:
 
 
 def on_point(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Row]:
-    """Say what a point has come to, a row for each subject."""
+    """Describe the end of a point, a row for each subject."""
     end = {name: column[-1] for name, column in columns.items()}
     yield "after", f"{end['time']:.4g} s and {end['sliding_distance']:.4g} m"
     yield (

@@ -41,7 +41,7 @@ class Conditions:
         Friction by velocity, earlier passes, stem and film; a mapping is read as what
         `as_dict` gives.
     own_criterion : Own or None
-        One's own criterion by value, which the name alone never finds.
+        Your own criterion by value; its name alone runs no code.
 
     Raises
     ------
@@ -195,7 +195,7 @@ def changes_of(
 ) -> dict[str, Any]:
     """Entries of `Conditions` that are given; a share alone makes "share" the criterion.
 
-    One's own criterion is read from the folder in which the command runs, if own laws are allowed.
+    Your own criterion is read from the folder in which the command runs, if own laws are allowed.
     """
     entries: dict[str, Any] = {
         "friction": friction,

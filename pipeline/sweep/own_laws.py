@@ -71,7 +71,7 @@ class Laws:
     folder : Path
         Folder of the files: that of the scene, or of the command where an option names the code.
     are_allowed : bool
-        The user's word for it, ``--own-laws`` or ``own_laws=True``.
+        The user's permission, ``--own-laws`` or ``own_laws=True``.
     """
 
     folder: Path

@@ -7,8 +7,8 @@ contact: they have the same inputs of it and the same w, and differ in V, with k
 thermal constants. Samples fill the range of the inputs evenly, somewhat beyond what is likely; they
 are not draws of it, which `pipeline.uncertain` makes by the thousand.
 
-Where all else of the contact is known, its wear numbers are planned, not drawn: 8 of them, evenly
-spread, with 2 velocities of heat each, give the rise better than 128 samples of 8 that are drawn.
+Where the contact has no other unknown input, its wear numbers w are planned, not drawn: 8 evenly
+spread ones, with heat at 2 velocities each, give the rise better than 128 samples on 8 drawn ones.
 """
 
 from __future__ import annotations

@@ -18,8 +18,8 @@ PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01, "reference": 0.0
 def velocity_error(attributes: Mapping[str, Any]) -> float | None:
     """Largest known relative error of the boundary velocity of a store; None if none is known.
 
-    It is what was measured where the fidelity was picked for its accuracy, and else what its
-    preset promises, which what a scene asks to see and how heat acts leave as it is.
+    It is the measured error where the fidelity was picked for its accuracy, else the error that its
+    preset promises. What a scene stores, and its heat model, do not change that promise.
 
     Examples
     --------

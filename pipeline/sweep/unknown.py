@@ -60,7 +60,7 @@ class Unknown:
     Its parameters are mean and standard deviation; median and factor, within which two thirds lie;
     lowest and highest value; or the values, each as likely [SI]. It may be correlated with inputs
     that stand before it, by their paths and the correlation of the normal scores. The unit in
-    which the scene writes it makes no other input.
+    the scene is for display alone: another one makes no other input.
 
     Examples
     --------
@@ -101,7 +101,7 @@ class Unknown:
             raise InputError(fault)
 
     def quantile(self, share: Array) -> Array:
-        """Values that shares of the probability, above 0 and below 1, stay below [SI]."""
+        """Quantiles of the distribution [SI], at shares above 0 and below 1."""
         first, *rest = self.parameters
         if self.kind == "normal":
             return np.asarray(first + rest[0] * scipy.special.ndtri(share))

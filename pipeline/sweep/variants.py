@@ -297,8 +297,8 @@ def wear_rates(own: float, low: float, high: float) -> Variants:
     """The scene at other wear rates, on the contacts of its own [m²/N].
 
     A contact at the velocity V and the own rate k is that of V' and another rate k' where
-    kV = k'V'. So the velocities of the plane are those at the own rate, and a row slides at them
-    times the own rate over its own. Rates are even in the logarithm, with the own among them.
+    kV = k'V'. So the velocities of the plane are those at the own rate k, and a row at the rate k'
+    slides at k/k' times these. Rates are even in the logarithm, with the own among them.
 
     Examples
     --------

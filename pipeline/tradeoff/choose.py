@@ -1,4 +1,4 @@
-"""The cheapest fidelity that keeps a scene's boundary within an asked accuracy."""
+"""The cheapest fidelity that keeps the error of a scene's boundary within a bound."""
 
 from __future__ import annotations
 

@@ -226,7 +226,7 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
 
 
 def savings(sweep: Sweep) -> Iterator[str]:
-    """Say in a line each which work is saved that another scene would need, and why."""
+    """Lines on the work that this scene does not need, each with the reason."""
     nx, ny = sweep.scene.grid.shape
     steps = max(step_count(sweep.scene, load) for load in sweep.plane.loads)
     if sweep.scene.is_plane:

@@ -1,4 +1,4 @@
-"""What a numerical choice costs at a few points, and gives there against nearly exact steps."""
+"""Cost and error of a numerical choice at a few points, against nearly exact steps."""
 
 from __future__ import annotations
 
@@ -266,7 +266,7 @@ _MARGIN = 1.2  # errors between the points are so much larger
 
 @dataclass(frozen=True, slots=True)
 class OwnError:
-    """Relative error that the yardstick itself makes in the boundary velocity."""
+    """Relative error of the yardstick itself in the boundary velocity."""
 
     steps: float
     """Error due to its number of increments."""

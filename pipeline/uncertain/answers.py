@@ -21,9 +21,9 @@ LEAST_SLOPE = 0.05
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """Draws that are given, or else draws from the scene's own distributions.
+    """The draws given, or else draws from the prior.
 
-    Of those that tests have weighed the inputs of the rig, which stand last, are left out.
+    Draws of a posterior also have inputs of the rig, which stand last; these are left out.
     """
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)

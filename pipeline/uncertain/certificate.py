@@ -1,7 +1,7 @@
-"""A certificate of samples: how far the emulator is off from runs that know nothing of it.
+"""A certificate of samples: how far the emulator is off from direct simulations.
 
 Boundaries of random inputs are sought by simulations alone, each at a load of its own anywhere
-between the ends of the sweep. Runs elsewhere tell by how much the emulator's band is too narrow: at
+between the ends of the sweep. Further runs tell by how much the emulator's band is too narrow: at
 the loads of the samples, between them, and at the ends of the velocities.
 """
 

@@ -1,4 +1,4 @@
-"""Direct simulations of draws, which know no emulator, and those of a certificate."""
+"""Direct simulations of draws, without the emulator, and those of a certificate."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def certify(
     count: int = COUNT,
     progress: Callable[[int, int], None] | None = None,
 ) -> Certificate:
-    """Find boundaries of random inputs directly, and keep how far the emulator's are off.
+    """Find boundaries of random inputs by simulations, and keep the errors of the emulator there.
 
     Parameters
     ----------

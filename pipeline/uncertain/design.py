@@ -42,8 +42,8 @@ class Goal:
     risk : float
         Highest probability.
     margin : float
-        Distance to the critical temperature that the probability is of falling short of [K]; 0 for
-        that of severe wear.
+        Distance below the critical temperature [K]. The probability is that of a smaller distance;
+        at 0 it is that of severe wear.
 
     Examples
     --------
@@ -262,8 +262,8 @@ class Direct:
     probability, error : float
         The probability, and its standard error.
     draws, simulated : int
-        Draws made anew, and those of them that were simulated, the 400 nearest to the limit at
-        most; others are as the emulator has them.
+        New draws, and how many of them were simulated: the 400 nearest to the limit at most. The
+        others are judged by the emulator.
 
     Examples
     --------

@@ -5,8 +5,8 @@ mean (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006, Eqs. 
 
     k(u, u') = a² (1 + u·u') + b² (u·u')² + c² exp(−Σ (uᵢ − uᵢ')²/2ℓᵢ²) + s² [same contact] + n²,
 
-a plane and a quadric with a smooth departure, besides what each contact, and each row, has of its
-own. All loads share one kernel. Its constants are those of the greatest likelihood (their Eq. 5.9).
+a plane and a quadric with a smooth departure, and an effect of each contact and of each row. All
+loads share one kernel. Its constants are those of the greatest likelihood (their Eq. 5.9).
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Emulator:
     output, ``weights`` (n, n_output) solve the kernel's equations for what departs from it,
     ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``whitener`` (n, n) is
     the inverse of the Cholesky factor of the kernel between the rows. The ``calibration``
-    (n_output,) is the root mean square of what contacts miss that are left out, over the error
+    (n_output,) is the root mean square error at contacts that are left out, over the error
     predicted, and at least 1.
     """
 
@@ -255,7 +255,7 @@ class Keeper(Protocol):
 def kept_or_found(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers that are found of data, or that were kept when they had been found of the same.
+    """Numbers found from data, or those cached when they were found from the same data.
 
     Examples
     --------

@@ -121,7 +121,7 @@ class Ensemble:
     hold : float
         Duration at the full load [s].
     rises_by_hold : mapping of float to ndarray
-        Rises of shorter holds, of those that tests have, where the samples tell them.
+        Rises at the shorter holds of tests, where the samples have them.
     fixed : tuple of Fixed
         Inputs that have one value in place of their distribution.
     missing : int
@@ -314,7 +314,7 @@ class Ensemble:
 
     @functools.cached_property
     def by_hold(self) -> dict[float, Ensemble]:
-        """The ensemble at its own hold, and at each shorter one of tests that samples tell."""
+        """The ensemble at its own hold, and at shorter holds of tests that the samples have."""
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
             for hold, rises in self.rises_by_hold.items()
@@ -371,7 +371,7 @@ class Ensemble:
 
     @functools.cached_property
     def certificate(self) -> Certificate | None:
-        """Runs that know nothing of the emulator, where the samples were certified."""
+        """The certificate of the samples; None where they were not certified."""
         return certificate_of(self.keeper, self.inputs, self.rises)
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:

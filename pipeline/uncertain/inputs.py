@@ -40,7 +40,7 @@ class Draws:
 
     @property
     def effective(self) -> float:
-        """Number of draws of equal weight that would tell as much."""
+        """Effective sample size: number of draws of equal weight that tell as much."""
         return float(1 / np.sum(self.weights**2))
 
     def parts(self) -> Iterator[Draws]:
@@ -101,7 +101,7 @@ _CONDITIONS = {
 
 
 def condition(conditions: Conditions, path: str) -> float | None:
-    """Value of a condition by the path of its entry [SI]; None if it is none, or not known."""
+    """Value of a condition by the path of its entry [SI]; None if not known, or no condition."""
     return getattr(conditions, _CONDITIONS[path].field) if path in _CONDITIONS else None
 
 

@@ -1,10 +1,10 @@
-"""What measurements teach of the unknown inputs: a Kalman filter for each of many truths.
+"""What measurements tell of the unknown inputs: a Kalman filter for each of many truths.
 
-What is known of the inputs is a Gaussian, whose covariance is that of the draws of today. About
+Knowledge of the inputs is a Gaussian with the covariance of the present draws. About
 each truth the result of a measurement is linear in the inputs, with slopes that are taken there. A
-number is learnt as a Kalman filter does. Of a result beyond an end, as of a test that is mild or
-severe, only the side is learnt: mean and variance are those of a Gaussian that is cut off there
-(assumed density; Minka, Expectation propagation, UAI 2001).
+measured number updates it by a Kalman filter. Of a result beyond an end, such as a test that is
+mild or severe, only the side is known: mean and variance are those of a truncated Gaussian (assumed
+density; Minka, Expectation propagation, UAI 2001).
 """
 
 from __future__ import annotations
@@ -108,8 +108,8 @@ class Observable(NamedTuple):
 
     ``values`` (n,) are true results, ``slopes`` (n, n_feature) those about each truth, and
     ``deviation`` (n,) is the standard deviation of what is measured. Beyond ``low`` or ``high``
-    only that is learnt; a test that is mild or severe has both at its velocity. ``test`` is its
-    place, ``besides`` a number that it measures, too.
+    only the side is learnt; a test that is mild or severe has both at its velocity. ``test`` is its
+    place, ``besides`` a further number that it measures.
     """
 
     what: str
@@ -132,7 +132,7 @@ class Knowledge:
 
     @classmethod
     def of(cls, features: Features) -> Knowledge:
-        """Knowledge of today, the same for each truth."""
+        """Present knowledge, the same for each truth."""
         truths = features.of_truths
         mean = np.broadcast_to(features.mean, truths.shape)
         covariance = np.broadcast_to(features.covariance, (*truths.shape, truths.shape[1]))
@@ -176,7 +176,7 @@ class Knowledge:
         return replace(self, covariance=self.covariance - explained)
 
     def knowing(self, part: slice) -> Knowledge:
-        """What is known where some of the coordinates are."""
+        """Knowledge once some of the coordinates are known exactly."""
         inside, across = self.covariance[:, part, part], self.covariance[:, part, :]
         explained = across.transpose(0, 2, 1) @ np.linalg.pinv(inside, hermitian=True) @ across
         return Knowledge(self.truths, self.mean, self.covariance - explained)

@@ -1,9 +1,9 @@
 """The next test: candidates, ranked by the spread of a target that each is expected to leave.
 
-A candidate is tried on truths drawn from what is known today. Each learns by a filter of its own
-(`pipeline.uncertain.learning`) the result that the test would have, scatter and measured friction
-included, and the spread that is left is averaged. No truth is among what it is weighed against, so
-many tests promise what is had, too.
+A candidate is tried on truths drawn from the posterior. A test at each truth has a result, with
+scatter and measured friction, which updates a filter (`pipeline.uncertain.learning`); the spread
+that is left is averaged over the truths. No truth is among the draws that it is compared with, so
+the promise also holds for many tests.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ class Candidate:
     what : str
         Measurement, in words.
     spread : float
-        Standard deviation of the target that is expected to be left by it, and by those before it
-        in a batch. Of the boundary that of the logarithm of the critical velocity, root mean
-        square over the loads.
+        Expected standard deviation of the target after it, and after those before it in a batch.
+        For the boundary, that of the logarithm of the critical velocity, root mean square over the
+        loads.
     before : float
         Standard deviation today.
     test : dict or None
@@ -251,7 +251,7 @@ class Plan:
         return self._ensemble.width(self._of_sweep(inputs), load, velocity).values[None]
 
     def lists(self) -> Iterator[Candidate]:
-        """Inputs that are one of a list, which could be found out."""
+        """Inputs that are one of a list, whose value could be found out."""
         for number, quantity in enumerate(self._posterior.unknown):
             if quantity.kind == "list":
                 known = self._known.knowing(self._features.numbers(number))

@@ -1,4 +1,4 @@
-"""What tests leave of the unknown inputs, each test beside all others, and two oils compared."""
+"""The posterior of the unknown inputs, each test judged by all others, and two oils compared."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _CONTRADICTS = 0.02  # probability, by all others, below which a test contradict
 
 
 class Judged(NamedTuple):
-    """A test, beside what all others and all together say.
+    """A test, judged by all other tests, and by all tests together.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Judged(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """True if the others hardly allow it, and the model fits them."""
+        """True if the other tests hardly allow this one, and the model fits them."""
         return self.is_blamed and self.probability < _CONTRADICTS
 
 
@@ -66,7 +66,7 @@ class Posterior:
     ensembles : tuple of Ensemble
         Sweeps whose samples it rests on.
     unknown : tuple of Unknown
-        Inputs; those that each of several sweeps has of its own have its name before their path.
+        Inputs; one that belongs to a single sweep has the name of the sweep before its path.
     columns : tuple of ndarray of int
         Inputs of each sweep, among all.
     prior, draws : Draws
@@ -74,7 +74,7 @@ class Posterior:
     judged : tuple of Judged
         Tests, beside what the others say.
     scatter : float
-        Relative standard deviation that velocities are said to have.
+        Relative standard deviation of measured velocities, as stated.
     inferred_scatter : tuple of float
         That which 5, 50 and 95 % stay below, given the tests.
     faults : tuple of str
@@ -110,7 +110,7 @@ class Posterior:
 
     @property
     def fits(self) -> bool:
-        """True if nothing speaks against the model; else no test is said to contradict others."""
+        """True if nothing speaks against the model; else no test is named as an outlier."""
         return not self.faults
 
     @property
@@ -282,7 +282,7 @@ def _is_outer(unknown: Unknown, column: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """How much more the second of two sweeps has of a quantity.
+    """Difference of a quantity between two sweeps, the second less the first.
 
     Attributes
     ----------

@@ -1,6 +1,6 @@
-"""A programme: tests in their order until a target is known well enough, or more do not help.
+"""A programme: tests in their order until a target is known well enough, or they help no more.
 
-Where tests no longer help, what does is found among other measurements.
+Then the programme looks for other measurements that help.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def programme(
     bulk_temperatures: Sequence[float | str] = (),
     most: int = MOST,
 ) -> Programme:
-    """Plan tests until the target's standard deviation is so small, or more of them do not help.
+    """Plan tests until the target has a given standard deviation, or further tests do not help.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""What tests bring along beside the inputs of a sweep: the friction of the rig, and a discrepancy.
+"""Inputs that tests add to those of a sweep: the friction of the rig, and a discrepancy.
 
 The friction µ of a test is that of the rig, µ₀, times a scatter of its own, and is measured with an
 error: ln µ = ln µ₀ ± τ, and the measured one is ln µ ± s. So a measured friction tells of µ₀ with
 the variance τ² + s², and the friction that acted in its test is known by both: a mean of ln µ₀ and
 of the measured one, weighed by 1/τ² and 1/s². The scatter τ is inferred, too.
 
-An optional discrepancy of the model: slopes of the rise that it does not have.
+The discrepancy is optional: slopes of the rise that the model does not have.
 
 The logarithm of the rise is taken to be off by a₁ ln(V/V₀) + a₂ (T − T₀)/100 K, with the velocity
 and the bulk temperature of each test, V₀ in the middle of the sweep and T₀ that of the scene

@@ -1,7 +1,7 @@
 """Unknown inputs, weighed by tests of one sweep or of several that share inputs.
 
 The scatter of measured velocities is inferred with the inputs: one factor, log-normal about 1, on
-that which is said. Each test is also judged by all others, so that one that contradicts them is
+the stated scatter. Each test is also judged by all others, so that one that contradicts them is
 named.
 
 Draws of a posterior in steps from the prior, each weighed a little more by the likelihood.
@@ -39,7 +39,7 @@ def posterior(
 ) -> Posterior:
     """Weigh the unknown inputs by the transitions and tests of the scene.
 
-    Without any, what the scene assumes of them comes back.
+    Without any, the result is the prior.
 
     Parameters
     ----------
@@ -47,11 +47,11 @@ def posterior(
         Samples of a sweep; or of several, which share the inputs of body and surface that have the
         same path, and have those of the lubricant each of its own.
     scatter : float
-        Relative standard deviation that measured velocities are said to have where they do not
-        give their own; inferred with the inputs, about this one within a factor of 2.
+        Relative standard deviation of measured velocities that give none of their own. The scatter
+        is inferred with the inputs, about this value within a factor of 2.
     discrepancy : bool
-        True to infer two slopes of the rise that the model does not have, too, over velocity and
-        bulk temperature, and to say what they gain in evidence.
+        True to infer also two slopes of the rise that the model does not have, over velocity and
+        bulk temperature, and how much likelier they make the tests.
 
     Raises
     ------
