@@ -1,6 +1,6 @@
 """Critical temperature and wear rate of a system, found from measurements.
 
-The simulation is run with what was measured, and asked for what was not.
+The simulation takes what was measured, and is solved for what was not.
 """
 
 from __future__ import annotations
@@ -155,8 +155,8 @@ class WearRate:
     value : float
         Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
-        Specific wear rates with which the width is half a step less or more than measured, a step
-        being that by which widths grow on the grid; and the 1 % to which rates are sought.
+        Specific wear rates at which the width is half a step of the grid less or more than
+        measured, widened by the 1 % to which rates are found.
 
     Examples
     --------
@@ -181,11 +181,11 @@ def specific_wear_rate(
     Parameters
     ----------
     scene : Scene
-        System in which the pin wore. Not its wear rate is used, but the pattern of its wear: swept
+        System in which the pin wore. Its wear rate is not used. The pattern of its wear is: swept
         if the scene has no wear and its patch is periodic along y, else local.
     contact_width : float
-        Width of the contact along x at the end of the loading [m]. Sliding on at full load belongs
-        into the loading, as a hold.
+        Width of the contact along x at the end of the loading [m]. Further sliding at full
+        load is part of the loading, as a hold.
     normal_load, velocity : float
         Load on the whole pin at the end [N], and sliding velocity [m/s].
 

@@ -36,13 +36,13 @@ _UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 
 class MeasuredLoad:
     """A record of the load, from its first row to where it first reaches its reference load.
 
-    That stretch is cut into as many steps as the scene has increments: equal in time where the load
-    goes about evenly, else each of an equal sum of two shares, that of the time and that of the way
-    which the load goes up and down. So a jump has half of the steps, however short it is; noise
-    below 2 % of the reference load is no way. A point of another load has the same times, and all
-    loads scaled in proportion. So no two points share a trunk: each follows the record from its
-    start. Where the record falls, so does the load; below 0, where only the sensor's noise can be,
-    it counts as 0.
+    That stretch is cut into as many steps as the scene has increments. They are equal in time where
+    the load grows about evenly. Otherwise each has an equal sum of two shares: that of the
+    duration, and that of the total way of the load, up and down, without noise below 2 % of the
+    reference load. So a jump has half of the steps, however short it is. A point of another load
+    has the same times, and all loads scaled in proportion. So no two points share a trunk: each
+    follows the record from its start. Where the record falls, so does the load; below 0, where only
+    the sensor's noise can be, it counts as 0.
 
     Parameters
     ----------

@@ -29,9 +29,9 @@ Value = TypeVar("Value")
 
 
 class Kept(Generic[Value]):
-    """Values by what they are computed from; those used last are kept, up to a sum of their sizes.
+    """A cache of values by what they are computed from, up to a sum of their sizes.
 
-    The last one is kept whatever its size.
+    The least recently used go first; the last one stays, whatever its size.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
 
 
 def forget_contacts() -> None:
-    """Free the contacts that are kept, as before the time of computing them is taken."""
+    """Free the cached contacts, such as before their computation is timed."""
     _contacts.clear()
 
 

@@ -1,6 +1,6 @@
 """By how much the present friction heat, taken to have acted since the start, is too warm.
 
-Heat of a while ago has spread so far that it only counts how much there was of it: along a heated
+Old heat has spread so far that only its amount counts: along a heated
 length L of a body that moves at U, a unit of it per length and time still warms the middle by
 erf(L/4√(κτ)) exp(−U²τ/4κ) / 2πKτ after a time τ. Where the load has grown, there was less of it
 than the model has; the difference is summed over τ along the loading. As both bodies have one

@@ -87,6 +87,6 @@ def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
 
 
 def touching_elements(scene: Scene, state: State) -> int:
-    """Elements that touch; where rows stand for a plane, as many as if it were divided alike."""
+    """Number of elements that touch; its square where nothing depends on y, as if divided alike."""
     nodes = int(np.count_nonzero(state.pressure))
     return nodes**2 if scene.is_plane else nodes

@@ -1,4 +1,4 @@
-"""The surface of the disk: what one has to say, a random one and a measured one."""
+"""The surface of the disk: its protocol, a random surface and a measured one."""
 
 from __future__ import annotations
 

@@ -142,7 +142,7 @@ class Criterion:
 
     @property
     def takes_share(self) -> bool:
-        """Dependence on the share."""
+        """True if the criterion depends on the share."""
         return "{share" in (self.rule or CRITERIA[self.name]).temperature
 
     @property
@@ -157,12 +157,12 @@ class Criterion:
 
     @staticmethod
     def is_severe(rise: Any, limit: float) -> Any:
-        """Severe wear: a deciding rise above its limit [K]; not where the rise is NaN."""
+        """True where the deciding rise is above its limit [K]; False where it is NaN."""
         return rise > limit
 
     @staticmethod
     def is_mild(rise: Any, limit: float) -> Any:
-        """Mild wear: a deciding rise up to its limit [K]; not where the rise is NaN."""
+        """True where the deciding rise is at most its limit [K]; False where it is NaN."""
         return rise <= limit
 
     def rise(self, columns: Columns) -> Any:

@@ -1,6 +1,7 @@
-"""Laws of wear whose rate follows the distance slid: what one has to say, and one that ships.
+"""Wear laws whose rate depends on the distance slid: their protocol, and one that ships.
 
-A law is any object with these attributes; of a wear that is none it is an `InvariantError`.
+A law is any object with these attributes. A result that is no `tribo.Wear` is an
+`InvariantError`.
 """
 
 from __future__ import annotations
@@ -99,7 +100,7 @@ def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
 
 
 def require_wear(wear: object) -> None:
-    """Raise `InputError` for what is no wear, and no law of it."""
+    """Raise `InputError` for an object that is neither a wear nor a wear law."""
     if wear is None or isinstance(wear, Wear):
         return
     if lacks := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
