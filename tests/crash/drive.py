@@ -75,7 +75,7 @@ def computing(records, pace):
 
     link = Connection(None, Source())
 
-    def compute(link, sweep, writer, waiting, report):
+    def compute(link, sweep, writer, waiting, learn, report):
         for chain in waiting:
             writer.add([record_of(records, sweep, point) for point in chain])
             writer.flush()
