@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pipeline.store.kinds import ATTRIBUTES, AXES, misfits
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     ROOT,
@@ -33,7 +34,6 @@ _LARGEST = 2**28  # bytes of a root
 _HASH, _OF_CONDITIONS = "root_hash", "conditions_hash"
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = {"bytes", "vlen-utf8", "zstd"}
-_KINDS = {"name": str, "title": str, "scene": dict, "conditions": dict, "versions": dict}
 _ELSEWHERE = (
     "irg run with the scene that made it makes it again; or restore it from a backup, or write to "
     "another store"
@@ -152,7 +152,7 @@ def _require_small(file: Path) -> None:
 
 
 def require_likely(place: Place, root: Root) -> None:
-    """Refuse a root of more points than a store has, or of other arrays than a store has.
+    """Refuse a root of more points, other arrays or attributes of other kinds than a store has.
 
     The arrays are made as large as it says, before a chunk of them is read. Codecs of Zarr 2 may
     unpickle chunks, those of Zarr 3 are looked up among all that is installed, and a name with a
@@ -169,8 +169,7 @@ def require_likely(place: Place, root: Root) -> None:
             and "/" not in name
             for name, array in root.arrays.items()
         )
-        fits &= all(isinstance(root.attributes[name], kind) for name, kind in _KINDS.items())
-        fits &= {"checksum", "load"} <= root.arrays.keys() and "generation" in root.attributes
+        fits &= {"checksum", "load", *sizes} <= root.arrays.keys()
         points = math.prod(root.arrays["status"]["shape"])
     except (KeyError, TypeError, AttributeError):
         fits, points = False, 0
@@ -178,6 +177,12 @@ def require_likely(place: Place, root: Root) -> None:
         raise StoreError(
             f"{place}: {ROOT} is damaged: its arrays are not of Zarr 3, or not those of a "
             f"store, of the sizes of its axes; {_ELSEWHERE}"
+        )
+    kinds = ATTRIBUTES | {"axes": {n: AXES.get(str(root.arrays[n]["data_type"])) for n in sizes}}
+    if wrong := next(misfits(root.attributes, kinds), None):
+        raise StoreError(
+            f"{place}: {ROOT} is damaged: its attribute {wrong[1:]} is missing, or not of the kind "
+            f"that a run writes; {_ELSEWHERE}"
         )
     if points > MOST_POINTS:
         raise StoreError(
