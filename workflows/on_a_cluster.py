@@ -16,25 +16,34 @@ from distributed import Client, Status
 
 import pipeline
 
-_QUEUED = 30 * 86400.0  # [s] that jobs may wait in the queue while there is no worker at all
+parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+parser.add_argument("scene")
+parser.add_argument("store")
+parser.add_argument("--jobs", type=int, default=10, help="at a time")
+parser.add_argument("--cores", type=int, default=1, help="workers of a job, one a core")
+parser.add_argument("--memory", default="2 GB", help="of a job")
+parser.add_argument("--walltime", default="1 h", help="longer than any point takes")
+for name in ("--queue", "--account", "--interface"):
+    parser.add_argument(name)
+for name in ("--directive", "--prologue"):
+    parser.add_argument(name, action="append", default=[], help="line of the job script, after =")
+parser.add_argument("--dry-run", action="store_true", help="print the script of a job")
 
 
 def cluster_of(options):
     """A scheduler here, whose workers are jobs; all connections have certificates (TLS)."""
-    seconds = pipeline.to_si(options.walltime, "2 h")
+    seconds = round(pipeline.to_si(options.walltime, "2 h"))
     logs = Path(f"{options.store}.jobs").absolute()  # certificates, too: nodes have to see it
     logs.mkdir(mode=0o700, parents=True, exist_ok=True)
+    # Workers retire before their job ends, each at another time, and hand on what they hold.
+    lifetime = ["--lifetime", f"{0.8 * seconds}s", "--lifetime-stagger", f"{0.1 * seconds}s"]
     return SLURMCluster(
         queue=options.queue, account=options.account, interface=options.interface,
         cores=options.cores, processes=options.cores, memory=options.memory,
-        walltime=f"{seconds // 60:.0f}:{seconds % 60:02.0f}",
+        walltime=f"{seconds // 60}:{seconds % 60:02}", worker_extra_args=lifetime,
         job_extra_directives=options.directive, job_script_prologue=options.prologue,
         security=True, protocol="tls://", shared_temp_directory=logs, log_directory=logs,
         death_timeout=120,  # [s] after which workers end whose driver is gone
-        # Workers retire before their job ends, each at another time, and hand on what they hold.
-        worker_extra_args=[
-            "--lifetime", f"{0.8 * seconds:.0f}s", "--lifetime-stagger", f"{0.1 * seconds:.0f}s",
-        ],
     )  # fmt: skip
 
 
@@ -43,39 +52,23 @@ def keep_up(cluster, jobs):
     while cluster.status == Status.running:
         known = {name: job.job_id for name, job in cluster.workers.items() if job.job_id}
         queue = subprocess.run(["squeue", "--noheader", "--me", "--format=%A"], capture_output=True)
-        if queue.returncode == 0:
-            for name, number in known.items():
-                if number not in queue.stdout.decode().split():
-                    cluster.workers.pop(name, None)
+        for name, number in known.items() if queue.returncode == 0 else ():
+            if number not in queue.stdout.decode().split():
+                cluster.workers.pop(name, None)
         cluster.scale(jobs=jobs)
         time.sleep(15.0)
 
 
-def main():
-    """Compute what the store does not have yet, or print the script of a job."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("scene")
-    parser.add_argument("store")
-    parser.add_argument("--jobs", type=int, default=10)
-    parser.add_argument("--cores", type=int, default=1, help="workers of a job, one a core")
-    parser.add_argument("--memory", default="2 GB", help="of a job")
-    parser.add_argument("--walltime", default="1 h", help="longer than any point takes")
-    for name in ("--queue", "--account", "--interface"):
-        parser.add_argument(name)
-    for name in ("--directive", "--prologue"):
-        parser.add_argument(name, action="append", default=[], help="line of the job script")
-    parser.add_argument("--dry-run", action="store_true", help="print the script of a job")
+if __name__ == "__main__":
     options = parser.parse_args()
     with cluster_of(options) as cluster, Client(cluster) as client:
         if options.dry_run:
             print(cluster.job_script())
-            return 0
+            sys.exit()
         threading.Thread(target=keep_up, args=(cluster, options.jobs), daemon=True).start()
-        told = {"progress": print, "tell": print, "patience": _QUEUED}
-        outcome = pipeline.run_sweep(options.scene, options.store, client=client, **told)
+        outcome = pipeline.run_sweep(
+            options.scene, options.store, client=client, progress=print, tell=print,
+            patience=30 * 86400.0,  # [s] that jobs may wait in the queue while there is no worker
+        )  # fmt: skip
     print(f"{outcome.done} of {outcome.total} points done", *outcome.failed, sep="\n")
-    return 1 if outcome.failed else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(bool(outcome.failed))
