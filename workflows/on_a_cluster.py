@@ -51,10 +51,9 @@ def keep_up(cluster, jobs):
     """Submit jobs anew that have left the queue, however they ended."""
     while cluster.status == Status.running:
         known = {name: job.job_id for name, job in cluster.workers.items() if job.job_id}
-        queue = subprocess.run(["squeue", "--noheader", "--me", "--format=%A"], capture_output=True)
-        for name, number in known.items() if queue.returncode == 0 else ():
-            if number not in queue.stdout.decode().split():
-                cluster.workers.pop(name, None)
+        failed, queue = subprocess.getstatusoutput("squeue --noheader --me --format=%A")
+        for name in [name for name in known if not failed and known[name] not in queue.split()]:
+            cluster.workers.pop(name, None)
         cluster.scale(jobs=jobs)
         time.sleep(15.0)
 
@@ -66,9 +65,8 @@ if __name__ == "__main__":
             print(cluster.job_script())
             sys.exit()
         threading.Thread(target=keep_up, args=(cluster, options.jobs), daemon=True).start()
-        outcome = pipeline.run_sweep(
-            options.scene, options.store, client=client, progress=print, tell=print,
-            patience=30 * 86400.0,  # [s] that jobs may wait in the queue while there is no worker
-        )  # fmt: skip
+        patience = 30 * 86400.0  # [s] that jobs may wait in the queue while there is no worker
+        told = {"progress": print, "tell": print, "patience": patience}
+        outcome = pipeline.run_sweep(options.scene, options.store, client=client, **told)
     print(f"{outcome.done} of {outcome.total} points done", *outcome.failed, sep="\n")
     sys.exit(bool(outcome.failed))
