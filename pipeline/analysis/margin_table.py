@@ -16,7 +16,7 @@ import xarray as xr
 
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import dataset_of, require_plane
-from pipeline.analysis.margin import NOT_DECIDED, Margin
+from pipeline.analysis.margin import NOT_DECIDED, Margin, Row
 from pipeline.analysis.margins import rows_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of
 from pipeline.analysis.tables import as_dict, frame_of
@@ -79,7 +79,8 @@ def margin_table(
     1     600.0  severe
     """
     if points is None:
-        return _of_rows(dataset_of(ds), conditions)
+        ds = dataset_of(ds)
+        return frame_of_rows(ds, rows_of(ds, **conditions))
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
     ds = dataset_of(ds)
     require_plane(ds)
@@ -127,15 +128,20 @@ def _results(
     return frame_of(["load [N]", "velocity [m/s]", *heads, "note"], rows)
 
 
-def _of_rows(ds: xr.Dataset, conditions: Mapping[str, Any]) -> pd.DataFrame:
-    """Frame with a row for each row of the table of variants that has a place of its own."""
-    rows = [row for row in rows_of(ds, **conditions) if row.place]
+def frame_of_rows(ds: xr.Dataset, rows: Iterable[Row]) -> pd.DataFrame:
+    """Frame of the rows of the table of variants that have places of their own, with margins."""
+    rows = [row for row in rows if row.place]
     held = [name for row in rows[:1] for name in row.shown]
     names = [name for name in held if name not in (PLACE, VARIANT)] or held
     heads = heads_of(ds, names)
     labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in rows])
     asked = [(row.place or (np.nan, np.nan), lambda row=row: _of_one(row.here())) for row in rows]
     return pd.concat([labels, _results(_HEADS, asked)], axis="columns")
+
+
+def labels_of_rows(frame: pd.DataFrame) -> list[str]:
+    """Heads of the labels of rows, their loads and their velocities, before those of answers."""
+    return [*map(str, frame)][: frame.columns.get_loc("verdict")]
 
 
 LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")

@@ -20,13 +20,15 @@ from pipeline.cli.scenes import (
 )
 from tribo import InputError
 
-_OF_KINDS = (*PLACE, *CONDITIONS, "log", "show", "given_measured", "scatter")
+_OF_KINDS = (*PLACE, *CONDITIONS, "log", "show", "against", "given_measured", "scatter")
 """Options that only some kinds of figures have."""
 
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    look = values_in(options, *PLACE, "scatter", "width", "log", "show", "given_measured")
+    look = values_in(
+        options, *PLACE, "scatter", "width", "log", "show", "against", "given_measured"
+    )
     conditions = conditions_in(options)
     _require_options(options.kind, [*look, *conditions])
     look |= {"with_title": not options.no_title}

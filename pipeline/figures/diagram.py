@@ -26,8 +26,8 @@ from pipeline.analysis.dataset import (
     drawn_row,
     entry_dims,
     has_one_scene,
+    has_plane,
     is_emulated,
-    require_plane,
 )
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.scenes import scenes, value_text
@@ -42,6 +42,7 @@ from pipeline.figures.overlays import (
     name_regions,
     tested_points,
 )
+from pipeline.figures.rows import draw_rows
 from pipeline.figures.style import (
     BLACK,
     BLUE,
@@ -72,6 +73,10 @@ _ONE_LINE_EACH = (
     "the diagram of several scenes has one line for each; leave out a second friction, "
     'or take one scene with --at "{}=..."'
 )
+_OF_A_PLANE = (
+    "rows with places of their own have margins, one for each, and no plane; leave out log and a "
+    "second friction"
+)
 _RESOLUTION = 240
 _COLOURS = colormaps["viridis"]
 
@@ -84,10 +89,11 @@ def diagram(
     log: bool = False,
     given_measured: bool = False,
     scatter: float | None = None,
+    against: str | None = None,
     ax: Axes | None = None,
     **changed: Any,
 ) -> Figure:
-    """Draw the transition diagram; of samples, the probability of severe wear.
+    """Draw the transition diagram; of samples, the probability of severe wear; of rows, margins.
 
     Over several surfaces the boundary is that of the median surface, and a band holds what lies
     between the tenth and the ninetieth of a hundred. The boundary is drawn on the plane
@@ -102,8 +108,13 @@ def diagram(
         if any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log, **judged)
-    require_plane(ds)
     ds = at_labels(ds, realization=realization)
+    if not has_plane(ds):
+        if log or isinstance(friction, Sequence):
+            raise InputError(_OF_A_PLANE)
+        return draw_rows(ds, against, ax, friction=friction, **changed)
+    if against is not None:
+        raise InputError("against is a column of rows with places of their own; leave it out")
     if not has_one_scene(ds):
         if isinstance(friction, Sequence):
             raise InputError(_ONE_LINE_EACH.format(entry_dims(ds)[0]))

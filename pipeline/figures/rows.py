@@ -1,0 +1,162 @@
+"""The diagram of rows with places of their own: the distance of each from severe wear."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
+
+from pipeline.analysis.margin import NOT_DECIDED
+from pipeline.analysis.margin_table import frame_of_rows, labels_of_rows
+from pipeline.analysis.margins import rows_of
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    PURPLE,
+    TINTS,
+    VERMILION,
+    as_text,
+    canvas,
+    criterion,
+    heating,
+    in_house_style,
+    legend_below,
+    title_of,
+)
+from pipeline.sweep.variants import PLACE
+from tribo import InputError
+
+_MOST_TICKS = 24  # labels of rows that are written below a figure
+_MANY = 60  # rows, from which marks are small and errors have no caps
+_LOOKS: dict[str, tuple[str, dict[str, Any]]] = {
+    "mild": ("mild wear", {"marker": "o", "mfc": "white", "mec": BLUE}),
+    "severe": ("severe wear", {"marker": "s", "mfc": VERMILION, "mec": VERMILION}),
+    NOT_DECIDED: ("not decided", {"marker": "D", "mfc": GREY, "mec": BLACK}),
+}
+_ROOM = 1.1  # factor between two marks of what lies beyond the places computed
+_UNKNOWN: dict[str, Any] = {"marker": "x", "mec": BLACK, "mew": 1.3}
+_FACTORS: dict[str, dict[str, Any]] = {
+    "velocity": {"color": PURPLE, "marker": ">", "ls": "none", "ms": 6, "zorder": 3.5},
+    "load": {"color": GREEN, "marker": "^", "ls": "none", "ms": 6, "zorder": 3.5},
+}
+
+
+@in_house_style
+def draw_rows(
+    ds: xr.Dataset, against: str | None = None, ax: Axes | None = None, **conditions: Any
+) -> Figure:
+    """Draw the margin of each row in K, over the rows in their order or against a column.
+
+    Where places about the rows were simulated, a second panel has the factors of velocity and load
+    at which each row turns severe.
+    """
+    rows = rows_of(ds, **conditions)
+    frame = frame_of_rows(ds, rows)
+    columns = labels_of_rows(frame)
+    x, ticks, label = _axis(frame, columns, against)
+    has_factors = PLACE in ds.coords and ax is None
+    figure, axes = canvas(ax, (8.0, 6.6 if has_factors else 4.8))
+    panels = [axes]
+    if has_factors:
+        axes.remove()
+        panels = list(figure.subplots(2, 1, sharex=True, height_ratios=(3, 2)))
+        _draw_factors(panels[1], x, frame)
+    _draw_margins(panels[0], x, frame)
+    panels[0].set_title(title_of(ds), pad=10)
+    panels[-1].set_xlabel(as_text(label))
+    if ticks:
+        every = math.ceil(len(ticks) / _MOST_TICKS)
+        shown = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
+        panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
+    judged = {row.conditions for row in rows}
+    said = f"severe wear: {criterion(rows[0].conditions)}; {heating(rows[0].conditions)}"
+    handles = [handle for one in panels for handle in one.get_legend_handles_labels()[0]]
+    title = said if len(judged) == 1 else "severe wear: by the conditions of each row"
+    legend_below(figure, ax, handles=handles, ncols=3, title=title, title_fontsize=9.5)
+    return figure
+
+
+def _axis(
+    frame: pd.DataFrame, columns: list[str], against: str | None
+) -> tuple[np.ndarray[Any, Any], list[str], str]:
+    """Places of the rows along the axis, its ticks where these are words, and its label."""
+    names = {column.rpartition(" [")[0] or column: column for column in columns}
+    if against is not None and against not in {*names, *columns}:
+        held = ", ".join(names)
+        raise InputError(f"against is {against!r}, which is no column of the rows; give {held}")
+    if against is None:
+        own = [c for c in columns if "." not in c and c not in ("load [N]", "velocity [m/s]")]
+        column = own[0] if own else None
+        places = frame.drop(columns="realization", errors="ignore")[
+            [one for one in columns if one != "realization"]
+        ]
+        x = places.groupby(list(places), sort=False, dropna=False).ngroup().to_numpy()
+    else:
+        column = names.get(against, against)
+        if pd.api.types.is_numeric_dtype(frame[column]):
+            return frame[column].to_numpy(float), [], column
+        x = pd.factorize(frame[column])[0]
+    firsts = np.unique(x, return_index=True)[1]
+    if column is None:
+        return x, [str(number + 1) for number in range(len(firsts))], "row"
+    cells = frame[column].iloc[firsts]
+    return x, [cell if isinstance(cell, str) else f"{cell:g}" for cell in cells], column
+
+
+def _draw_margins(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> None:
+    """Margins with their errors, and the line at which wear turns severe."""
+    margins, errors = (frame[name].to_numpy(float) for name in _IN_KELVIN)
+    size = 6.0 if len(frame) <= _MANY else 3.0
+    if (np.diff(x) > 0).all():
+        axes.plot(x, margins, color=GREY, lw=0.7, zorder=2)
+    axes.errorbar(
+        x, margins, np.nan_to_num(errors), ls="none", ecolor=GREY, elinewidth=0.9,
+        capsize=3 if len(frame) <= _MANY else 0, zorder=2.5,
+    )  # fmt: skip
+    for verdict, (label, look) in _LOOKS.items():
+        if (where := (frame["verdict"] == verdict).to_numpy()).any():
+            axes.plot(
+                x[where], margins[where], ls="none", ms=size, label=label, gid=label, zorder=3.5,
+                **look,
+            )  # fmt: skip
+    if (unknown := np.isnan(margins)).any():
+        label = "not known: not computed"
+        axes.plot(x[unknown], 0 * x[unknown], ls="none", ms=size, label=label, gid=label, **_UNKNOWN)
+    axes.axhline(0.0, color=BLACK, lw=2.2, label="critical temperature", gid="boundary", zorder=3)
+    axes.margins(0.06)
+    low, high = axes.get_ylim()
+    axes.axhspan(0.0, max(high, 1.0), color=TINTS["mild"], zorder=0.5)
+    axes.axhspan(min(low, -1.0), 0.0, color=TINTS["severe"], zorder=0.5)
+    axes.set_ylim(min(low, -1.0), max(high, 1.0))
+    axes.set_ylabel("margin to severe wear [K]")
+
+
+_IN_KELVIN = "distance [K]", "temperature error [K]"
+
+
+def _draw_factors(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> None:
+    """Factors of velocity and load at which each row turns severe, hollow if they lie beyond."""
+    factors = {name: frame[f"{name} factor"].to_numpy(float) for name in _FACTORS}
+    known = np.concatenate([*factors.values(), [0.5, 2.0]])
+    low, high = np.nanmin(known) / _ROOM**3, np.nanmax(known) * _ROOM**3
+    margins = frame["distance [K]"].to_numpy(float)
+    for steps, (name, look) in enumerate(_FACTORS.items(), 1):
+        axes.plot(x, factors[name], label=f"factor of {name}", gid=name, **look)
+        where = np.isnan(factors[name]) & np.isfinite(margins)
+        if where.any():
+            ends = np.where(margins[where] < 0, low * _ROOM**steps, high / _ROOM**steps)
+            look = look | {"mfc": "white", "gid": f"{name}, beyond"}
+            axes.plot(x[where], ends, label=f"{name}: beyond what was computed", **look)
+    axes.set(yscale="log", ylim=(low, high), ylabel="factor to severe wear")
+    axes.axhline(1.0, color=BLACK, lw=1.0)
+    axes.yaxis.set_major_locator(FixedLocator([0.5, 0.7, 1.0, 1.4, 2.0]))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter("{x:g} ×")
