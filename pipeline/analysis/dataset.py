@@ -208,9 +208,9 @@ def require_plane(ds: xr.Dataset) -> None:
     """Raise an `InputError` at a sweep whose rows have places of their own."""
     if not has_plane(ds):
         raise InputError(
-            "the sweep has rows with one velocity each, and no plane of velocities and loads; irg "
-            "margin gives the margin of each row at its place, and of samples irg risk, boundary, "
-            "margin and plot tell the probabilities, in Python pipeline.Ensemble.of(ds)"
+            "the sweep has rows with places of their own, and no plane of velocities and loads; "
+            "irg margin, plot, report and diff take pairs row by row, and of samples irg risk, "
+            "boundary, margin and plot tell the probabilities, in Python pipeline.Ensemble.of(ds)"
         )
 
 

@@ -17,16 +17,19 @@ from pipeline.analysis.dataset import (
     attributes_of,
     dataset_of,
     end_of_point,
+    has_plane,
+    is_emulated,
     require_one_scene,
-    variant_of,
 )
+from pipeline.analysis.margin_table import labels_of_rows, margin_table
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import ENTRIES, outcomes
 from pipeline.scene.quantities import display
 from pipeline.store.place import PathLike
-from pipeline.store.schema import DONE, FAILED
+from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.variants import PLACE
 from tribo import InputError
 
 _STATES = {DONE: "done", FAILED: "failed"}
@@ -43,7 +46,8 @@ class Difference:
     boundary : DataFrame
         Critical velocities at the loads that both have, medians over several surfaces, each under
         the conditions of its own scene: ``load [N]``, ``a [m/s]``, ``b [m/s]``, ``change [%]``,
-        ``outcome a`` and ``outcome b``.
+        ``outcome a`` and ``outcome b``. Of rows with places of their own, margins by row:
+        labels, ``a [K]``, ``b [K]``, ``change [K]``, verdicts, and ``in b`` what is other there.
     points : DataFrame
         Points that are done in one store alone, or whose highest rises differ: ``load [N]``,
         ``velocity [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``
@@ -102,10 +106,18 @@ def diff(
     [0.0, 0.0, 0.0, 0.0]
     """
     first, second = dataset_of(a), dataset_of(b)
-    for ds in (first, second):
-        require_one_scene(ds)
+    are_planes = [has_plane(ds) or is_emulated(ds) for ds in (first, second)]
+    if are_planes == [True, True]:
+        for ds in (first, second):
+            require_one_scene(ds)
+    elif any(are_planes):
+        raise InputError(
+            "one of the stores has rows with places of their own, and the other has none; compare "
+            "stores of a kind"
+        )
     points, alike = _points(first, second)
-    crossings = _boundary(first, second, criterion=criterion, own_laws=own_laws)
+    between = _boundary if all(are_planes) else _margins
+    crossings = between(first, second, criterion=criterion, own_laws=own_laws)
     return Difference(_entries(first, second), crossings, points, alike)
 
 
@@ -132,6 +144,29 @@ def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
         (first, of_a), (second, of_b) = (crossing[load] for crossing in crossings)
         rows.append((load, first, second, second / first - 1, of_a, of_b))
     return frame_of(heads, rows)
+
+
+def _margins(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
+    """Margins of rows with places of their own, row by row, and the labels in which they differ."""
+    tables = [margin_table(ds, **criterion) for ds in (a, b)]
+    count = max(map(len, tables))
+    labels = [table[labels_of_rows(table)].reindex(range(count)) for table in tables]
+    first, second = (table.reindex(range(count)) for table in tables)
+    frame = labels[0].combine_first(labels[1])[[*dict.fromkeys([*labels[0], *labels[1]])]]
+    frame["a [K]"], frame["b [K]"] = first["distance [K]"], second["distance [K]"]
+    frame["change [K]"] = frame["b [K]"] - frame["a [K]"]
+    frame["verdict a"], frame["verdict b"] = first["verdict"], second["verdict"]
+    both = zip(*(one.to_dict("records") for one in labels), strict=True)
+    frame["in b"] = [_unlike(*records) for records in both]
+    return frame
+
+
+def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
+    """Labels of a row of the second store that differ from those of the first, in words."""
+    heads = [head for head in b if pd.notna(a.get(head)) and pd.notna(b[head])]
+    unlike = [head for head in heads if a[head] != b[head]]
+    words = (f"{head} {b[head] if isinstance(b[head], str) else f'{b[head]:g}'}" for head in unlike)
+    return ", ".join(words) or None
 
 
 def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
@@ -172,10 +207,11 @@ def _states(
     ds: xr.Dataset, has_seeds: bool
 ) -> Iterator[tuple[tuple[float, float, int | None], tuple[str, float]]]:
     """Place of each point that is done, failed or asked for; its state and highest rise [K]."""
-    axis = variant_of(ds)
     roughness = attributes_of(ds)["scene"].get("roughness") or {}
     seed = roughness.get("seed") if has_seeds else None
     rise = end_of_point(ds[["time", "max_rise"]])["max_rise"]
+    in_front = [str(name) for name in ds["status"].dims if name not in PLANE]
+    axis = next((name for name in (PLACE, *in_front) if name in ds.coords), None)
     points = xr.Dataset({"status": ds["status"], "asked": asked(ds), "rise": rise})
     for point in points.to_dataframe().reset_index().to_dict("records"):
         if point["status"] or point["asked"]:

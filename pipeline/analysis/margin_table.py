@@ -159,6 +159,24 @@ _HEADS_OF_SEVERAL = (
 )  # fmt: skip
 
 
+def in_counts(frame: pd.DataFrame) -> str:
+    """Numbers of operating points by verdict in words, and which of them is the nearest.
+
+    Examples
+    --------
+    >>> heads = "load [N]", "velocity [m/s]", "verdict", "distance [K]"
+    >>> in_counts(frame_of(heads, [(300.0, 1.0, "mild", 30.0), (600.0, 2.0, "severe", -4.0)]))
+    '1 mild, 1 severe; the least margin is -4 K, at 600 N and 2 m/s'
+    """
+    counts = Counter(frame["verdict"])
+    said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
+    if len(frame) == 1 or frame["distance [K]"].isna().all():
+        return said
+    least = frame.loc[frame["distance [K]"].astype(float).idxmin()]
+    place = f"{least['load [N]']:g} N and {least['velocity [m/s]']:g} m/s"
+    return f"{said}; the least margin is {least['distance [K]']:.3g} K, at {place}"
+
+
 def notes_of(frame: pd.DataFrame) -> list[str]:
     """Notes of a frame of operating points, each with its place in words."""
     noted = frame[["load [N]", "velocity [m/s]", "note"]].dropna()

@@ -24,9 +24,9 @@ from pipeline.analysis.boundary_tables import (
 )
 from pipeline.analysis.compared import compared, on_tests
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import attributes_of
+from pipeline.analysis.dataset import attributes_of, has_plane
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margin_table import LONG, notes_of
+from pipeline.analysis.margin_table import LONG, in_counts, notes_of
 from pipeline.analysis.margins import margins_at
 from pipeline.analysis.scenes import parts_of, words
 from pipeline.analysis.tables import as_dict, short
@@ -44,7 +44,8 @@ from pipeline.cli.unknowns import (
     on_risk,
     samples_of,
 )
-from tribo import lubrication_regime
+from pipeline.sweep.variants import PLACE
+from tribo import InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 
 if TYPE_CHECKING:
@@ -135,8 +136,7 @@ def _on_points(
 ) -> tuple[dict[str, Any], list[str | pd.DataFrame]]:
     """Plain data, sentences and a frame on operating points."""
     verdicts = Counter(frame["verdict"])
-    counts = ", ".join(f"{number} {verdict}" for verdict, number in sorted(verdicts.items()))
-    said = f"{counted(len(frame), 'operating point', 'operating points')}: {counts}"
+    said = f"{counted(len(frame), 'operating point', 'operating points')}: {in_counts(frame)}"
     shown = [] if options.output else ["", short(frame, LONG)]
     return {"verdicts": verdicts, "margins": as_dict(frame)}, [said, *shown, *notes_of(frame)]
 
@@ -209,6 +209,8 @@ def boundary(options: argparse.Namespace) -> Result:
     ds, conditions = opened(options), conditions_in(options)
     if by_samples(options, ds):
         return boundary_of_samples(options, ds, conditions)
+    if not has_plane(ds):
+        return _about_rows(options, ds, conditions)
     crossings = pipeline.boundary(ds, **conditions)
     command = _command(crossings, options.store, ds)
     cold = turns_left_out(ds, crossings, **conditions)
@@ -226,6 +228,29 @@ def boundary(options: argparse.Namespace) -> Result:
     if tests is not None:
         document["tests"] = as_dict(tests)
     return Result(document, text, warned, frames_of(crossings))
+
+
+_IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K]"
+
+
+def _about_rows(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
+    """Boundary about rows with places of their own: factors of velocity and load of each."""
+    if PLACE not in ds.coords:
+        raise InputError(
+            "each row has one place, and no boundary; irg margin gives their margins in K, and "
+            "sweep.around = 5 beside sweep.along the factors in velocity and load, too"
+        )
+    table = pipeline.margin_table(ds, **conditions).drop(columns=[*_IN_KELVIN])
+    crosses = table[["velocity outcome", "load outcome"]] == outcomes("load")[CROSSES]
+    text = [
+        f"{int(crosses.any(axis=1).sum())} of {counted(len(table), 'row', 'rows')} cross the "
+        "boundary between half and twice their velocity or load",
+        "",
+        short(table, ["note"]),
+        *notes_of(table),
+    ]
+    document = {"rows": as_dict(table)}
+    return Result(document, text, pipeline.warned(ds, **conditions), [table])
 
 
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:

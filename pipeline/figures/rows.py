@@ -74,7 +74,7 @@ def draw_rows(
     panels[-1].set_xlabel(as_text(label))
     if ticks:
         every = math.ceil(len(ticks) / _MOST_TICKS)
-        shown = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
+        shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
         panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
     judged = {row.conditions for row in rows}
     said = f"severe wear: {criterion(rows[0].conditions)}; {heating(rows[0].conditions)}"
@@ -95,9 +95,7 @@ def _axis(
     if against is None:
         own = [c for c in columns if "." not in c and c not in ("load [N]", "velocity [m/s]")]
         column = own[0] if own else None
-        places = frame.drop(columns="realization", errors="ignore")[
-            [one for one in columns if one != "realization"]
-        ]
+        places = frame[columns].drop(columns="realization", errors="ignore")
         x = places.groupby(list(places), sort=False, dropna=False).ngroup().to_numpy()
     else:
         column = names.get(against, against)
@@ -129,7 +127,9 @@ def _draw_margins(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
             )  # fmt: skip
     if (unknown := np.isnan(margins)).any():
         label = "not known: not computed"
-        axes.plot(x[unknown], 0 * x[unknown], ls="none", ms=size, label=label, gid=label, **_UNKNOWN)
+        axes.plot(
+            x[unknown], 0 * x[unknown], ls="none", ms=size, label=label, gid=label, **_UNKNOWN
+        )
     axes.axhline(0.0, color=BLACK, lw=2.2, label="critical temperature", gid="boundary", zorder=3)
     axes.margins(0.06)
     low, high = axes.get_ylim()

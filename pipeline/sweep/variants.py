@@ -214,7 +214,7 @@ class Variants:
         """Commands that answer first: by probabilities, by a boundary, or at the rows' places."""
         if self.draw:
             return "risk", "sensitivity"
-        return ("boundary", "plot") if self.has_plane else ("margin",)
+        return ("boundary" if self.has_plane else "margin"), "plot"
 
     @property
     def wear_rates(self) -> tuple[float, ...]:

@@ -1,7 +1,5 @@
 """A table of variants made by hand, from the run to its answers."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +7,7 @@ import xarray as xr
 import pipeline
 from pipeline.store.place import StoreMismatchError
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.variants import Column, Variants, placed_rows, rows, surfaces
+from pipeline.sweep.variants import Variants, rows, surfaces
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
 from tribo import InputError, Wear
@@ -89,35 +87,6 @@ def test_rows_have_places_of_their_own(tmp_path):
     assert ds["velocity"].dims == ds["load"].dims == ds["status"].dims == ("test",)
     assert ds["load"].values.tolist() == [250.0, 600.0]
     assert (ds["normal_load"].sel(step=0) == ds["load"]).all()
-
-
-def test_rows_at_places_have_margins_there_as_points_do_and_factors_by_places_about(tmp_path, irg):
-    radii, about = (6e-3, 8e-3), [(1.0, 1.0), (1.0, 0.5), (1.0, 2.0), (0.5, 1.0), (2.0, 1.0)]
-    numbers = [number for number in range(2) for _ in about]
-    loads = [300.0 * by for _ in radii for by, _ in about]
-    velocities = [1.0 * by for _ in radii for _, by in about]
-    parts = [(("pin.radius", radii[number]),) for number in numbers]
-    gears = Column("gear", tuple("ab"[number] for number in numbers), None)
-    table = placed_rows(parts, [gears], loads, velocities, numbers)
-    path = tmp_path / "places.zarr"
-    commit_all(path, sweep(variants=table))
-    conditions = {"critical_temperature": "90 degC"}
-    margins = pipeline.margins(path, **conditions)
-    assert [(one.load, one.velocity) for one in margins] == [(300.0, 1.0)] * 2
-    for margin, radius in zip(margins, radii, strict=True):
-        pin = replace(sweep().scene.pin, radius=radius)
-        point = run_point(sweep(pin=pin), 300.0, 1.0)
-        verdict = point.verdict(sweep().conditions)
-        assert margin.decisive_temperature == verdict.decisive_temperature
-        assert 0.5 < margin.velocity_factor < 2
-    said = irg("margin", path, "--critical-temperature", "90 degC")
-    assert said.startswith("2 operating points: ")
-    assert "velocity factor" in said
-    frame = pipeline.margin_table(path, **conditions)
-    assert frame["gear"].tolist() == ["a", "b"]
-    (tmp_path / "duty.csv").write_text("load [N],velocity [m/s]\n300,1\n")
-    assert "each row at its place" in irg("margin", path, "--points", tmp_path / "duty.csv", code=2)
-    assert "each row at its place" in irg("plot", path, "-o", tmp_path / "p.png", code=2)
 
 
 def test_rows_that_are_no_full_product_have_one_dimension_with_labels_along_it(tmp_path):

@@ -17,9 +17,22 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import JUDGED, frames_of
 from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import asked, attributes_of, entry_dims, is_emulated, variant_of
+from pipeline.analysis.dataset import (
+    asked,
+    attributes_of,
+    entry_dims,
+    has_plane,
+    is_emulated,
+    variant_of,
+)
 from pipeline.analysis.difference import entries_of
-from pipeline.analysis.margin_table import LONG, OperatingPoints, margin_table, notes_of
+from pipeline.analysis.margin_table import (
+    LONG,
+    OperatingPoints,
+    in_counts,
+    margin_table,
+    notes_of,
+)
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import frame_of, html_of, short
 from pipeline.analysis.transition import CROSSES, outcomes
@@ -47,10 +60,21 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
     """Body of a report as HTML: headings, paragraphs, tables and a picture."""
     attributes = attributes_of(ds)
     title = attributes.get("title") or attributes.get("name") or "Transition diagram"
-    sections: dict[str, Callable[[], Iterable[Part]]] = {
+
+    def drawn() -> list[Part]:
+        return [fitted(diagram(ds, **conditions), 0.17, with_title=False)]
+
+    answers: dict[str, Callable[[], Iterable[Part]]] = {
         "Question and answer": lambda: _question(ds, conditions),
-        "Transition diagram": lambda: [fitted(diagram(ds, **conditions), 0.17, with_title=False)],
+        "Transition diagram": drawn,
         "Boundary in numbers": lambda: _numbers(ds, conditions),
+    }
+    if not (has_plane(ds) or is_emulated(ds)):
+        answers = {
+            "Question and answer": lambda: _question_of_rows(ds, conditions),
+            "Margins by row": drawn,
+        }
+    sections = answers | {
         "Tests": lambda: _tests(ds, conditions),
         "Operating points": lambda: _operating_points(ds, points, conditions),
         "Warnings": lambda: _warnings(ds, conditions),
@@ -66,7 +90,7 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
         sections |= of_samples(ds, points, conditions)
     parts = [f"<h1>{html.escape(str(title))}</h1>"]
     for heading, write in sections.items():
-        if body := [_html(part) for part in _or_reason(write)]:
+        if body := [_html(part, heading) for part in _or_reason(write)]:
             parts += [f"<h2>{heading}</h2>", *body]
     return "\n".join(parts)
 
@@ -83,13 +107,13 @@ def _or_reason(write: Callable[[], Iterable[Part]]) -> list[Part]:
     return parts
 
 
-def _html(part: Part) -> str:
-    """A table, a paragraph or a figure as HTML."""
+def _html(part: Part, heading: str) -> str:
+    """A table, a paragraph or a figure of a section as HTML."""
     if isinstance(part, pd.DataFrame):
         return html_of(part)
     if isinstance(part, str):
         return f"<p>{html.escape(part)}</p>"
-    return f'<figure role="img" aria-label="Transition diagram">{svg_of(part)}</figure>'
+    return f'<figure role="img" aria-label="{heading}">{svg_of(part)}</figure>'
 
 
 def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
@@ -114,6 +138,18 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     for values, part in parts_of(boundaries):
         entries = words(ds, dict(zip(entry_dims(ds), values, strict=True)))
         yield f"{entries}. {_answer(part)}" if entries else _answer(part)
+
+
+def _question_of_rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
+    """Question that rows with places of their own answer, and the answer in a sentence."""
+    table = margin_table(ds, **changed)
+    yield (
+        "Is wear of this lubricated contact mild, or is it severe adhesive wear (scuffing)? "
+        f"Examined: {len(table)} places, each with a load, a velocity and entries of its own."
+    )
+    for judged in dict.fromkeys(conditions_of(scene, **changed) for scene in scenes(ds)):
+        yield f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}."
+    yield f"Answer: {in_counts(table)}."
 
 
 def _answer(boundaries: xr.Dataset) -> str:

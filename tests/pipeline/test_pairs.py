@@ -1,0 +1,137 @@
+"""Pairs: rows with places of their own, from their store to what each command says of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.variants import Column, placed_rows
+from tests.helpers.tiny import sweep
+from tests.pipeline.conftest import commit_all
+from tribo import InputError
+
+RADII, ABOUT = (6e-3, 8e-3), [(1.0, 1.0), (1.0, 0.5), (1.0, 2.0), (0.5, 1.0), (2.0, 1.0)]
+COOL = ("--critical-temperature", "90 degC")
+
+
+def table(about, loads=(300.0, 300.0)):
+    numbers = [number for number in range(2) for _ in about]
+    return placed_rows(
+        [(("pin.radius", RADII[number]),) for number in numbers],
+        [
+            Column("gear", tuple("ab"[number] for number in numbers), None),
+            Column("angle", tuple((20.0, 5.0)[number] for number in numbers), "deg"),
+        ],
+        [loads[number] * by for number in range(2) for by, _ in about],
+        [1.0 * by for _ in range(2) for _, by in about],
+        numbers if len(about) > 1 else None,
+    )
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory):
+    """Pairs with places about them; alone; and these with another load, without the last point."""
+    folder = tmp_path_factory.mktemp("pairs")
+    made = {"about": ABOUT, "alone": ABOUT[:1], "other": ABOUT[:1]}
+    with np.errstate(all="raise", under="ignore"):
+        for name, about in made.items():
+            loads = (300.0, 600.0) if name == "other" else (300.0, 300.0)
+            pairs = sweep(variants=table(about, loads))
+            skip = [*points(pairs)][1:] if name == "other" else ()
+            commit_all(folder / f"{name}.zarr", pairs, skip)
+    return {name: folder / f"{name}.zarr" for name in made}
+
+
+def draft(path):
+    """The store with the error that a preset promises, by which verdicts are decided."""
+    return pipeline.open_sweep(path).assign_attrs(preset="draft")
+
+
+def test_margins_are_those_of_points_and_factors_come_from_places_about(stores, irg):
+    margins = pipeline.margins(stores["about"], critical_temperature="90 degC")
+    assert [(one.load, one.velocity) for one in margins] == [(300.0, 1.0)] * 2
+    for margin, radius in zip(margins, RADII, strict=True):
+        pin = replace(sweep().scene.pin, radius=radius)
+        verdict = run_point(sweep(pin=pin), 300.0, 1.0).verdict(sweep().conditions)
+        assert margin.decisive_temperature == verdict.decisive_temperature
+        assert 0.5 < margin.velocity_factor < 2
+    said = irg("margin", stores["about"], *COOL)
+    assert said.startswith("2 operating points: ")
+    assert "velocity factor" in said
+    frame = pipeline.margin_table(stores["about"], critical_temperature="90 degC")
+    assert frame["gear"].tolist() == ["a", "b"]
+
+
+def test_a_boundary_of_pairs_is_their_factors_or_says_what_has_them(stores, irg):
+    said = irg("boundary", stores["about"], *COOL)
+    assert said.startswith("2 of 2 rows cross the boundary between half and twice")
+    margins = pipeline.margins(stores["about"], critical_temperature="90 degC")
+    for margin in margins:
+        assert f"{margin.velocity_factor:.4g} " in said
+        assert f"{margin.critical_load:.4g} " in said
+    refused = irg("boundary", stores["alone"], code=2)
+    assert "irg margin" in refused
+    assert "sweep.around = 5" in refused
+
+
+@pytest.mark.parametrize(
+    ("against", "label", "places"),
+    [(None, "gear", [0, 1]), ("angle", "angle [deg]", [20, 5]), ("pin", None, None)],
+)
+def test_the_figure_of_pairs_has_their_margins_by_row_or_against_a_column(
+    stores, against, label, places
+):
+    if label is None:
+        with pytest.raises(InputError, match="no column of the rows; give gear, angle, load"):
+            pipeline.plot(stores["alone"], "diagram", against=against)
+        return
+    ds, hot = draft(stores["alone"]), {"critical_temperature": "300 degC"}
+    (axes,) = pipeline.plot(ds, "diagram", against=against, **hot).axes
+    assert axes.get_xlabel() == label
+    (drawn,) = (line for line in axes.lines if line.get_gid() == "mild wear")
+    np.testing.assert_array_equal(drawn.get_xdata(), places)
+    distances = pipeline.margin_table(ds, **hot)["distance [K]"]
+    np.testing.assert_array_equal(drawn.get_ydata(), distances)
+
+
+def test_the_figure_marks_what_is_not_decided_or_not_done_and_has_factors_of_places_about(stores):
+    ds = draft(stores["about"])
+    (margin, _) = pipeline.margins(ds)
+    near = margin.decisive_temperature + 0.5 * margin.temperature_error
+    margins, factors = pipeline.plot(ds, "diagram", critical_temperature=near).axes
+    assert "not decided" in {line.get_gid() for line in margins.lines}
+    held = pipeline.margin_table(ds, critical_temperature=near)["load factor"]
+    drawn = {line.get_gid(): line.get_ydata() for line in factors.lines}
+    np.testing.assert_array_equal(drawn["load"], held)
+    (axes,) = pipeline.plot(stores["other"], "diagram").axes
+    assert "not known: not computed" in {line.get_gid() for line in axes.lines}
+
+
+def test_a_report_of_pairs_answers_row_by_row(stores, tmp_path):
+    page = pipeline.report(stores["alone"], tmp_path / "report.html").read_text(encoding="utf-8")
+    for words in ("Examined: 2 places", "Answer: 2 ", "<h2>Margins by row</h2>", "<td>b</td>"):
+        assert words in page
+    assert "Not in this report" not in page
+
+
+def test_a_difference_of_pairs_is_of_their_margins_row_by_row(stores, irg):
+    between = pipeline.diff(stores["alone"], stores["other"])
+    here = [margin.distance for margin in pipeline.margins(stores["alone"])]
+    assert between.boundary["a [K]"].to_list() == here
+    assert between.boundary["change [K]"].to_list()[0] == 0
+    assert between.boundary["in b"].fillna("").to_list() == ["", "load [N] 600"]
+    assert (between.alike, len(between.points)) == (1, 1)
+    assert "verdict b" in irg("diff", stores["alone"], stores["other"])
+
+
+def test_what_needs_a_plane_is_refused_in_a_line(stores, tmp_path, irg):
+    (tmp_path / "duty.csv").write_text("load [N],velocity [m/s]\n300,1\n")
+    for command in (
+        ("margin", stores["alone"], "--points", tmp_path / "duty.csv"),
+        ("explore", stores["alone"], "-o", tmp_path / "page.html"),
+        ("plot", stores["alone"], "--kind", "ramp", "-o", tmp_path / "ramp.png"),
+    ):
+        assert "take pairs row by row" in irg(*command, code=2)
+    assert "leave out log" in irg("plot", stores["alone"], "--log", code=2)
