@@ -389,7 +389,7 @@ def rows(
     unit = None if isinstance(labels[0], str) else "1"
     parts = tuple(tuple(change.items()) for change in changes.values())
     own = [
-        Column(axis, tuple(values), unit, name, meaning=f"{axis} of each {name}")
+        Column(axis, tuple(map(float, values)), unit, name, meaning=f"{axis} of each {name}")
         for axis, values, unit in (("velocity", velocities, "m/s"), ("load", loads, "N"))
         if values is not None
     ]
