@@ -14,7 +14,7 @@ from pipeline.analysis.boundary_tables import frames_of
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, SEVERE, outcomes
-from pipeline.cli import main, values
+from pipeline.cli import main
 from pipeline.cli.margins import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.conditions import Conditions
@@ -142,21 +142,15 @@ def asked_of_each_case(conditions):
     ]
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        ["--preset", "draft", "--set", "wear.specific_wear_rate=2e-6 mm^3/(N m)"],
-    ],
-)
-def test_the_command_that_is_named_computes_what_was_beyond(
-    settings, tmp_path, monkeypatch, capsys
-):
+def test_the_command_that_is_named_computes_what_was_beyond(tmp_path, monkeypatch, capsys):
+    rate = "2e-6 mm^3/(N m)"
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scenes").mkdir()
     scene = tmp_path / "scenes" / "small.toml"
     scene.write_text(SCENE)
-    run = ["run", "scenes/small.toml", *settings, "-o", "small.zarr", "--boundary-only", "-q"]
-    assert main([*run, "--workers", "1"]) == 0
+    run = ["run", "scenes/small.toml", "--preset", "draft", "-o", "small.zarr", "--boundary-only"]
+    run += ["--set", f"wear.specific_wear_rate={rate}"]
+    assert main([*run, "-q", "--workers", "1"]) == 0
     capsys.readouterr()
     ask = ["boundary", "small.zarr", "--json", "--friction", "0.085", "--critical-temperature"]
     ask += ["150 degC"]
@@ -168,10 +162,7 @@ def test_the_command_that_is_named_computes_what_was_beyond(
     assert main(ask) == 0
     again = json.loads(capsys.readouterr().out)
     assert again["command"] is None
-    overrides = dict(values.setting(text) for text in settings[1::2] if "=" in text)
-    overrides |= dict(values.setting(text) for text in settings[3::2])
-    preset = "draft" if "draft" in settings else None
-    sweep = pipeline.load_scene(scene, preset, overrides)
+    sweep = pipeline.load_scene(scene, "draft", {"wear.specific_wear_rate": rate})
     conditions = sweep.conditions.changed(friction=0.085, critical_temperature=423.15)
     for load, velocity in zip(again["load"], again["critical_velocity"], strict=True):
         if velocity is not None:
