@@ -105,7 +105,7 @@ def with_all_wear_rates(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
 def by_scene(
     function: Callable[Concatenate[xr.Dataset, Given], Result],
 ) -> Callable[Concatenate[xr.Dataset | PathLike, Given], Result]:
-    """Function of one scene that, of several, gives their results along the entries' dimensions."""
+    """Apply a function of one scene to each scene of a sweep, and stack the results."""
 
     @functools.wraps(function)
     def of_all(ds: xr.Dataset | PathLike, *args: Given.args, **options: Given.kwargs) -> Result:

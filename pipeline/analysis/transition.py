@@ -157,7 +157,7 @@ def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of the scene that a sweep is of.
 
-    Rest is left out where the sweep has no point at it, as one that searches the boundary alone.
+    Velocity 0 is left out where the sweep has no point at it, such as in a search of the boundary.
 
     Examples
     --------

@@ -38,7 +38,7 @@ def chosen_points(
     is_finite = np.isfinite(r)
     if not is_finite.any():
         raise PendingError(
-            "no point of the sweep is done yet; run the scene on, "
+            "no point of the sweep is done yet; go on with irg run, "
             "with --retry-failed if points failed"
         )
     loads = [_index(ds, "load", "N", value) for value in _several("load", load, "600 N")]
@@ -50,7 +50,7 @@ def chosen_points(
         if not is_finite[i].any():
             raise PendingError(
                 f"no point at {ds['load'].values[i]:g} N is done; "
-                "give another load, or run the scene on"
+                "give another load, or go on with irg run"
             )
         judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf
@@ -61,7 +61,7 @@ def chosen_points(
             reason = str(ds["message"].transpose("load", "velocity").values[point])
             raise PendingError(
                 f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
-                "give another load or velocity, or run the scene on"
+                "give another load or velocity, or go on with irg run"
             )
     return points
 

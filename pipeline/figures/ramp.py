@@ -239,7 +239,7 @@ def temperature(
         if not computed.size:
             raise PendingError(
                 f"no point at {float(row['load'][0]):g} N is done; "
-                "give another load, or run the scene on"
+                "give another load, or go on with irg run"
             )
         between = np.linspace(computed[0], computed[-1], 200)
         curve = celsius(contact_temperature(interpolated(velocities, rises, between), conditions))

@@ -64,7 +64,7 @@ class Variation:
 
 @dataclass(frozen=True, slots=True)
 class Variations:
-    """The boundary of a scene, and with single entries changed.
+    """The boundary of a scene as it is, and with single entries changed.
 
     Attributes
     ----------

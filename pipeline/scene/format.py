@@ -59,7 +59,7 @@ WINDOW = Table({
     "pixels": Entry(List(Whole(at_least=1, at_most=100_000), length=2),
         "Number of pixels along x and y."),
     "pixel_size": Entry(List(length("0.95 um"), length=2),
-        "Sides of a pixel along x and y; those of the measured surface."),
+        "Sides of a pixel along x and y; with a measured surface, its pixel size."),
     "periodic_y": Optional(Flag(),
         "Patch repeated along y, or not; by default for a cylinder alone."),
 })

@@ -104,7 +104,7 @@ def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
 def corrections_of(
     tables: Mapping[str, Any], pin: tribo.Pin, disk: tribo.Material
 ) -> tribo.Corrections | None:
-    """Physics beside the two half-spaces, of sound tables."""
+    """Physics beside the two half-spaces, from sound tables."""
     coefficient = tables["friction"]["coefficient"]
     rod, film = tables["pin"]["stem"], tables["disk"]["film"]
     measured = sorted(

@@ -61,7 +61,7 @@ class Trunk:
     ends: Mapping[Variant, Mapping[float, Record | None]] = field(default_factory=dict)
 
     def without(self, failed: Iterable[Point]) -> Trunk:
-        """The trunk on which these points are known to have failed."""
+        """The trunk, with these points noted as failed."""
         ends = {
             point.variant: {**self.ends.get(point.variant, {}), point.load: None}
             for point in failed

@@ -83,7 +83,7 @@ class Design:
     def draw(self, count: int) -> tuple[Array, Array]:
         """Inputs [SI], shape (count, n_input), and velocities [m/s], shape (count,).
 
-        More samples begin with fewer.
+        A longer draw begins with the shorter one.
         """
         group = self.per_contact
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]

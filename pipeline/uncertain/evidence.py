@@ -189,7 +189,7 @@ _FAR = 2.0  # largest standard deviations of a test from the best draw, root mea
 class Judgement(NamedTuple):
     """Tests beside draws: distances, the results of `log_likelihoods`, and the sum of all of them.
 
-    ``joint``, shape (n, n_scatter), has the prior of the scatters in.
+    ``joint``, shape (n, n_scatter), includes the prior of the scatters.
     """
 
     distances: Distances

@@ -72,7 +72,7 @@ class LowestResidual(NamedTuple):
     convolutions: float = 0.0  # after which it was reached
 
     def after(self, residual: float, convolutions: float) -> LowestResidual:
-        """The progress after another residual."""
+        """The lowest residual after another iterate."""
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
