@@ -10,7 +10,8 @@ from zarr.storage import LocalStore
 from pipeline.store import files
 
 if TYPE_CHECKING:
-    from zarr.abc.buffer import Buffer
+    from zarr.abc.buffer import Buffer, BufferPrototype
+    from zarr.abc.store import ByteRequest
 
 
 class Durable(LocalStore):
@@ -28,6 +29,29 @@ class Durable(LocalStore):
     ...     zarr.open_array(folder, mode="r")[:].tolist()
     [1.5, 1.5, 1.5]
     """
+
+    async def get(
+        self,
+        key: str,
+        prototype: BufferPrototype | None = None,
+        byte_range: ByteRequest | None = None,
+    ) -> Buffer | None:
+        """Content of a key; None if there is none, or something without an end, such as a pipe."""
+        if not (self.root / key).is_file():
+            return None
+        return await super().get(key, prototype, byte_range)
+
+    def get_sync(
+        self,
+        key: str,
+        *,
+        prototype: BufferPrototype | None = None,
+        byte_range: ByteRequest | None = None,
+    ) -> Buffer | None:
+        """Content of a key as `get` gives it."""
+        if not (self.root / key).is_file():
+            return None
+        return super().get_sync(key, prototype=prototype, byte_range=byte_range)
 
     async def set(self, key: str, value: Buffer) -> None:
         """Replace the content of a key."""

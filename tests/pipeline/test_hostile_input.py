@@ -78,6 +78,12 @@ def test_a_fifo_in_place_of_a_chunk_is_damage(alone, tmp_path):
         summary(path)
 
 
+def test_a_fifo_in_place_of_a_chunk_of_pending_points_keeps_nobody_waiting(tmp_path):
+    commit(tmp_path / "a.zarr", tiny.sweep(fields=False), ())
+    os.mkfifo(tmp_path / "a.zarr" / "max_rise" / "c.0.0.0")
+    assert open_sweep(tmp_path / "a.zarr")["max_rise"].isnull().all()
+
+
 TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless": "long " * 10**6}
 
 
