@@ -164,7 +164,7 @@ def require_likely(place: Place, root: Root) -> None:
             array["zarr_format"] == 3
             and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
             and {codec["name"] for codec in array["codecs"]} <= _CODECS
-            and (name in sizes or not is_coordinate(name))
+            and (name not in sizes if not is_coordinate(name) else [sizes[name]] == array["shape"])
             and 0 not in array["chunk_grid"]["configuration"]["chunk_shape"]
             and "/" not in name
             for name, array in root.arrays.items()

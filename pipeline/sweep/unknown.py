@@ -43,6 +43,10 @@ class Unit:
     size: float = 1.0  # of one [SI]
     zero: float = 0.0  # value at its zero [SI]
 
+    def __post_init__(self) -> None:
+        if self.size <= 0:
+            raise InputError(f"a unit of {self.size:g} {self.name} is none; give a size above 0")
+
     def of(self, value: Any) -> Any:
         """A value, or an array of them, in this unit."""
         return (value - self.zero) / self.size
