@@ -49,9 +49,6 @@ from tribo import InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
     from pipeline.analysis.margin import Margin
 
 

@@ -59,7 +59,7 @@ def commands_that_decide(
         if interpolation is not None and interpolation <= (margin.error.preset or 0.0):
             sharpest = min(sharpest, accuracy or math.inf)
         elif _is_missing(ds, margin):
-            commands[_run_again(ds, store)] = None
+            commands[more_of_boundary(ds, store, {})] = None
         else:
             # A point does not know how its rise grows, and takes the bound for its own error.
             alone = None if bound is None else bound * _rise_of(margin, judged)
@@ -190,14 +190,6 @@ def _is_missing(ds: xr.Dataset, margin: Margin) -> bool:
     waits = asked(ds) & (ds["status"] != DONE)
     here = (ds["load"] == margin.load) & (ds["velocity"] == margin.velocity)
     return bool((waits & here).any())
-
-
-def _run_again(ds: xr.Dataset, store: Path | str) -> str:
-    """Command that computes the points of a store that are pending or failed."""
-    attributes, has_failed = attributes_of(ds), bool((asked(ds) & (ds["status"] == FAILED)).any())
-    words = [*_scene_of(attributes), *_accuracy_of(attributes), "-o", str(store)]
-    words += ["--boundary-only"] if attributes.get("boundary_only") else []
-    return shlex.join(["irg", "run", *words, *(["--retry-failed"] if has_failed else [])])
 
 
 def _point(
