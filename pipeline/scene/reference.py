@@ -42,7 +42,8 @@ from tribo import InputError
 
 _HEAD = """# The scene file
 
-Every table and key of a scene, made from the format itself by `make reference`.
+For whoever writes a scene. After it you know what each entry means, its unit and its default. This
+page is made from the format itself by `make reference`.
 [`YOUR_SYSTEM.md`](YOUR_SYSTEM.md) leads from a drawing or a measured surface to a diagram.
 
 A scene is a TOML file in UTF-8. Quantities are text with a unit, such as `"750 N"`, in any unit of

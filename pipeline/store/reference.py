@@ -17,8 +17,12 @@ from pipeline.store.schema import (
 _HEAD = """\
 # The dataset
 
+For whoever reads results with xarray or another program. After it you can select points and
+stations, and turn a stored rise into a temperature.
+
 `xarray.open_zarr(OUT)` reads a store, and so does any program that knows Zarr;
-`pipeline.open_sweep` gives the same with a check of its parts. All is in SI. This page is made from
+`pipeline.open_sweep` gives the same with a check of its parts. The notebook
+[`stations.ipynb`](stations.ipynb) works with it. All is in SI. This page is made from
 the variables by `make reference`.
 
 ```python
