@@ -69,6 +69,21 @@ def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
     return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
 
 
+def upright(frame: pd.DataFrame) -> pd.DataFrame:
+    r"""A frame of one row as a row for each of its columns that hold something.
+
+    Examples
+    --------
+    >>> print(*lines_of(upright(frame_of(["load [N]", "outcome"], [(400.0, "mild")]))), sep="\n")
+    quantity   value
+    load [N]   400
+    outcome    mild
+    """
+    held = short(frame)
+    (cells,) = _cells(held, "-")
+    return pd.DataFrame({"quantity": [*map(str, held)], "value": cells})
+
+
 def lines_of(frame: pd.DataFrame) -> list[str]:
     r"""Lines of text with aligned columns, the heads first.
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 import pipeline
-from pipeline.cli.output import Result, counted, show_text
+from pipeline.analysis.tables import frame_of
+from pipeline.cli.output import Result, counted, lines_in, show_text
 from pipeline.cli.scenes import scene_of, selected
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
@@ -47,54 +48,65 @@ def check(options: argparse.Namespace) -> Result:
         **_unknown(sweep),
         "warnings": doubted,
     }
-    text = [
-        sweep.about.title,
-        *_meaning(sweep, facts),
-        *_library(sweep),
-        *(f"  saved    {work}" for work in saved),
-        *_on_unknown(sweep),
-        *(f"  note     {note}" for note in sweep.about.notes),
-        *(f"  warning  {doubt}" for doubt in doubted),
-        f"  grid     {nx} × {ny} elements",
-        f"  memory   about {memory / 1e6:.0f} MB a worker",
-    ]
+    meaning = frame_of(
+        _HEADS,
+        [
+            *_meaning(sweep, facts),
+            *_library(sweep),
+            *(("saved", work) for work in saved),
+            *_on_unknown(sweep),
+            *(("note", note) for note in sweep.about.notes),
+            *(("warning", doubt) for doubt in doubted),
+            ("grid", f"{nx} × {ny} elements"),
+            ("memory", f"about {memory / 1e6:.0f} MB a worker"),
+        ],
+    )
+    text = [sweep.about.title, "", meaning]
     if is_too_large:
-        return Result(document, text)
+        return Result(document, text, frames=[meaning])
     if not options.json:
-        show_text(text)
+        show_text(lines_in(text))
     searched = options.boundary_only is not None
     cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
     document |= cost.as_dict() | selected(sweep)
-    return Result(document, _cost(sweep, cost, searched))
+    costs = frame_of(_HEADS, _cost(sweep, cost, searched))
+    return Result(document, ["", costs], frames=[meaning, costs])
 
 
-def _meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    """Meaning of a scene in words, a line for each subject."""
+_HEADS = "subject", "meaning"
+_Row = tuple[str, str]
+"""A subject, empty where it goes on, and what is said of it."""
+
+
+def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
+    """Meaning of a scene in words, a row for each subject."""
     x, y = facts.window
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
     yield (
-        f"  contact  Hertz: {_text(facts.hertz_pressure, 1e-9)} GPa, half-width "
+        "contact",
+        f"Hertz: {_text(facts.hertz_pressure, 1e-9)} GPa, half-width "
         f"{_text(facts.hertz_half_width, 1e6)} µm; {worn} and {rough}: "
-        f"{_text(facts.contact_width, 1e6)} µm wide at the end"
+        f"{_text(facts.contact_width, 1e6)} µm wide at the end",
     )
-    yield f"  window   {1e6 * x:.4g} × {1e6 * y:.4g} µm, {_share(facts)}"
+    yield "window", f"{1e6 * x:.4g} × {1e6 * y:.4g} µm, {_share(facts)}"
     surface = facts.surface.words if facts.surface else "smooth"
     is_own = "roughness" in own_laws(sweep.scene)
-    yield f"  surface  {surface.replace('measured', 'own law') if is_own else surface}"
+    yield "surface", f"{surface.replace('measured', 'own law') if is_own else surface}"
     yield (
-        f"  motion   {_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
-        f"{_both_moving(facts)}"
+        "motion",
+        f"{_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
+        f"{_both_moving(facts)}",
     )
     yield from _film(sweep)
     u = "V" if facts.disk_velocity is None else "of the disk u"
     depth = f"{_text(facts.wear_depth, 1e6)} µm deep at the end" if facts.wear_depth else "none"
-    yield f"  wear     {depth}"
+    yield "wear", depth
     yield (
-        f"  heat     Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of "
-        "Hertz"
+        "heat",
+        f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
         if sweep.scene.friction_heat
-        else "  heat     none, since there is no friction"
+        else "none, since there is no friction",
     )
     laws = own_laws(sweep.scene)
     if sweep.conditions.criterion_hash:
@@ -102,9 +114,9 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
         laws["criterion"] = reference | {"hash": sweep.conditions.criterion_hash}
     for entry, law in laws.items():
         named = "".join(f", {name} = {value}" for name, value in law["parameters"].items())
-        yield f"  own law  {entry}: {law['law']}{named}, hash {law['hash'][:8]}"
+        yield "own law", f"{entry}: {law['law']}{named}, hash {law['hash'][:8]}"
     if sweep.conditions.corrections:
-        yield f"  besides  {sweep.conditions.corrections.worded}"
+        yield "besides", sweep.conditions.corrections.worded
 
 
 def _both_moving(facts: Facts) -> str:
@@ -117,33 +129,33 @@ def _both_moving(facts: Facts) -> str:
     )
 
 
-def _film(sweep: Sweep) -> Iterator[str]:
+def _film(sweep: Sweep) -> Iterator[_Row]:
     """Film that the oil would build, or the entry that is missing to tell; none without an oil."""
     if sweep.about.oil is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
-    yield f"  oil      {1e3 * sweep.about.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
+    yield "oil", f"{1e3 * sweep.about.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
     lubrication = Lubrication.of(sweep)
     if lubrication is None:
         has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
-        yield f"  film     not known without {missing}"
+        yield "film", f"not known without {missing}"
         return
     corners = np.meshgrid(sweep.plane.loads, sweep.plane.velocities)
     span = Span.of(lubrication.film_parameter(*corners, bulk))
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
-    yield f"  film     Λ {_text(span)}: {' to '.join(regimes)}"
+    yield "film", f"Λ {_text(span)}: {' to '.join(regimes)}"
 
 
-def _library(sweep: Sweep) -> Iterator[str]:
+def _library(sweep: Sweep) -> Iterator[_Row]:
     """Values from the library, a line for each table and source."""
     taken: dict[tuple[str, str], list[str]] = {}
     for key, value, source in sweep.about.sources:
         table, _, name = key.rpartition(".")
         taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
     for (table, source), values in taken.items():
-        yield f"  library  {table}: {', '.join(values)}"
-        yield f"           from {source}"
+        yield "library", f"{table}: {', '.join(values)}"
+        yield "", f"from {source}"
 
 
 def _share(facts: Facts) -> str:
@@ -174,7 +186,7 @@ def _unknown(sweep: Sweep) -> dict[str, Any]:
     }
 
 
-def _on_unknown(sweep: Sweep) -> Iterator[str]:
+def _on_unknown(sweep: Sweep) -> Iterator[_Row]:
     """Inputs that are not known exactly, and the samples drawn from them."""
     draw = sweep.variants.draw
     if draw is None:
@@ -183,37 +195,44 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
     simulated = {one.path for one in design.inputs}
     for one in draw.unknown:
         free = "" if one.path in simulated else "; applied afterwards, at no cost"
-        yield f"  unknown  {one}{free}"
-    yield from (f"  fixed    {one}" for one in draw.fixed)
+        yield "unknown", f"{one}{free}"
+    yield from (("fixed", str(one)) for one in draw.fixed)
     low, high = design.velocities
     are_all = count == design.sufficient
     yield (
-        f"  samples  {count} of a scrambled Sobol' sequence, seed "
+        "samples",
+        f"{count} of a scrambled Sobol' sequence, seed "
         f"{design.seed}, from {low:g} to {high:g} m/s; "
-        + ("all that are needed" if are_all else "more can be added")
+        + ("all that are needed" if are_all else "more can be added"),
     )
     if design.per_contact > 1:
-        yield f"           {design.per_contact} share each contact; heat is computed for each"
+        yield "", f"{design.per_contact} share each contact; heat is computed for each"
 
 
-def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
+def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
     """Cost of a sweep."""
-    loads = counted(len(sweep.plane.loads), "load", "loads")
-    velocities = counted(len(sweep.lines[0]), "velocity", "velocities")
-    counted_as = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
-    variants = "".join(
-        f", {len(values)} {counted_as.get(name, f'values of {name}')}"
+    counts = [
+        counted(len(sweep.plane.loads), "load", "loads"),
+        counted(len(sweep.lines[0]), "velocity", "velocities"),
+    ]
+    rows = "samples" if sweep.variants.draw else "rows"
+    if any(column.name == "load" for column in sweep.variants.columns):
+        counts, rows = [], "rows with places of their own"
+    counted_as = {"realization": "surfaces", VARIANT: rows}
+    counts += [
+        f"{len(values)} {counted_as.get(name, f'values of {name}')}"
         for name, values in sweep.variants.axes.items()
-    )
+    ]
+    asked = ", ".join(counts)
     if searched:
         sought = f"between {sweep.plane.velocities[0]:g} and {sweep.plane.velocities[-1]:g} m/s"
-        yield f"  points   about {cost.points}: the boundary is sought {sought}, {loads}{variants}"
+        yield "points", f"about {cost.points}: the boundary is sought {sought}, {asked}"
     else:
-        yield f"  points   {cost.points}: {loads}, {velocities}{variants}"
-    yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
+        yield "points", f"{cost.points}: {asked}"
+    yield "steps", f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not searched:
-        yield f"  chains   {cost.chains}, each computed by one worker: more workers would be idle"
+        yield "chains", f"{cost.chains}, each computed by one worker: more workers would be idle"
     workers = counted(cost.workers, "worker", "workers")
-    yield f"  time     roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
+    yield "time", f"roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
     size = cost.disk_bytes / 1e6
-    yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
+    yield "disk", f"about {size:.0f} MB" if size >= 1 else "less than 1 MB"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING
 import pipeline
 from pipeline.analysis.margin import NOT_DECIDED, verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point
-from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
+from pipeline.analysis.tables import TABLES, frame_of, short, upright, writable_path
 from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.cli.scenes import PLACE, conditions_in, flags_of, one_scene_of, selected, values_in
@@ -23,7 +22,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.warned import MELTS, MOLTEN, note_on_turns
-from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
+from tribo import InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,8 +61,11 @@ def point(options: argparse.Namespace) -> Result:
         "next": commands,
         **selected(sweep),
     }
-    lines = [*_on_point(sweep, result, verdict, measured, judged, error)]
-    return Result(document, [*lines, *(lines_on(commands) if judged == NOT_DECIDED else ())])
+    found = sweep, result, verdict, measured, judged, error
+    frame = _frame_of_point(*found)
+    text = [*_on_point(*found), "", upright(frame)]
+    text += lines_on(commands) if judged == NOT_DECIDED else ()
+    return Result(document, text, frames=[frame])
 
 
 def _judged(sweep: Sweep, result: PointResult, verdict: Verdict) -> tuple[str | None, RiseError]:
@@ -87,6 +89,36 @@ def _next(options: argparse.Namespace, sweep: Sweep, verdict: Verdict) -> list[s
     return point_that_decides(sweep, *place, distance, rise, conditions_in(options))
 
 
+_HEADS = (
+    "load [N]", "velocity [m/s]", "friction", "verdict", "decisive temperature [°C]",
+    "temperature error [K]", "distance [K]", "highest temperature [°C]", "hottest at [s]",
+    "failed share [%]", "pin's heat share [%]", "contact width [µm]", "contact area [%]",
+    "mean pressure [GPa]", "highest pressure [GPa]", "wear depth [µm]", "wear volume [mm³]",
+    "time [s]", "sliding distance [m]", "computed in [s]",
+)  # fmt: skip
+_MEASURES = (
+    "pin_heat_share", "contact_width", "contact_fraction", "mean_pressure", "max_pressure",
+    "wear_depth_max", "wear_volume", "time", "sliding_distance",
+)  # fmt: skip
+
+
+def _frame_of_point(
+    sweep: Sweep,
+    result: PointResult,
+    verdict: Verdict,
+    measured: Mapping[str, float],
+    judged: str | None,
+    error: RiseError,
+) -> pd.DataFrame:
+    """Frame of one row: the place, its verdict and its measures."""
+    critical, deciding = sweep.conditions.critical_temperature, verdict.decisive_temperature
+    distance = None if critical is None else critical - deciding
+    heat = verdict.max_temperature, verdict.time, verdict.failed_fraction
+    measures = [measured[name] for name in _MEASURES]
+    judgement = sweep.conditions.friction, judged, deciding, error.total, distance
+    return frame_of(_HEADS, [(*result.point[:2], *judgement, *heat, *measures, result.wall_time)])
+
+
 def _on_point(
     sweep: Sweep,
     result: PointResult,
@@ -95,8 +127,9 @@ def _on_point(
     judged: str | None,
     error: RiseError,
 ) -> Iterator[str]:
-    """Lines on a point: its verdict, and then a line for each measure."""
+    """Sentences on a point: its verdict, what that rests on, and notes."""
     load, velocity = result.point[:2]
+    conditions, decisive = sweep.conditions, sweep.conditions.decisive
     wear = judged if judged == NOT_DECIDED else f"{judged} wear"
     if judged is None:
         wear = "mild or severe is not known without temperature.critical"
@@ -104,59 +137,24 @@ def _on_point(
         f"{load:g} N at {velocity:g} m/s after {measured['time']:.3g} s "
         f"and {measured['sliding_distance']:.3g} m: {wear}"
     )
-    for label, text in (
-        *_on_heat(sweep, verdict, measured),
-        ("its error", error.worded),
-        *_on_contact(sweep, result, measured),
-        ("computed in", f"{result.wall_time:.2f} s"),
-    ):
-        yield f"  {label:17} {text}"
-    if velocity < 0:
-        yield "  note: the velocity is negative, so the disk slides towards −x"
-    yield from (f"  note: {note}" for note in sweep.about.notes)
-    yield from (f"  warning: {text}" for _, text in result.warnings)
-    if verdict.decisive_temperature > MELTS:
-        yield f"  warning: {MOLTEN}"
-    if cold := note_on_turns(sweep, load, velocity):
-        yield f"  warning: {cold}"
-
-
-def _on_heat(
-    sweep: Sweep, verdict: Verdict, measured: Mapping[str, float]
-) -> Iterator[tuple[str, str]]:
-    """Temperatures of a point, each with its label."""
-    conditions, decisive = sweep.conditions, sweep.conditions.decisive
-    if conditions.critical_temperature is not None and verdict.failed_fraction is not None:
+    severe = ""
+    if conditions.critical_temperature is not None:
         critical = pipeline.display(conditions.critical_temperature, "°C")
-        share = f"{100 * verdict.failed_fraction:.1f} % of the contact above {critical}"
-        yield "failed share", f"{share} (severe: {decisive.severe} it)"
-    if decisive.temperature != Criterion("highest").temperature:
-        deciding = pipeline.display(verdict.decisive_temperature, "°C", 4)
-        yield "deciding", f"{deciding}, {decisive.temperature}"
-    highest = pipeline.display(verdict.max_temperature, "°C", 4)
-    at_worst = ""
-    if verdict.time < measured["time"]:
-        at_worst = f" at its worst, after {verdict.time:.3g} s"
-    yield "max temperature", f"{highest} at friction {conditions.friction:g}{at_worst}"
-    heat = measured["pin_heat_share"]
-    yield "pin's heat share", f"{100 * heat:.1f} %" if math.isfinite(heat) else "no heat"
-
-
-def _on_contact(
-    sweep: Sweep, result: PointResult, measured: Mapping[str, float]
-) -> Iterator[tuple[str, str]]:
-    """Contact and wear of a point, each measure with its label."""
-    yield "contact width", pipeline.display(measured["contact_width"], "µm", 4)
-    yield "contact area", f"{100 * measured['contact_fraction']:.2f} % of the window"
-    mean, highest = measured["mean_pressure"] / 1e9, measured["max_pressure"] / 1e9
-    yield "pressure", f"{mean:.3f} GPa on average, {highest:.3f} GPa at most"
+        severe = f"wear is severe with {decisive.severe} {critical}; "
+    yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.scene.roughness is not None:
-        yield "", f"area and pressure are those of elements of {block} × {block} pixels"
-        if more := _MORE_AREA.get(block):
-            yield "", f"(in the paper's system these touch on {more} % more than pixels)"
-    depth = pipeline.display(measured["wear_depth_max"], "µm", 4)
-    yield "wear", f"{depth} deep, {measured['wear_volume'] * 1e9:.3g} mm³"
+        more = _MORE_AREA.get(block)
+        beside = f", which touch on {more} % more than pixels in the paper's system" if more else ""
+        yield f"note: area and pressure are those of elements of {block} × {block} pixels{beside}"
+    if velocity < 0:
+        yield "note: the velocity is negative, so the disk slides towards −x"
+    yield from (f"note: {note}" for note in sweep.about.notes)
+    yield from (f"warning: {text}" for _, text in result.warnings)
+    if verdict.decisive_temperature > MELTS:
+        yield f"warning: {MOLTEN}"
+    if cold := note_on_turns(sweep, load, velocity):
+        yield f"warning: {cold}"
 
 
 def infer(options: argparse.Namespace) -> Result:

@@ -29,7 +29,7 @@ from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_table import LONG, in_counts, notes_of
 from pipeline.analysis.margins import margins_at
 from pipeline.analysis.scenes import parts_of, words
-from pipeline.analysis.tables import as_dict, short
+from pipeline.analysis.tables import as_dict, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
 from pipeline.analysis.warned_points import turns_left_out
 from pipeline.cli.datasets import by_samples, opened, operating_points_in
@@ -84,8 +84,7 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     for part in parts:
         text += [f"{row}:" for row in [words(ds, part[0].entries)] if row]
         text += [_on_surfaces(part)] if part[1:] else _on_one(part[0])
-    if len(margins) > len(parts):  # medians over surfaces, and a tenth of them beyond each end
-        text.append(short(table, LONG))
+    text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
     commands, lines = _next(options, ds, margins, conditions)
     text += lines
     command = None
@@ -148,24 +147,15 @@ def _is_incomplete(here: Margin) -> bool:
 
 
 def _on_one(here: Margin) -> Iterator[str]:
-    """Lines on one surface."""
+    """Lines on one surface: the verdict, the error of its temperature, and missing transitions."""
     wear = "" if here.verdict == NOT_DECIDED else " wear"
     yield f"{here.load:g} N at {here.velocity:g} m/s: {here.verdict}{wear}"
-    deciding = pipeline.display(here.decisive_temperature, "°C", 4)
-    yield f"  deciding temperature  {deciding} ({_origin(here)})"
-    yield f"  its error             {here.error.worded}"
-    side = "above" if here.is_severe else "below"
-    critical = pipeline.display(here.critical_temperature, "°C", 4)
-    yield f"  distance              {abs(here.distance):.1f} K {side} {critical}"
-    for name, unit in UNITS.items():
-        outcome, bridged = (getattr(here, f"{name}_{part}") for part in ("outcome", "bridged"))
-        way = in_words(outcome, getattr(here, f"{name}_range"), name)
-        if outcome == outcomes(name)[CROSSES]:
-            factor, place = getattr(here, f"{name}_factor"), getattr(here, f"critical_{name}")
-            way = f"{factor:.3g} times, severe from {place:.4g} {unit} on"
-            if bridged:
-                way += f", interpolated across {counted(bridged, 'point', 'points')} not done"
-        yield f"  in {name:<19}{way}"
+    yield f"the decisive temperature is {_origin(here)}; its error is {here.error.worded}"
+    for name in UNITS:
+        outcome = getattr(here, f"{name}_outcome")
+        said = in_words(outcome, getattr(here, f"{name}_range"), name)
+        if said != outcome:
+            yield f"in {name}: {said}"
 
 
 def _origin(here: Margin) -> str:

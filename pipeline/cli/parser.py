@@ -56,7 +56,7 @@ COMMANDS = (
     ),
     Command(
         "run", "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
-        "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
+        "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY, o.TABLE),
     ),
     Command(
         "look after", "status", "stores:status",
@@ -99,7 +99,7 @@ COMMANDS = (
     ),
     Command(
         "run", "point", "inference:point", "simulate one point", f"scene.toml {_AT}",
-        (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY),
+        (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY, o.TABLE),
     ),
     Command(
         "ask", "infer", "inference:infer",

@@ -7,7 +7,7 @@ from tribo import InputError
 
 _FACTORS = {
     "mm": 1e3, "µm": 1e6, "GPa": 1e-9, "%": 1e2, "MB": 1e-6, "mm³/(N m)": 1e9, "1/GPa": 1e9,
-    "mm² K/W": 1e6, "MJ/(m³ K)": 1e-6, "mm²/s": 1e6,
+    "mm³": 1e9, "mm² K/W": 1e6, "MJ/(m³ K)": 1e-6, "mm²/s": 1e6,
 }  # fmt: skip
 """Values in these units of one in SI; any other unit is that of SI, but for °C."""
 

@@ -58,7 +58,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_a_named_law_runs_on_workers_that_have_no_file(folder, irg):
-    assert "own law  wear: laws:RunningIn, distance = 1.5" in irg("check", "own.toml", "--own-laws")
+    assert "wear: laws:RunningIn, distance = 1.5" in irg("check", "own.toml", "--own-laws")
     irg("run", "own.toml", "--own-laws", "-q", "--workers", "2", "-o", "own.zarr")
     ds = pipeline.open_sweep("own.zarr")
     stored = json.loads(ds.attrs["scene"])["wear"]

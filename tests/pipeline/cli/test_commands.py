@@ -93,9 +93,16 @@ def test_point_alone_equals_the_point_of_the_sweep(scene, store, irg):
         assert alone[name] == float(stored[name].sel(step=0))
 
 
-def test_point_in_words(scene, irg):
-    said = irg("point", scene, "--load", "600 N", "--velocity", "4 m/s", "--preset", "draft")
+def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
+    out = tmp_path / "point.csv"
+    place = ("--load", "600 N", "--velocity", "4 m/s", "--preset", "draft")
+    said = irg("point", scene, *place, "-o", out)
     assert all(word in said for word in ("600 N at 4 m/s", "not decided", "°C", "its error"))
+    heads, row = (line.split(",") for line in out.read_text(encoding="utf-8").splitlines())
+    held = dict(zip(heads, row, strict=True))
+    assert (held["load [N]"], held["verdict"]) == ("600", "not decided")
+    width = float(held["contact width [µm]"])
+    assert f"contact width [µm]          {width:.4g}\n" in said
     small = ("--set", "increments=1", "--set", "window.pixels=[64, 16]")
     said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", *small)
     assert "the velocity is negative, so the disk slides towards −x" in said
@@ -310,7 +317,7 @@ def test_margin_says_how_far_an_operating_point_is_from_severe_wear(store, irg):
     left = document["critical_temperature"] - document["decisive_temperature"]
     assert document["distance"] == pytest.approx(left)
     said = irg("margin", store, *place)
-    assert all(word in said for word in (f"{abs(left):.1f} K", "in velocity", "in load"))
+    assert all(word in said for word in (f"{left:.4g}\n", "velocity outcome", "load outcome"))
 
 
 def test_a_wear_rate_says_how_long_the_pin_slid_and_what_more_would_change(scene, irg):
