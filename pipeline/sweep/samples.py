@@ -20,7 +20,7 @@ from typing import Any, Literal
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.sweep.unknown import MOST, Fixed, Unknown, sequence
+from pipeline.sweep.unknown import Fixed, Unknown, sequence
 from tribo.types import Array
 
 Layer = Literal["contact", "wear rate", "heat", "conditions"]
@@ -83,19 +83,21 @@ class Design:
     def draw(self, count: int) -> tuple[Array, Array]:
         """Inputs [SI], shape (count, n_input), and velocities [m/s], shape (count,).
 
-        A longer draw begins with the shorter one.
+        A longer draw begins with the shorter one. Velocities take the first dimension of the
+        sequence, whose pairs with the next few fill a plane best, so that no input leaves a hole at
+        their ends.
         """
         group = self.per_contact
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]
         rows = sequence(self.seed + 2**31, count)
         columns = [
             one.quantile(_widened(one, (rows if layer == "heat" else contacts)[:, i]))
-            for i, (one, layer) in enumerate(zip(self.inputs, self.layers, strict=True))
+            for i, (one, layer) in enumerate(zip(self.inputs, self.layers, strict=True), 1)
         ]
         place = np.arange(count) % group
-        leads, stratum = place == 0, (place - 1 + rows[:, MOST]) / max(group - 1, 1)
+        leads, stratum = place == 0, (place - 1 + rows[:, 0]) / max(group - 1, 1)
         low, high = np.log(self.velocities)
-        first = low + (high - low) * contacts[:, MOST]
+        first = low + (high - low) * contacts[:, 0]
         if "wear rate" in self.layers:
             # Samples of a contact have velocities that leave their wear rate likely.
             k = self.layers.index("wear rate")
@@ -106,9 +108,9 @@ class Design:
                 low = np.minimum(np.maximum(low, number - most), first)
                 high = np.maximum(np.minimum(high, number - least), first)
             else:
-                number = low + least + _sum(contacts[:, k], high - low, most - least)
+                number = low + least + _sum(contacts[:, k + 1], high - low, most - least)
                 low, high = np.maximum(low, number - most), np.minimum(high, number - least)
-                leads, stratum = np.full(count, False), (place + rows[:, MOST]) / group
+                leads, stratum = np.full(count, False), (place + rows[:, 0]) / group
         velocities = np.exp(np.where(leads, first, low + (high - low) * stratum))
         if "wear rate" in self.layers:
             columns[k] = np.where(leads, columns[k], np.exp(number) / velocities)
