@@ -203,7 +203,7 @@ def _on_unknown(sweep: Sweep) -> Iterator[_Row]:
         "samples",
         f"{count} of a scrambled Sobol' sequence, seed "
         f"{design.seed}, from {low:g} to {high:g} m/s; "
-        + ("all that are needed" if are_all else "more can be added"),
+        + ("more would share their contacts" if are_all else "more can be added"),
     )
     if design.per_contact > 1:
         yield "", f"{design.per_contact} share each contact; heat is computed for each"

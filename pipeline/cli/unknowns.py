@@ -243,6 +243,7 @@ def about(ensemble: Ensemble) -> dict[str, Any]:
         "unknown": [one.as_dict() for one in ensemble.unknown],
         "fixed": _fixed(ensemble),
         "certificate": certificate and certificate.as_dict(),
+        "left_out_held": ensemble.left_out.held,
     }
 
 
@@ -264,7 +265,19 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
         yield "  the error of the samples' fidelity is not known, and not counted"
     if ensemble.missing:
         yield f"  {ensemble.missing} samples are left out: not done at every load"
+    yield f"  {_on_left_out(ensemble)}"
     yield f"  {ensemble.certificate or _NO_CERTIFICATE}"
+
+
+def _on_left_out(ensemble: Ensemble) -> str:
+    """How samples that are left out lie in the bands of the others, in words."""
+    held = f"of places left out the 90 % bands hold {100 * ensemble.left_out.held:.0f} %"
+    count = len(ensemble.inputs)
+    if count != ensemble.design.sufficient:
+        return f"{count} samples: {held}"
+    if ensemble.left_out.is_right:
+        return f"{count} samples suffice: {held}"
+    return f"{count} samples may not suffice: {held}, not 85 to 95 %"
 
 
 def draws_in_words(weighed: Posterior) -> str:

@@ -177,7 +177,7 @@ SWEEP = Table({
         "seeds."),
     "samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
         "Number of samples drawn of the `unknown` inputs, each at a velocity of its own; fewer are "
-        "drawn where they suffice, as `irg check` says."),
+        "drawn where more would share their contacts, as `irg check` says."),
     "sample_seed": Optional(SEED, "Seed of the samples.", default=0),
     "wear_rates": Optional(Table({
         "from": Entry(WEAR_RATE, "Lowest of them."),

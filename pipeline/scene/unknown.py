@@ -148,7 +148,7 @@ def samples_of(
         return None
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
-        notes.append(f"sweep.samples: {count} are computed, which suffice for these unknown inputs")
+        notes.append(f"sweep.samples: {count} are computed, as more would share their contacts")
     draw = Draw(tuple(one.unknown for one in inputs), design, known)
     return _drawn(inputs, draw, count, sweep, over, make, faults)
 

@@ -14,13 +14,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from pipeline.uncertain.emulator import Keeper
+from pipeline.uncertain.emulator import Keeper, factor, outer
 from tribo.types import Array
 
 COUNT = 25
 """Boundaries of a certificate, and runs of each kind."""
-END = 0.15
-"""Share of the logarithm of the velocities at either end, in which the band widens."""
 _SCORE = 1.645  # standard errors within which 90 % lie
 
 
@@ -46,8 +44,8 @@ class Certificate:
     >>> certificate = Certificate(*rows, (0.1, 0.5), (0.2, -1.5), (3.29, 3.29))
     >>> print(certificate)
     2 boundaries of random inputs found directly: the emulator's are 1.4 % off, its 90 % hold 1
-    >>> certificate.widening(np.array([0.5, 1.0]))
-    (array([1., 2.]), 1.0)
+    >>> print(certificate.factors(np.array([0.5, 1.0])))
+    [0.9118541 2.       ]
     """
 
     loads: tuple[float, ...]
@@ -74,18 +72,16 @@ class Certificate:
         """Number of boundaries that the emulator's bands of 90 % hold."""
         return int(np.sum(np.abs(self.off) <= _SCORE * np.array(self.errors)))
 
-    def widening(self, along: Array) -> tuple[Array, float]:
-        """Factors, at least 1, on the emulator's errors by velocity, and on those between loads.
+    def factors(self, along: Array) -> Array:
+        """Factors on the emulator's errors by velocity, with which 90 % bands hold 90 % of runs.
 
-        With them 90 % bands hold 90 % of the runs. Velocities are shares of the way between the
-        ends, by the logarithm.
+        Velocities are shares of the way between the ends, by the logarithm.
         """
-        at, between, ends = (
-            max(1.0, float(np.quantile(np.abs(scores), 0.9)) / _SCORE)
-            for scores in (self.at_loads, self.between_loads, self.at_ends)
+        amid, ends = (
+            factor(np.array(scores), len(scores))
+            for scores in (self.at_loads + self.between_loads, self.at_ends)
         )
-        outer = np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0)
-        return at + outer * (max(ends, at) - at), between
+        return np.asarray(amid + outer(along) * (ends - amid))
 
     def as_dict(self) -> dict[str, object]:
         """Return the summary and all boundaries as plain data."""

@@ -14,7 +14,8 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.certificate import COUNT, END, Certificate, keep
+from pipeline.uncertain.certificate import COUNT, Certificate, keep
+from pipeline.uncertain.emulator import END
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import prior
 from tribo import InputError

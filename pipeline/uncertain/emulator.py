@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,12 @@ _LEAST_OF_END = 1e-3  # of a relative input over its upper end, where draws cros
 Groups = NDArray[np.intp]
 
 
+END = 0.15
+"""Share of the logarithm of the velocities at either end, in which the band widens."""
+_SHARE, _SCORE = 0.9, 1.645  # of places that a band is to hold, and its standard errors
+_LEAST_SCORE = 1e-3  # where outputs are known exactly, or no row is left
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
     """A Gaussian process through rows of outputs.
@@ -48,9 +54,8 @@ class Emulator:
     inputs that they belong to, of which each has one length. ``mean`` (n_output,) is that of each
     output, ``weights`` (n, n_output) solve the kernel's equations for what departs from it,
     ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``whitener`` (n, n) is
-    the inverse of the Cholesky factor of the kernel between the rows. The ``calibration``
-    (n_output,) is the root mean square error at contacts that are left out, over the error
-    predicted, and at least 1.
+    the inverse of the Cholesky factor of the kernel between the rows. ``check`` is what contacts
+    that are left out tell.
     """
 
     features: Array
@@ -59,27 +64,51 @@ class Emulator:
     weights: Array
     constants: Array
     whitener: Array
-    calibration: Array
+    check: LeftOut
 
-    def __call__(self, features: Array, with_error: bool = True) -> tuple[Array, Array, Array]:
-        """Outputs, their standard error, and that of their smooth part, each (n, n_output).
+    def __call__(
+        self, features: Array, between: Array, with_error: bool = True
+    ) -> tuple[Array, Array, Array]:
+        """Sums of outputs, their standard error, and that of their smooth part, each (n, m).
 
-        The first error is that against a simulation, which has something of its own; the second
-        one neighbours share. Both are 0 if not asked for.
+        Outputs are summed with weights ``between`` (m, n_output), as to interpolate. The first
+        error is that against a simulation, which has something of its own; the second one
+        neighbours share. Both are 0 if not asked for.
         """
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
-        outputs = self.mean + smooth @ self.weights
+        outputs = (self.mean + smooth @ self.weights) @ between.T
         if not with_error:
             return outputs, *np.zeros((2, *outputs.shape))
         a, b, c, s, n = np.exp(2 * self.constants[:5])
         square = np.sum(features**2, axis=1)
         prior = a * (1 + square) + b * square**2 + c
         explained = np.sum((smooth @ self.whitener.T) ** 2, axis=1)
-        shared = np.maximum(prior - explained, 0.0)
-        error, shared = (
-            np.sqrt(part)[:, None] * self.calibration for part in (shared + s + n, shared)
-        )
-        return outputs, error, shared
+        shared = np.maximum(prior - explained, 0.0)[:, None]
+        spread = np.sqrt(np.sum(between @ self.check.covariance * between, axis=1))
+        # A run between two outputs has something of its own, too, of which they tell nothing.
+        anew = np.maximum(1 - np.sum(between**2, axis=1), 0.0) * (between @ self.check.factors) ** 2
+        error = np.sqrt((shared + s + n) * spread**2 + (s + n) * anew)
+        return outputs, error, np.sqrt(shared) * spread
+
+
+class LeftOut(NamedTuple):
+    """What contacts tell that are left out, and the rows at either end of the velocities.
+
+    ``factors`` (n_output,) on the errors predicted are those by which 90 % bands hold 90 % of what
+    is left out; ``covariance`` (n_output, n_output) has their squares, and how outputs miss
+    together. ``ends`` is a further factor at the ends, where rows are left out all at once.
+    ``held`` is the share of left-out places that bands hold whose factors other contacts gave.
+    """
+
+    factors: Array
+    covariance: Array
+    ends: float
+    held: float
+
+    @property
+    def is_right(self) -> bool:
+        """True if bands of 90 % hold 85 to 95 %, as it is printed."""
+        return 0.85 <= round(self.held, 2) <= 0.95
 
 
 def fitted(
@@ -100,7 +129,7 @@ def fitted(
     >>> def truth(u):
     ...     return (0.5 * u[:, :1] + 0.1 * u[:, :1] * u[:, 1:])
     >>> emulator = fitted(u, np.arange(2), np.arange(60), truth(u))
-    >>> values, error, _ = emulator(np.array([[0.3, -0.4]]))
+    >>> values, error, _ = emulator(np.array([[0.3, -0.4]]), np.eye(1))
     >>> print(f"{values[0, 0]:.4f}", bool(error[0] < 1e-3))
     0.1380 True
     """
@@ -112,8 +141,8 @@ def fitted(
     factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
     weights = cho_solve(factor, outputs - mean)
     whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
-    calibration = _calibration(whitener.T @ whitener, contacts, weights)
-    return Emulator(features, dimensions, mean, weights, constants, whitener, calibration)
+    check = _check(whitener.T @ whitener, features[:, 0], contacts, weights)
+    return Emulator(features, dimensions, mean, weights, constants, whitener, check)
 
 
 def features_of(
@@ -200,18 +229,67 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
     return best
 
 
-def _calibration(inverse: Array, contacts: Groups, weights: Array) -> Array:
-    """Calibration of an `Emulator`.
+def factor(scores: Array, count: int) -> float:
+    """Factor on standard errors by which 90 % bands hold the next of scores like these.
 
-    With the inverse C of the kernel, rows I that are left out miss by C_II⁻¹ (C y)_I, with the
-    covariance C_II⁻¹ (Rasmussen & Williams, Sec. 5.4.2, for several rows).
+    The quantile is that of so many independent scores which the next one stays below with 90 %
+    probability (Vovk, Gammerman & Shafer, Algorithmic learning in a random world, 2005, Sec. 2.2);
+    the largest where they are too few.
+
+    Examples
+    --------
+    >>> print(round(factor(np.linspace(-3.29, 3.29, 201), count=201), 2))
+    1.82
     """
-    squares = np.zeros(weights.shape[1])
-    for contact in np.unique(contacts):
-        (rows,) = np.nonzero(contacts == contact)
-        part = weights[rows]
-        squares += np.sum(part * np.linalg.solve(inverse[np.ix_(rows, rows)], part), axis=0)
-    return np.maximum(1.0, np.sqrt(squares / len(weights)))
+    if count < 1:
+        return 1.0
+    share = min(1.0, math.ceil(_SHARE * (count + 1)) / count)
+    return float(np.quantile(np.abs(scores), share)) / _SCORE
+
+
+def outer(along: Array) -> Array:
+    """0 amid the velocities to 1 at their ends, by shares of the way between them."""
+    return np.asarray(np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0))
+
+
+def _check(inverse: Array, velocities: Array, contacts: Groups, weights: Array) -> LeftOut:
+    """What is left out tells, by the inverse of the kernel and features of the velocities."""
+    is_single = (contacts == contacts[0]).all()
+    groups = np.arange(len(contacts)) if is_single else contacts
+    scores = np.empty_like(weights)
+    numbers, place = np.unique(groups, return_inverse=True)
+    for one in numbers:
+        scores[groups == one] = _missed(inverse, weights, groups == one)
+    factors = _factors(scores, len(numbers))
+    spread = np.maximum(np.sqrt(np.mean(scores**2, axis=0)), _LEAST_SCORE)
+    together = np.mean((scores / spread)[:, :, None] * (scores / spread)[:, None], axis=0)
+    # Each contact is judged by the factors of the others.
+    limits = [_SCORE * _factors(scores[groups != one], len(numbers) - 1) for one in numbers]
+    held = np.abs(scores) <= np.array(limits)[place]
+    along = velocities / (2 * math.sqrt(3.0)) + 0.5
+    ends = [one for one in (along < END, along > 1 - END) if one.any()]
+    at_ends = [_missed(inverse, weights, one) / factors for one in ends]
+    widening = 1.0
+    if at_ends:
+        widening = max(1.0, factor(np.concatenate(at_ends), sum(map(len, at_ends))))
+    covariance = np.outer(factors, factors) * together
+    return LeftOut(factors, covariance, widening, float(np.mean(held)))
+
+
+def _factors(scores: Array, count: int) -> Array:
+    """Factor of each output (n, n_output), of which so many are independent."""
+    return np.maximum([factor(one, count) for one in scores.T], _LEAST_SCORE)
+
+
+def _missed(inverse: Array, weights: Array, rows: Mask) -> Array:
+    """What rows that are left out together miss, over the error predicted, (n_row, n_output).
+
+    With the inverse C of the kernel they miss by C_II⁻¹ (C y)_I, with the covariance C_II⁻¹
+    (Rasmussen & Williams, Sec. 5.4.2, for several rows).
+    """
+    covariance = np.linalg.inv(inverse[np.ix_(rows, rows)])
+    missed: Array = covariance @ weights[rows] / np.sqrt(np.diag(covariance))[:, None]
+    return missed
 
 
 _BEND = 0.02  # of ln(rise), unknown between two loads alone: ten times that of the shipped scenes

@@ -43,11 +43,13 @@ from pipeline.uncertain.emulator import (
     Emulator,
     Groups,
     Keeper,
+    LeftOut,
     between_loads,
     columns_until,
     decisive_rises,
     features_of,
     fitted,
+    outer,
 )
 from pipeline.uncertain.inputs import (
     BULK,
@@ -346,14 +348,10 @@ class Ensemble:
         between = (between_loads(self.loads, self.rises, one) for one in loads.tolist())
         weights, bends = map(np.array, zip(*between, strict=True))
         at_nodes = []
-        widening, of_bends = self._widening(emulator, nodes)
-        for node, wider in zip(nodes, widening, strict=True):
+        for node, wider in zip(nodes, self._widening(emulator, nodes).tolist(), strict=True):
             features, _ = features_of(self.design, columns, np.full(len(draws), node))
-            values, *errors = emulator(features, with_error)
-            by_load = [
-                np.hypot(wider * error @ np.abs(weights.T), of_bends * bends) for error in errors
-            ]
-            at_nodes.append([values @ weights.T, *by_load])
+            values, *errors = emulator(features, weights, with_error)
+            at_nodes.append([values, *(wider * np.hypot(error, bends) for error in errors)])
         parts = [np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True)]
         if len(velocities) > _NODES:
             x, wanted = np.log(nodes), np.log(velocities)
@@ -362,12 +360,19 @@ class Ensemble:
         values, *errors = (part.reshape(shape) for part in parts)
         return Excess(values, *map(np.abs, errors))
 
-    def _widening(self, emulator: Emulator, velocities: Array) -> tuple[Array, float]:
-        """Factors on errors by velocity and between loads, by the certificate if there is one."""
-        if self.certificate is None or emulator is not self._rise:
-            return np.ones(len(velocities)), 1.0
+    def _widening(self, emulator: Emulator, velocities: Array) -> Array:
+        """Factors on errors by velocity: of left-out ends, and of the certificate if any."""
         low, high = np.log(self.velocities)
-        return self.certificate.widening((np.log(velocities) - low) / (high - low))
+        along = (np.log(velocities) - low) / (high - low)
+        by_ends = 1 + outer(along) * (emulator.check.ends - 1)
+        if self.certificate is None or emulator is not self._rise:
+            return by_ends
+        return by_ends * self.certificate.factors(along)
+
+    @property
+    def left_out(self) -> LeftOut:
+        """What samples tell of the emulator of rises that are left out of it."""
+        return self._rise.check
 
     @functools.cached_property
     def certificate(self) -> Certificate | None:

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from pipeline.sweep.unknown import drawn
 from pipeline.uncertain import certify, emulator
 from tests.helpers.samples import ALL, ensemble, rise
 
@@ -41,6 +42,19 @@ def test_a_certificate_says_how_far_the_emulator_is_off(samples, monkeypatch, fa
     band, as_stated = (one.excess(row, 400.0, 5.9).error for one in (certified, samples))
     assert (band > 5 * as_stated) == (factor > 1.0)
     assert dataclasses.replace(samples, rises=1.01 * samples.rises).certificate is None
+
+
+def test_bands_hold_nine_of_ten_runs_at_the_loads_and_between_them_and_of_places_left_out():
+    noise, chance = 0.01, np.random.default_rng(1)
+    samples = ensemble(count=128, noise=noise)
+    assert 0.85 <= samples.left_out.held <= 0.97
+    inputs = drawn(ALL, 7, 400)
+    for load in (200.0, 290.0, 750.0):
+        excess = samples.excess(inputs, load, 1.7)
+        runs = np.log(rise(inputs, load, 1.7)) - samples.log_limit(inputs)
+        runs += noise * chance.standard_normal(400)
+        held = np.mean(np.abs(excess.values - runs) < 1.645 * excess.error)
+        assert 0.85 <= held <= 0.97
 
 
 def test_the_constants_of_an_emulator_are_found_once(samples, monkeypatch):
