@@ -223,15 +223,16 @@ def with_velocity_of_turns(read: Rows) -> Rows:
         return read
     (turn,), ((length, word),) = turning, lengths
     which = "radius" if word.lower() == "radius" else "diameter"
+    if not headings[length].unit:
+        fault = f'column "{read.heads[length]}" has no unit; name it like "track {which} [mm]"'
+        return read._replace(faults=[*read.faults, fault])
     heads = [*read.heads]
     heads[turn] = "velocity"
     rows = []
     for number, cells in read.rows:
-        said = f"{cells[turn]} rpm at {which} {cells[length]} {headings[length].unit}"
-        is_given = cells[turn] and cells[length]
-        rows.append(
-            Row(number, [said if k == turn and is_given else c for k, c in enumerate(cells)])
-        )
+        track = f" at {which} {cells[length]} {headings[length].unit}" if cells[length] else ""
+        said = f"{cells[turn]} rpm{track}" if cells[turn] else ""
+        rows.append(Row(number, [said if k == turn else c for k, c in enumerate(cells)]))
     return read._replace(heads=heads, rows=rows)
 
 

@@ -64,6 +64,7 @@ def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
         (FILE.replace("pin.radius", "pin.radios"), "pin.radios"),
         (FILE.replace("4,0.12", ",0.12"), 'row 3, column "pin.radius [mm]" is empty'),
         ("load [N],velocity [m/s]\n", "has no rows"),
+        ("load [N],speed [rpm],track radius\n300,600,25\n", 'column "track radius" has no unit'),
     ],
 )
 def test_faults_of_rows_are_named(tmp_path, rows, words):
