@@ -158,7 +158,7 @@ def _contact(
     outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
     labels = (
         "contact pressure [GPa]",
-        f"contact temperature{f', outlined at {limit:g}' if outlined else ''} [°C]",
+        f"contact temperature [°C]{f', outlined at {limit:g}' if outlined else ''}",
         "wear depth of the pin [µm]",
     )
     centres = 1e6 * ds["x"].values, 1e6 * ds["y"].values

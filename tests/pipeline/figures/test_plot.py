@@ -315,7 +315,7 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
 
 def test_fields_outline_what_is_above_the_critical_temperature(sweep):
     panel = fields(sweep, velocity=2.0, critical_temperature=373.15).axes[1]
-    assert panel.child_axes[0].get_xlabel() == "contact temperature, outlined at 100 [°C]"
+    assert panel.child_axes[0].get_xlabel() == "contact temperature [°C], outlined at 100"
     assert len(panel.collections) == 2
 
 
