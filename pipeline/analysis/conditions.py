@@ -43,7 +43,8 @@ CONDITIONS = (
 """Names of the conditions that may be given in place of the sweep's own, and the permission."""
 
 _STORED = {entry.name for entry in fields(Conditions)} - {"own_criterion"}
-_COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
+COLDEST_OIL, HOTTEST_OIL = 220.0, 900.0
+"""Bulk temperatures between which an oil may work [K]."""
 
 
 def conditions_of(
@@ -102,11 +103,11 @@ def _kelvin(name: str, value: float | str | None) -> float | None:
         value = in_si(name, value, "80 degC")
     if value is None or isinstance(value, Iterable):
         return value  # several are refused with the other conditions
-    hottest = _HOTTEST_OIL if name == "bulk_temperature" else np.inf
-    if value < _COLDEST_OIL or hottest < value < np.inf:
+    hottest = HOTTEST_OIL if name == "bulk_temperature" else np.inf
+    if value < COLDEST_OIL or hottest < value < np.inf:
         raise InputError(
             f"{name} is {value - 273.15:.4g} °C ({value:g} K), at which no oil works; give one "
-            f"from {_COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
+            f"from {COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
             'text has its unit, such as "80 degC"'
         )
     return value

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from pipeline.uncertain.sensitivity import Sensitivity
 
 
-_SHOWN = 12  # candidates
 _NO_CERTIFICATE = "no boundary was found directly to compare with; irg risk --certify finds 25"
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
 

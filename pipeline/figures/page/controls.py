@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pipeline.analysis.conditions import COLDEST_OIL, HOTTEST_OIL
 from pipeline.scene.quantities import display
 from pipeline.sweep.conditions import Conditions
 
 _ZERO_CELSIUS = 273.15  # [K]
-_COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # [K]
 _RATE = "mm³/(N m)"
 
 
@@ -119,9 +119,9 @@ def _celsius(name: str, label: str, value: float | None, high: float, **limits: 
 
 
 def _bulk(name: str, of_body: str, value: float) -> Control:
-    ends = (f"{end - _ZERO_CELSIUS:.2f}".replace("-", "−") for end in (_COLDEST_OIL, _HOTTEST_OIL))
+    ends = (f"{end - _ZERO_CELSIUS:.2f}".replace("-", "−") for end in (COLDEST_OIL, HOTTEST_OIL))
     fault = f"from {' to '.join(ends)} °C"
-    limits = {"least": _COLDEST_OIL, "most": _HOTTEST_OIL, "fault": fault}
+    limits = {"least": COLDEST_OIL, "most": HOTTEST_OIL, "fault": fault}
     return _celsius(name, f"bulk temperature{of_body} [°C]", value, 200.0, **limits)
 
 
