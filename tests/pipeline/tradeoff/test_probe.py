@@ -1,21 +1,27 @@
-"""Where a probe looks for the boundary, and on which elements."""
+"""Where a probe looks for the boundary, on which elements, and how far it errs itself."""
 
 import math
 from dataclasses import replace
 
 import pytest
 
+from pipeline.sweep.model import Point
 from pipeline.tradeoff.probe import (
+    YARDSTICK,
     Target,
     critical_velocity,
     fitted,
+    measured,
     near_the_boundary,
+    own_error,
+    probe,
     some_places,
 )
 from tests.helpers import tiny
-from tribo import Fidelity, InputError
+from tribo import PRESETS, Fidelity, InputError, Wear
 
 SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
+STANDARD = fitted(SWEEP, PRESETS["standard"])
 
 
 @pytest.mark.parametrize(
@@ -72,3 +78,27 @@ def test_a_crossing_is_enclosed_where_the_rise_jumps():
 
 def test_without_a_limit_the_middle_is_taken():
     assert critical_velocity(lambda v: math.nan, math.inf, 0.1, 10.0) == pytest.approx(1.0)
+
+
+def test_errors_of_the_rise_are_made_those_of_the_velocity_by_its_exponent_there():
+    (point,), (exponent,) = near_the_boundary(SWEEP, [Target(300.0)])
+    places = [Point(300.0, factor * point.velocity) for factor in (0.95, 1.0, 1.05)]
+    below, here, above = (r.rise for r in probe(SWEEP, STANDARD, places).readings)
+    assert here == pytest.approx(1200.0, rel=0.01)
+    assert exponent == pytest.approx(math.log(above / below) / math.log(1.05 / 0.95), rel=0.02)
+    longer = measured(SWEEP, [point], [exponent])
+    (error,) = longer.errors(probe(SWEEP, STANDARD, [point]))
+    assert error == pytest.approx((longer.readings[0].rise / here) ** (1 / exponent) - 1)
+
+
+def test_nearly_exact_steps_are_said_to_err_by_half_of_what_half_as_many_move():
+    fidelity = replace(SWEEP.scene.fidelity, heat_model="history")
+    worn = SWEEP.changed(wear=Wear(5e-15), fidelity=fidelity)
+    points = [Point(300.0, 1.0)]
+    exact = measured(worn, points, [1.0])
+    half = replace(fitted(worn, YARDSTICK), increments=YARDSTICK.increments // 2)
+    (moved,) = exact.errors(probe(worn, half, points))
+    error = own_error(worn, points, [1.0], exact.readings)
+    assert abs(moved) > 1e-4
+    assert error.steps == pytest.approx(0.6 * abs(moved), rel=0.05)
+    assert own_error(worn.changed(wear=None), points, [1.0], exact.readings).steps == 0.0
