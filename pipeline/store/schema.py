@@ -137,7 +137,7 @@ RECORDS = {
     "checksum": Variable(
         PLANE,
         None,
-        "BLAKE2b-64 of what was simulated, the point's place, data, message and warnings",
+        "BLAKE2b-64 of what was simulated, the point's place, data and kinds of warnings",
         "uint64",
     ),
 }
