@@ -11,6 +11,7 @@ of the lock is linked into the larger store, so that the lock stays held through
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import os
@@ -168,6 +169,7 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     ]
     if different:
         yield "\n  ".join(["belongs to another scene; write to another store", *different])
+    yield from _gaps(root, sweep)
     steps, stored_steps = sweep.record.steps, root.attributes["stations"]["steps"]
     if steps is not None and steps != stored_steps:
         yield (
@@ -191,6 +193,21 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
                     f"{values[label]}; rows stay what they were: add others behind them, or write "
                     "to another store"
                 )
+
+
+def _gaps(root: Root, sweep: Sweep) -> Iterator[str]:
+    """Tell of a combination of the values of entries that neither a store nor a sweep has."""
+    names = root.attributes.get("over", [])
+    stored = [tuple(row["values"]) for row in root.attributes.get("scenes", [])]
+    known = {*stored, *(tuple(value for _, value in name) for name in sweep.variants.given)}
+    axes = [dict.fromkeys(values) for values in zip(*known, strict=True)]
+    gap = next((one for one in itertools.product(*axes) if one not in known), None)
+    if gap is not None:
+        words = ", ".join(f"{name} {value}" for name, value in zip(names, gap, strict=True))
+        yield (
+            f"would lack combinations of values, such as {words} (in SI); give each entry of "
+            "sweep.over all of its values, those of the store included"
+        )
 
 
 def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:

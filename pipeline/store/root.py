@@ -7,6 +7,7 @@ the conditions, which no checksum of a point covers and which decide every answe
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from collections.abc import Mapping
@@ -184,11 +185,29 @@ def require_likely(place: Place, root: Root) -> None:
             f"{place}: {ROOT} is damaged: its attribute {wrong[1:]} is missing, or not of the kind "
             f"that a run writes; {_ELSEWHERE}"
         )
+    if not _are_rows(root):
+        raise StoreError(
+            f"{place}: {ROOT} is damaged: its attributes over and scenes are not those of its "
+            f"axes; {_ELSEWHERE}"
+        )
     if points > MOST_POINTS:
         raise StoreError(
             f"{place}: {ROOT} tells of {points:.4g} points, and a store has at most "
             f"{MOST_POINTS:.0e}; {_ELSEWHERE}"
         )
+
+
+def _are_rows(root: Root) -> bool:
+    """True if there is a scene for each combination of the values of entries that have several."""
+    names, rows = root.attributes.get("over", []), root.attributes.get("scenes", [])
+    if not (names or rows):
+        return True
+    axes = [root.axes.get(name, []) for name in names]
+    return (
+        len(rows) == math.prod(map(len, axes))
+        and {tuple(row["values"]) for row in rows} == set(itertools.product(*axes))
+        and all(len(row["written"]) == len(names) for row in rows)
+    )
 
 
 def _has_points(keys: set[str]) -> bool:

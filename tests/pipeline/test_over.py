@@ -138,6 +138,13 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     assert list(sweep.variants.axes) == ["friction.coefficient", "pin.material", "realization"]
     assert (len(points(sweep)), len(chains(points(sweep), sweep))) == (8, 4)
     pipeline.run_sweep(sweep, tmp_path / "out.zarr", workers=1)
+    surfaces = {"sweep.realizations": [3, 4]}
+    alone = '{ "friction.coefficient" = [0.1], "pin.material" = ["hard"] }'
+    with (
+        pytest.raises(StoreMismatchError, match=r"would lack comb.* 0\.1, pin\.material 100Cr6"),
+        writing(tmp_path / "out.zarr", load(tmp_path, alone, materials, **surfaces)),
+    ):
+        pass
     ds = pipeline.open_sweep(tmp_path / "out.zarr")
     assert ds["pin.material"].values.tolist() == ["hard", "100Cr6"]
     one = pipeline.at_entries(ds, {"friction.coefficient": 0.12, "pin.material": "hard"})

@@ -192,6 +192,13 @@ def test_a_forged_attribute_of_another_kind_is_named(forged, alone, path, new):
         pipeline.summary(forged)
 
 
+def test_a_forged_root_with_a_scene_of_no_value_is_refused(forged, alone):
+    row = {"values": [0.008], "written": ["8 mm"], "scene": {}, "attributes": {}}
+    forge(forged, alone, lambda attributes, _: attributes.update(over=["load"], scenes=[row]))
+    with pytest.raises(StoreError, match="over and scenes are not those of its axes"):
+        pipeline.summary(forged)
+
+
 def test_a_root_of_terabytes_is_not_read(forged):
     os.truncate(forged / ROOT, 2**42)
     with pytest.raises(StoreError, match=r"4.4e\+12 bytes"):
