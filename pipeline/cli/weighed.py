@@ -10,20 +10,22 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import pandas as pd
+
 import pipeline
-from pipeline.analysis.tables import frame_of
+from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
 from pipeline.cli.scenes import at_in, criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
 from pipeline.sweep.warned import NO_WARNING
+from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import differences
 from pipeline.uncertain.programme import MOST, programme
 from tribo import InputError
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
     from pipeline.sweep.unknown import Unknown
@@ -56,6 +58,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
             ensembles, discrepancy=options.discrepancy, **values_in(options, "scatter")
         )
     document, text = weighed.as_dict(), list(_on_inputs(weighed))
+    frame = _in_si(weighed)
     with working("comparing the sweeps"):
         compared = list(differences(weighed))
     document["differences"] = [one.as_dict() for one in compared]
@@ -65,12 +68,12 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
-            more, lines = measurements_to_make(options, weighed)
+            more, lines, frame = measurements_to_make(options, weighed)
         document |= more
         text += lines
     draw = partial(pipeline.draw_posterior, weighed)
     warned = sum(map(pipeline.warned, datasets), NO_WARNING)
-    return Result(document, text, warned, [_in_si(weighed)], draw)
+    return Result(document, text, warned, [frame], draw)
 
 
 def _ensemble(store: Path, ds: xr.Dataset, at: Mapping[str, Any], **criterion: Any) -> Ensemble:
@@ -95,9 +98,9 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")
         yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
-    for judged in weighed.judged:
-        low, middle, high = judged.critical_velocity
-        yield f"{_place(weighed, judged)}, computed {middle:.3g} ({low:.3g} to {high:.3g})"
+    if weighed.judged:
+        yield "each test, beside the critical velocity that all tests together leave there:"
+        yield short(_beside_tests(weighed))
     if weighed.evidence_gain is not None:
         yield _on_discrepancy(weighed.evidence_gain)
     if not weighed.fits:
@@ -113,6 +116,24 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         for judged in weighed.judged
         if judged.contradicts
     )
+
+
+def _beside_tests(weighed: Posterior) -> pd.DataFrame:
+    """Each test beside the critical velocity that 5, 50 and 95 % stay below, given all tests."""
+    ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
+    heads = "sweep", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
+    rows = (
+        (
+            one.sweep + 1 if len(weighed.ensembles) > 1 else None,
+            one.test["normal_load"],
+            one.test.get("bulk_temperature"),
+            one.test["velocity"],
+            one.test.get("outcome", "transition"),
+            *one.critical_velocity,
+        )
+        for one in weighed.judged
+    )
+    return frame_of(heads, rows)
 
 
 def _in_words(one: Difference) -> str:
@@ -181,15 +202,16 @@ _SHOWN = 12  # candidates
 
 def measurements_to_make(
     options: argparse.Namespace, weighed: Posterior
-) -> tuple[dict[str, Any], list[str]]:
-    """Measurements ranked for a target, or a batch of tests, as plain data and as text."""
+) -> tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame]:
+    """Measurements ranked for a target, or tests in their order: plain data, text and a frame."""
     about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
     unknown = {one.path: one for one in weighed.unknown}.get(options.target or "")
     if options.until is not None:
         most = options.next if options.next > 1 else MOST
         planned = programme(weighed, _goal(options.until, unknown), most=most, **about)
         document = {**_plan(options, planned.tests, planned.tests), **_reached(planned)}
-        return document, list(_on_programme(options, planned, unknown))
+        frame = _measurements((*planned.tests, *planned.others), unknown)
+        return document, list(_on_programme(options, planned, unknown)), frame
     if options.next > 1:
         ranked = tests = pipeline.plan_tests(weighed, options.next, **about)
         head = f"{options.next} tests to make next, each beside those before it"
@@ -199,8 +221,25 @@ def measurements_to_make(
         ranked = ranked[:_SHOWN]
         head = "measurements to make next, the best first"
     before = _spread(ranked[0].before, unknown)
-    lines = [f"{head}; {_target(options)} is known to {before} today"]
-    return _plan(options, ranked, tests), lines + [_in_a_line(one, unknown) for one in ranked]
+    sentence = f"{head}; {_target(options)} is known to {before} today"
+    frame = _measurements(ranked, unknown)
+    return _plan(options, ranked, tests), [sentence, frame], frame
+
+
+def _measurements(ranked: Sequence[Candidate], unknown: Unknown | None) -> pd.DataFrame:
+    """Measurements, each with the spread of the target that it leaves, in its unit."""
+    if unknown is None or unknown.is_relative:
+        left, rows = "left, ± [%]", [100 * one.spread for one in ranked]
+    else:
+        unit = "" if unknown.unit == "1" else f" [{unknown.spread.name}]"
+        left, rows = f"left, ±{unit}", [float(unknown.spread.of(one.spread)) for one in ranked]
+    return pd.DataFrame(
+        {
+            "measurement": [one.what for one in ranked],
+            left: rows,
+            "narrows by [%]": [100 * one.narrows for one in ranked],
+        }
+    )
 
 
 def _target(options: argparse.Namespace) -> str:
@@ -212,11 +251,6 @@ def _spread(spread: float, unknown: Unknown | None) -> str:
     if unknown is None or unknown.is_relative:
         return f"± {100 * spread:.2g} %"
     return f"± {unknown.spread.of(spread):.2g}{unknown.spread.suffix}"
-
-
-def _in_a_line(test: Candidate, unknown: Unknown | None) -> str:
-    left = _spread(test.spread, unknown)
-    return f"  to {left:10} (by {100 * test.narrows:.0f} %)  {test.what}"
 
 
 def _plan(
@@ -261,12 +295,12 @@ def _reached(planned: Programme) -> dict[str, Any]:
 
 def _on_programme(
     options: argparse.Namespace, planned: Programme, unknown: Unknown | None
-) -> Iterator[str]:
-    """Lines on a programme: its tests, and whether they reach the goal."""
+) -> Iterator[str | pd.DataFrame]:
+    """A sentence and a frame on a programme: its tests, and whether they reach the goal."""
     goal, before = (_spread(value, unknown) for value in (planned.until, planned.before))
     yield f"tests until {_target(options)} is known to {goal}; today it is to {before}"
-    for number, test in enumerate(planned.tests, 1):
-        yield f"{number:4}{_in_a_line(test, unknown)}"
+    if planned.tests:
+        yield _measurements(planned.tests, unknown)
     count = counted(len(planned.tests), "test", "tests")
     if planned.is_reached:
         yield f"reached by {count}" if planned.tests else "reached already"
@@ -275,5 +309,6 @@ def _on_programme(
     yield f"not reached by {count}: {reason}"
     if not planned.others:
         yield "no other measurement alone takes away a tenth of what is left"
-    for one in planned.others:
-        yield f"  what does: to {_spread(one.spread, unknown):10}  {one.what}"
+        return
+    yield "what does, beside these tests:"
+    yield _measurements(planned.others, unknown)
