@@ -60,6 +60,7 @@ def simulate(
     >>> scene = tribo.critical_temperature_rig()
     >>> for state in tribo.simulate(scene, normal_load=10.0, velocity=0.065):
     ...     print(f"{state.normal_load:g} N after {state.time:g} s")
+    10 N after 1 s
     10 N after 61 s
     """
     for state in contacts(scene, normal_load, velocity, trunk, asked):

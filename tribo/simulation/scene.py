@@ -277,17 +277,21 @@ class Scene:
         """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
         All steps beyond a station on the trunk if a state depends on those before, else only the
-        last, and those whose indices are asked for.
+        last, that at which a hold begins, and those whose indices are asked for.
         """
         fidelity = self.fidelity
         stations = self.loading.stations(normal_load, fidelity.increments, after)
         if self.remembers_steps:
             yield from stations
             return
+        is_ramp, shown = isinstance(self.loading, Ramp), -1
         for station in stations:
-            if station.index in asked:
-                yield station
-        if station.index not in asked:
+            # Where a hold begins, too: how warm the bodies are depends on the load until then.
+            reaches = is_ramp and station.normal_load == normal_load and not station.holding
+            if station.index in asked or reaches:
+                yield replace(station, on_trunk=station.on_trunk and station.index in asked)
+                shown = station.index
+        if station.index != shown:
             yield replace(station, on_trunk=False)
 
     def trunk(self, normal_load: float) -> float:

@@ -131,3 +131,13 @@ def test_a_moment_knows_the_load_that_its_scene_had_before():
     plain, warm = (moment_of(scene, state, parts)["mean_rise"] for parts in (None, bulk))
     share = 1 - state.heat.pin_heat_share
     assert warm - plain == pytest.approx(share**2 * 0.065 * 605.0 / 100.0, rel=1e-3)
+
+
+def test_the_columns_of_a_hold_without_wear_know_the_load_before_it():
+    scene = tribo.critical_temperature_rig()
+    states = list(tribo.simulate(scene, normal_load=10.0, velocity=0.065))
+    bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
+    records = [{**tribo.measures(scene, state), **state.heat.columns} for state in states]
+    columns = {name: np.array([one[name] for one in records]) for name in records[0]}
+    expected = moment_of(scene, states[-1], bulk)["mean_rise"]
+    assert bulk.applied(columns)["mean_rise"][-1] == pytest.approx(expected, rel=1e-9)
