@@ -126,14 +126,14 @@ def _of_bodies(sound: Sound) -> Misfits:
     if periodic and shape and "length" not in sizes_of(shape):
         problem = f"true does not fit a {shape} pin; give false, or leave it out"
         yield "window.periodic_y", problem
-    shape, crown = sound("pin.shape", "pin.crown_radius")
-    has_crown = bool(shape) and "crown_radius" in sizes_of(shape)
-    if has_crown and crown is None:
-        problem = f'missing; a {shape} pin needs its radius across sliding, such as "100 mm"'
-        yield "pin.crown_radius", problem
-    if shape and not has_crown and crown is not None:
-        problem = f'{display(crown, "mm")} does not fit a {shape}; give shape = "crowned"'
-        yield "pin.crown_radius", problem
+    for size in dict.fromkeys(name for other in tribo.PINS for name in sizes_of(other)):
+        shape, value = sound("pin.shape", f"pin.{size}")
+        is_needed = bool(shape) and size in sizes_of(shape)
+        if is_needed and value is None:
+            yield f"pin.{size}", f"missing; a {shape} pin needs it"
+        if shape and not is_needed and value is not None:
+            shapes = " or ".join(f'"{other}"' for other in tribo.PINS if size in sizes_of(other))
+            yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
 
 
 def _of_motion(sound: Sound) -> Misfits:

@@ -276,7 +276,10 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ),
         (BALL_TABLE | {"window.periodic_y": True}, "window.periodic_y: true does not fit a ball"),
         (BALL_TABLE | {"pin.shape": "crowned"}, "pin.crown_radius: missing; a crowned pin needs"),
-        (CROWNED | {"pin.shape": "ball"}, "pin.crown_radius: 80 mm does not fit a ball; give"),
+        (
+            CROWNED | {"pin.shape": "ball"},
+            'does not fit a ball; leave it out, or give shape = "crowned"',
+        ),
         ({"wear.pattern": "swetp"}, '(did you mean "swept"?); give "local" or "swept"'),
         ({"wear.specific_wear_rate": "1 mm3/(N m)"}, 'powers as in "mm^3"'),
         ({"loading.hold": 4}, '4 has no unit; give a duration of at least 0, such as "4 s"'),
