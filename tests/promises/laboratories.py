@@ -225,7 +225,7 @@ def rows(count):
     """All parts, one after the other."""
     yield from (covered(4 * count, between) for between in (0.0, 0.02, 0.08))
     yield from (named(count, wrong) for wrong in ("", *WRONG))
-    yield named(count, HIGH, REFERENCE, 24)
+    yield named(count, HIGH, REFERENCE, 48)
     for kind in KINDS:
         yield from (promised(count, kind, tests) for tests in (4, 10, 20, 40))
 
