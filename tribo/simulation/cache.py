@@ -78,7 +78,9 @@ class ElasticBodies(NamedTuple):
 _bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
 _heights = Kept[Array | None](size_of=lambda _: 1, limit=1)  # of all the grids of a scene
 _spectra = Kept[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
-_contacts = Kept[State](size_of=lambda state: 4 * state.pressure.nbytes, limit=_MOST_BYTES)
+_contacts = Kept[State](
+    size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MOST_BYTES
+)
 
 
 def elastic_bodies(scene: Scene) -> ElasticBodies:

@@ -29,6 +29,7 @@ from tribo.simulation.cache import unworn_contact
 from tribo.simulation.fidelity import Fidelity
 from tribo.simulation.finer_grids import on_finest_grid
 from tribo.simulation.loading_step import advance, start
+from tribo.simulation.passing import at_positions
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
@@ -193,7 +194,10 @@ def _shown(
     if not after.pressure.any():
         return after
     finest = on_finest_grid(levels, before, after, station, velocity)
-    return replace(more_elements.instead_of(finest), is_asked=True)
+    shown = more_elements.instead_of(finest)
+    if shown is finest:  # others come with their own positions
+        shown = at_positions(levels[-1], before, shown, velocity)
+    return replace(shown, is_asked=True)
 
 
 def _unworn(

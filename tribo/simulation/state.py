@@ -14,6 +14,9 @@ from tribo.types import Array
 class Heat:
     """Temperature of the contact, per unit friction coefficient.
 
+    Where the disk passes a ball or crowned pin on few elements, all but the fields are means over
+    positions of the disk.
+
     Attributes
     ----------
     rise : ndarray, shape (nx, ny)
@@ -113,6 +116,9 @@ class State:
         Heat that has flowed so far, where the temperature depends on it.
     response_history : HeatHistory or None
         Heat that has flowed so far because of unequal bulk temperatures, where they are unequal.
+    passing : tuple of ndarray, each of shape (nx, ny)
+        Contact pressures with the disk at further positions [Pa], over which the temperature is a
+        mean; see `tribo.simulation.disk_positions`.
 
     Examples
     --------
@@ -143,3 +149,4 @@ class State:
     history: State | None = None
     heat_history: HeatHistory | None = None
     response_history: HeatHistory | None = None
+    passing: tuple[Array, ...] = ()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +46,35 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     >>> f"{0.1 * heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
     '13.8 K at friction 0.1'
     """
-    scene, contact = _on_elements_of(scene, state), state.pressure > 0
+    scene = _on_elements_of(scene, state)
+    passing = (replace(state, pressure=pressure) for pressure in state.passing)
+    return mean_heat([_present_heat(scene, one, velocity) for one in (state, *passing)])
+
+
+def mean_heat(heats: Sequence[Heat]) -> Heat:
+    """Temperature that is a mean over positions of the disk, with the fields of the first."""
+    first, *others = heats
+    if not others:
+        return first
+
+    def mean(name: str) -> Any:
+        return np.mean([getattr(one, name) for one in heats], axis=0)
+
+    return replace(
+        first,
+        max_rise=float(mean("max_rise")),
+        mean_rise=float(mean("mean_rise")),
+        pin_heat_share=float(mean("pin_heat_share")),
+        rise_quantile=mean("rise_quantile"),
+        iterations=sum(one.iterations for one in heats),
+        mean_bulk_response=float(mean("mean_bulk_response")),
+        bulk_rise_quantile=None if first.bulk_rise_quantile is None else mean("bulk_rise_quantile"),
+    )
+
+
+def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
+    """Temperature with the disk where the state's pressure has it."""
+    contact = state.pressure > 0
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
     if not scene.unequal_bulks:
         return summary

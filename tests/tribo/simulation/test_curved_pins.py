@@ -33,7 +33,7 @@ from tribo import (
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
 from tribo.simulation import disk_positions
-from tribo.simulation.disk_positions import parts
+from tribo.simulation.disk_positions import further_positions, parts
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -126,7 +126,8 @@ def test_the_rise_at_rest_is_that_of_the_elastic_ellipse():
 
 @pytest.mark.parametrize("preset", sorted({*PRESETS} - {"as-published"}))  # of a periodic y
 @pytest.mark.parametrize("pin", [Ball(5e-3, STEEL), Crowned(5e-3, 40e-3, STEEL)])
-def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
+def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin, monkeypatch):
+    monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 1)  # of the temperature
     scene = replace(ball(preset, pixels=64, side=10e-6, increments=3), pin=pin)
     volume = measures(scene, end(scene))["wear_volume"]
     assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
@@ -160,6 +161,39 @@ def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
     monkeypatch.setattr(disk_positions, "_IMPRINT", 1e-9)
     monkeypatch.setattr(disk_positions, "_MOST_PARTS", 24)
     assert rise == pytest.approx(hot(end(scene)), rel=0.01)
+
+
+def few_elements(increments, **fidelity):
+    """A rough ball on 220 elements, which the disk passes."""
+    return Scene(
+        pin=Ball(5e-3, STEEL),
+        disk=STEEL,
+        pixels=Grid((48, 48), (10e-6, 10e-6), (False, False)),
+        loading=Ramp(20.0, 40.0),
+        roughness=SelfAffineRoughness(0.3e-6, 0.8, (30e-6, 30e-6), 3),
+        wear=Wear(1e-14, "swept"),
+        fidelity=Fidelity(pixels_per_element=1, increments=increments, contact_tolerance=1e-2),
+    )
+
+
+def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps(monkeypatch):
+    """The temperature is a mean over positions of the disk; at one position it leaps."""
+    monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 40)
+    states = [end(few_elements(increments), 40.0) for increments in (4, 5)]
+    own = [np.quantile(s.heat.rise[s.pressure > 0], 0.9) for s in states]
+    assert hot(states[0]) == pytest.approx(hot(states[1]), rel=0.02)
+    assert own[0] != pytest.approx(own[1], rel=0.05)
+
+
+def test_the_positions_of_the_disk_are_the_same_on_larger_elements():
+    scene = few_elements(12)
+    shifts = further_positions(scene, 40.0)
+    assert len(shifts) == 99
+    larger = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=4))
+    assert further_positions(larger, 40.0) == [(x // 4, y // 4) for x, y in shifts]
+    assert further_positions(replace(scene, wear=Wear(1e-14, "local")), 40.0) == []
+    many = replace(scene, pixels=Grid((480, 480), (0.8e-6, 0.8e-6), (False, False)))
+    assert further_positions(many, 40.0) == []
 
 
 def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monkeypatch):

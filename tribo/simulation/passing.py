@@ -1,0 +1,45 @@
+"""Contacts and heat with the disk at further positions, where too few elements touch at one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tribo.simulation.disk_positions import Pass, further_positions
+from tribo.simulation.loading_step import solve_pass
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.simulation.temperature import heated_since, mean_heat
+from tribo.wear import Stage
+
+
+def at_positions(scene: Scene, before: State, state: State, velocity: float) -> State:
+    """The state with what its temperature is a mean over, at a velocity [m/s].
+
+    Its own pressure and wear stay those of the disk's own position. The state before has the
+    history of the heat, if the temperature depends on it.
+    """
+    stage, contacts = Stage(state.normal_load, 0.0, 0.0), []
+    for shift in further_positions(scene, state.normal_load):
+        contact, _ = solve_pass(
+            scene, state, Pass(stage, shift), None, state.wear_depth, state.pressure
+        )
+        contacts.append(contact)
+    if not contacts:
+        return state
+    iterations = sum(contact.iterations for contact in contacts)
+    passing = replace(
+        state,
+        passing=tuple(contact.pressure for contact in contacts),
+        iterations=state.iterations + iterations,
+        work=state.work + iterations * state.pressure.size,
+        residual=max(state.residual, *(contact.residual for contact in contacts)),
+        history=state.history or state,
+    )
+    if state.heat is None:
+        return passing
+    others = (
+        heated_since(scene, before, replace(state, pressure=pressure), velocity).heat
+        for pressure in passing.passing
+    )
+    heat = mean_heat([state.heat, *(other for other in others if other)])
+    return replace(passing, heat=heat, passing=())
