@@ -28,6 +28,7 @@ from tribo.loading import Station
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.fidelity import Fidelity
 from tribo.simulation.finer_grids import on_finest_grid
+from tribo.simulation.implicit_end import ended
 from tribo.simulation.loading_step import advance, start
 from tribo.simulation.passing import at_positions
 from tribo.simulation.scene import Scene
@@ -179,7 +180,11 @@ def leads_to(scene: Scene, state: State, normal_load: float) -> bool:
 
 def _advanced(levels: tuple[Scene, ...], before: State, station: Station, velocity: float) -> State:
     """State at a station from which the ramp goes on, on the grid of the history."""
-    return advance(levels[0], before, station, velocity, observed=len(levels) == 1)
+    after = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
+    if not levels[0].remembers_heat:
+        return after
+    # The heat of all steps acts on the last, and so each has to know its own pressure.
+    return replace(ended(levels[0], before, after, station, velocity), history=None)
 
 
 def _shown(
