@@ -164,7 +164,7 @@ class Tally:
         done, failed = (int(np.count_nonzero(flags[asked] == flag)) for flag in (DONE, FAILED))
         pending = asked & (flags != DONE) & (flags != FAILED) & np.isnan(self._durations)
         time_to_go = None
-        if self._connection and pending.any() and np.isfinite(self._durations).any():
+        if self._connection and np.isfinite(self._durations).any():
             time_to_go = self._time_to_go(pending, self._connection)
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
@@ -172,7 +172,7 @@ class Tally:
     def _time_to_go(self, pending: Mask, link: Connection) -> float:
         """Time of pending points on all workers, or of the longest chain of them on one [s]."""
         expected, slowness = self._expected()[pending], self._slowness(link)
-        longest = np.bincount(self._chains[pending], expected).max()
+        longest = np.bincount(self._chains[pending], expected).max(initial=0.0)
         return slowness * float(max(expected.sum() / link.workers, longest))
 
     def _expected(self) -> Array:

@@ -43,7 +43,7 @@ class Certificate:
     >>> rows = (400.0, 500.0), (2.0, 1.8), (2.04, 1.8), (0.01, 0.01)
     >>> certificate = Certificate(*rows, (0.1, 0.5), (0.2, -1.5), (3.29, 3.29))
     >>> print(certificate)
-    2 boundaries of random inputs found directly: the emulator's are 1.4 % off, its 90 % hold 1
+    2 boundaries were found directly: the emulator's are 1.4 % off, its 90 % bands hold 1
     >>> print(certificate.factors(np.array([0.5, 1.0])))
     [0.9118541 2.       ]
     """
@@ -89,7 +89,7 @@ class Certificate:
 
     def __str__(self) -> str:
         return (
-            f"{len(self.found)} boundaries of random inputs found directly: the emulator's are "
+            f"{len(self.found)} boundaries were found directly: the emulator's are "
             f"{100 * self.error:.2g} % off, its 90 % bands hold {self.held}"
         )
 

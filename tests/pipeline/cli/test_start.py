@@ -60,7 +60,7 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
 
 def test_help_names_every_preset(irg):
     said = "".join(irg("run", "--help").split())  # lines break after the hyphen of a name, too
-    assert f"fidelityinplaceofthescene'sown:{','.join(tribo.PRESETS)}--set" in said
+    assert f"presetofthenumericalchoices:{','.join(tribo.PRESETS)}--set" in said
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=[command.name for command in COMMANDS])

@@ -164,7 +164,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
         (("risk", "--load", "500 N"), "--load and --velocity is given; give both or neither"),
         (
             ("boundary", "--given-measured", "--friction", "0.2"),
-            "by --given-measured: leave out --friction",
+            "drawn: leave out --friction",
         ),
         (("risk", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
         (("plot", "--kind", "ramp"), "no plane of velocities and loads"),

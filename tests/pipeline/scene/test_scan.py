@@ -97,5 +97,5 @@ def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, irg):
     np.save(tmp_path / "scan.npy", 1e-7 * ndimage.gaussian_filter(noise, 3, mode="wrap"))
     options = ["--height-unit", "m", "--pixel-size", "0.8 um"]
     printed = irg("surface", tmp_path / "scan.npy", *options)
-    assert "give the scan itself" in printed
+    assert "use the scan itself" in printed
     assert "[disk.roughness]" not in printed
