@@ -29,7 +29,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.unknown import Unknown
-from pipeline.sweep.variants import PLACE
+from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 
 _STATES = {DONE: "done", FAILED: "failed"}
@@ -192,7 +192,7 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
     rows, alike = [], 0
     for place in sorted(
         {**states[0], **states[1]},
-        key=lambda place: (*place[:2], -1 if place[2] is None else place[2]),
+        key=lambda place: (*place[:2], isinstance(place[2], str), place[2] or 0),
     ):
         (of_a, rise_a), (of_b, rise_b) = (state.get(place, ("absent", np.nan)) for state in states)
         if of_a == of_b == "done" and rise_a == rise_b:
@@ -205,17 +205,20 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
 
 def _states(
     ds: xr.Dataset, has_seeds: bool
-) -> Iterator[tuple[tuple[float, float, int | None], tuple[str, float]]]:
+) -> Iterator[tuple[tuple[float, float, int | str | None], tuple[str, float]]]:
     """Place of each point that is done, failed or asked for; its state and highest rise [K]."""
     roughness = attributes_of(ds)["scene"].get("roughness") or {}
     seed = roughness.get("seed") if has_seeds else None
     rise = end_of_point(ds[["time", "max_rise"]])["max_rise"]
     in_front = [str(name) for name in ds["status"].dims if name not in PLANE]
-    axis = next((name for name in (PLACE, *in_front) if name in ds.coords), None)
+    if PLACE in ds.coords:
+        in_front[in_front.index(VARIANT)] = PLACE
     points = xr.Dataset({"status": ds["status"], "asked": asked(ds), "rise": rise})
     for point in points.to_dataframe().reset_index().to_dict("records"):
         if point["status"] or point["asked"]:
-            place = point["load"], point["velocity"], point[axis] if axis else seed
+            labels = [point[name] for name in in_front] or [seed]
+            row = labels[0] if len(labels) == 1 else ", ".join(map(str, labels))
+            place = point["load"], point["velocity"], row
             yield place, (_STATES.get(point["status"], "pending"), point["rise"])
 
 

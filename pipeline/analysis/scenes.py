@@ -23,6 +23,7 @@ from pipeline.analysis.tables import frame_of
 from pipeline.scene.quantities import display
 from pipeline.scene.units import to_si
 from pipeline.store.place import PathLike
+from pipeline.store.schema import PLANE
 from tribo import InputError
 
 Given = ParamSpec("Given")
@@ -81,6 +82,7 @@ def taken(
     columns = {*entry_dims(ds), *(attributes_of(ds).get("entries") or ())}
     places = {path: _place(ds[path], values[path]) for path in values if path in columns}
     ds = ds.isel({path: place for path, place in places.items() if path in ds.dims})
+    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # of a row of pairs
     return dataset_of(ds), {path: value for path, value in values.items() if path not in columns}
 
 

@@ -135,3 +135,11 @@ def test_what_needs_a_plane_is_refused_in_a_line(stores, tmp_path, irg):
     ):
         assert "take pairs row by row" in irg(*command, code=2)
     assert "leave out log" in irg("plot", stores["alone"], "--log", code=2)
+
+
+def test_one_row_of_pairs_is_a_plane_of_one_point(stores, tmp_path, irg):
+    ramp = ("plot", stores["alone"], "--kind", "ramp", "-o", tmp_path / "ramp.png")
+    assert "ramp.png" in irg(*ramp, "--at", "variant=1")
+    row = pipeline.at_entries(stores["alone"], {"variant": 1})
+    (margin,) = pipeline.margins(row, 300.0, 1.0)
+    assert margin.distance == pipeline.margins(stores["alone"])[1].distance
