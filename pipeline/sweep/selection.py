@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from tribo import PRESETS, Fidelity
@@ -25,6 +25,10 @@ def velocity_error(attributes: Mapping[str, Any]) -> float | None:
     --------
     >>> velocity_error({"preset": "draft"}), velocity_error({"preset": None})
     (0.08, None)
+
+    >>> changed = {"heat_model": "history", "history_coarsening": 1}
+    >>> velocity_error({"scene": {"fidelity": asdict(PRESETS["draft"]) | changed}})
+    0.08
     """
     if selection := attributes.get("selection"):
         return float(max(selection["error"], selection.get("coarser") or 0.0))
@@ -37,8 +41,10 @@ def _preset_of(attributes: Mapping[str, Any]) -> str | None:
     fidelity = dict((attributes.get("scene") or {}).get("fidelity") or {})
     fidelity.pop("type", None)  # which the hash of the scene has
     kept = {name: fidelity[name] for name in KEPT_FIELDS if name in fidelity}
+    if kept.get("heat_model") == "history":  # which needs every step on the scene's own grid
+        kept["history_coarsening"] = 1
     for name in PRESET_BOUNDS:
-        if asdict(replace(PRESETS[name], **kept)) == fidelity:
+        if asdict(PRESETS[name]) | kept == fidelity:
             return name
     return None
 
