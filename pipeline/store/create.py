@@ -261,6 +261,7 @@ def replace_by_larger(
     _copy(store, arrays_of(beside, metadata, read_only=False), attributes["axes"], beside.path)
     beside.put({ROOT: root_document(attributes, metadata)})
     sync(path.parent)
+    store.require_lock()  # whoever holds another one has removed some of what was made beside
     path.rename(smaller(path))
     try:
         beside.path.rename(path)

@@ -218,7 +218,7 @@ class Store:
         for index, status in statuses.items():
             flags[index], changed[index] = status, True
         self._put_marks("status", flags, changed)
-        self._require_lock()  # a driver that came meanwhile may have read the statuses before
+        self.require_lock()  # a driver that came meanwhile may have read the statuses before
         self.flags = flags
 
     def _put(self, place: tuple[str, _Index], values: Mapping[_Index, Any]) -> None:
@@ -244,11 +244,12 @@ class Store:
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
-        self._require_lock()
+        self.require_lock()
         with writes(self.place, _ADVICE):
             yield
 
-    def _require_lock(self) -> None:
+    def require_lock(self) -> None:
+        """Raise a `StoreError` if the lock of this process is no longer that of the store."""
         with writes(self.place, _ADVICE):
             is_lost = self.lock is not None and not self.lock.is_in_place()
         if is_lost:

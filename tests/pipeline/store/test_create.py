@@ -220,6 +220,26 @@ def test_a_store_grown_in_any_order_has_each_point_as_computed(tmp_path_factory,
     assert verify_store(path).is_clean
 
 
+def test_a_growth_whose_lock_was_replaced_meanwhile_leaves_the_store_as_it_was(
+    tmp_path, monkeypatch
+):
+    path, copy = tmp_path / "out.zarr", create._copy
+    make(path, tiny.sweep(velocities=(0.5, 1.5)))
+
+    def beside_another(*arguments):
+        copy(*arguments)
+        shutil.rmtree(create.larger(path))  # as whoever holds the new lock does
+        (path / "status" / "lock").unlink()
+        (path / "status" / "lock").touch()
+
+    monkeypatch.setattr(create, "_copy", beside_another)
+    with pytest.raises(StoreError, match=r"its lock .* was deleted or replaced"):
+        make(path, tiny.sweep(velocities=(0.5, 1.0, 1.5)))
+    monkeypatch.undo()
+    assert verify_store(path).is_clean
+    assert open_sweep(path)["velocity"].values.tolist() == [0.5, 1.5]
+
+
 @pytest.mark.parametrize("files", [*range(0, 48, 16), 10**6])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
     commit(path, SWEEP, [POINT])
