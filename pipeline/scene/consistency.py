@@ -141,7 +141,11 @@ def _of_motion(sound: Sound) -> Misfits:
     both = "motion.slide_roll_ratio", "motion.entrainment_velocity"
     ratio, entrainment = sound(*both)
     if ratio is not None and entrainment is not None:
-        yield both[0], f"{ratio:g} stands beside an entrainment_velocity; give one of them", both[1]
+        problem = (
+            f"{ratio:g} stands beside an entrainment_velocity; give one of them, with the other in "
+            'without, such as --set "without=motion.slide_roll_ratio"'
+        )
+        yield both[0], problem, both[1]
     elif motion is not None:
         try:
             tribo.Motion(**motion)
