@@ -26,8 +26,8 @@ from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import FRICTION
 from tribo.types import Array
 
-SCATTER = Unknown("friction.scatter", "log-normal", (0.01, 5.0))
-"""Standard deviation of ln(friction) between tests: 0.2 to 5 % on two rigs of three."""
+SCATTER = Unknown("friction.scatter", "log-normal", (0.02, 3.0))
+"""Standard deviation of ln(friction) between tests: nothing to more than 10 %."""
 OTHER = "friction.rig"
 """Path of a rig's own friction, where it is not that of the scene."""
 _LEAST = 1e-3  # friction
