@@ -88,7 +88,7 @@ def test_the_walk_from_a_scan_to_a_boundary_leads_there(folder, monkeypatch, cap
         few = ["--set", 'sweep.loads=["400 N"]', "--workers", "1"] if " run " in command else []
         assert main([*shlex.split(command)[1:], *few]) == 0
     printed = capsys.readouterr().out
-    assert "surface  measured" in printed
+    assert "surface measured" in " ".join(printed.split())
     assert "400 N" in printed
 
 
