@@ -163,7 +163,7 @@ def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
     assert rise == pytest.approx(hot(end(scene)), rel=0.01)
 
 
-def few_elements(increments, **fidelity):
+def few_elements(increments):
     """A rough ball on 220 elements, which the disk passes."""
     return Scene(
         pin=Ball(5e-3, STEEL),
