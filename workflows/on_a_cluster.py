@@ -2,9 +2,11 @@
 
 ``pip install dask-jobqueue``, then
 ``python on_a_cluster.py scene.toml results/scene.zarr --jobs 50 --walltime "2 h" --dry-run``
+What else a site needs stands in ``~/.config/dask/jobqueue.yaml``: interface, directives, prologue.
 """
 
 import argparse
+import shutil
 import subprocess
 import sys
 import threading
@@ -15,6 +17,7 @@ from dask_jobqueue import SLURMCluster
 from distributed import Client, Status
 
 import pipeline
+from tribo import TriboError
 
 parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
 parser.add_argument("scene")
@@ -23,10 +26,8 @@ parser.add_argument("--jobs", type=int, default=10, help="at a time")
 parser.add_argument("--cores", type=int, default=1, help="workers of a job, one a core")
 parser.add_argument("--memory", default="2 GB", help="of a job")
 parser.add_argument("--walltime", default="1 h", help="longer than any point takes")
-for name in ("--queue", "--account", "--interface"):
-    parser.add_argument(name)
-for name in ("--directive", "--prologue"):
-    parser.add_argument(name, action="append", default=[], help="line of the job script, after =")
+parser.add_argument("--queue")
+parser.add_argument("--account")
 parser.add_argument("--dry-run", action="store_true", help="print the script of a job")
 
 
@@ -38,10 +39,9 @@ def cluster_of(options):
     # Workers retire before their job ends, each at another time, and hand on what they hold.
     lifetime = ["--lifetime", f"{0.8 * seconds}s", "--lifetime-stagger", f"{0.1 * seconds}s"]
     return SLURMCluster(
-        queue=options.queue, account=options.account, interface=options.interface,
-        cores=options.cores, processes=options.cores, memory=options.memory,
+        queue=options.queue, account=options.account, memory=options.memory,
+        cores=options.cores, processes=options.cores,
         walltime=f"{seconds // 60}:{seconds % 60:02}", worker_extra_args=lifetime,
-        job_extra_directives=options.directive, job_script_prologue=options.prologue,
         security=True, protocol="tls://", shared_temp_directory=logs, log_directory=logs,
         death_timeout=120,  # [s] after which workers end whose driver is gone
     )  # fmt: skip
@@ -58,15 +58,23 @@ def keep_up(cluster, jobs):
         time.sleep(15.0)
 
 
-if __name__ == "__main__":
-    options = parser.parse_args()
+def main(options):
+    sweep = pipeline.load_scene(options.scene)
+    if not options.dry_run and not shutil.which("sbatch"):
+        return "on_a_cluster.py: there is no Slurm here, no sbatch; --dry-run prints the job script"
     with cluster_of(options) as cluster, Client(cluster) as client:
         if options.dry_run:
-            print(cluster.job_script())
-            sys.exit()
+            return print(cluster.job_script())
         threading.Thread(target=keep_up, args=(cluster, options.jobs), daemon=True).start()
         patience = 30 * 86400.0  # [s] that jobs may wait in the queue while there is no worker
         told = {"progress": print, "tell": print, "patience": patience}
-        outcome = pipeline.run_sweep(options.scene, options.store, client=client, **told)
+        outcome = pipeline.run_sweep(sweep, options.store, client=client, **told)
     print(f"{outcome.done} of {outcome.total} points done", *outcome.failed, sep="\n")
-    sys.exit(bool(outcome.failed))
+    return bool(outcome.failed)
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(parser.parse_args()))
+    except TriboError as error:
+        sys.exit(f"on_a_cluster.py: {error}")

@@ -44,6 +44,7 @@ from pipeline.run.source import (
     Tell,
     unheard,
 )
+from pipeline.sweep.stages import duration
 
 Versions = Mapping[str, str]
 
@@ -307,10 +308,10 @@ def threads_of(connection: Connection) -> Counter[str]:
             return threads
         if waited >= patience:
             raise ExecutionError(
-                f"there is no Dask worker, and none has come within {patience:g} s; {SAFE}"
+                f"there is no Dask worker, and none has come within {duration(patience)}; {SAFE}"
             )
         if waited >= min(_WORD, patience / 2) and not is_told:
-            connection.tell(f"there is no Dask worker; waiting up to {patience:g} s for one")
+            connection.tell(f"there is no Dask worker; waiting up to {duration(patience)} for one")
             is_told = True
         time.sleep(0.1)
 

@@ -62,12 +62,16 @@ class Driver:
     def __init__(self, path, velocities, walltime="2 h"):
         self.path = path
         scene = scene_of(path.parent, velocities)
-        options = ["--jobs", str(_JOBS), "--walltime", walltime, "--interface", "lo"]
+        options = ["--jobs", str(_JOBS), "--walltime", walltime]
         with path.with_suffix(".err").open("a") as err:
             self.process = subprocess.Popen(
                 [sys.executable, _RECIPE, scene, path, *options],
                 cwd=path.parent,
-                env={**os.environ, "PYTHONPATH": str(ROOT)},
+                env={
+                    **os.environ,
+                    "PYTHONPATH": str(ROOT),
+                    "DASK_JOBQUEUE__SLURM__INTERFACE": "lo",
+                },
                 stdout=err,
                 stderr=err,
                 start_new_session=True,
