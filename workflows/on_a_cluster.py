@@ -59,6 +59,7 @@ def keep_up(cluster, jobs):
 
 
 def main(options):
+    """Compute the sweep; return what the shell is told."""
     sweep = pipeline.load_scene(options.scene)
     if not options.dry_run and not shutil.which("sbatch"):
         return "on_a_cluster.py: there is no Slurm here, no sbatch; --dry-run prints the job script"
