@@ -20,7 +20,6 @@ from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import COMMANDS, parse
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.logs import Log, entries_of_log, read_log
-from pipeline.scene.reference import write_schema
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from pipeline.scene.trace import Trace, read_trace
 from tribo import InputError
@@ -35,16 +34,12 @@ _SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"
 
 
 def new(options: argparse.Namespace) -> Result:
-    """Write a scene to start from or the schema of scenes, or list those that are shipped."""
+    """Write a scene to start from, or list those that are shipped."""
     if options.list:
         titles = {
             name: pipeline.load_scene(path).about.title for name, path in shipped_scenes().items()
         }
         return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
-    if options.schema is not None:
-        schema = write_schema(options.schema)
-        use = f"editors use it in a scene beside it with the first line: #:schema ./{schema.name}"
-        return Result({"file": str(schema)}, [f"{schema} is written", use])
     if options.file is None:
         raise InputError("no file is named; give one to write, such as: irg new scene.toml")
     scene, *copies = pipeline.new_scene(options.file, options.like, options.full)

@@ -127,11 +127,6 @@ OF_NEW = (
         (
             Option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write"),
             LIST.but(help="list the shipped scenes"),
-            Option(
-                "--schema", metavar="FILE.json", type=Path,
-                help="write a JSON schema of the format instead, with which editors complete "
-                "scenes",
-            ),
         ),
     ),
     _flag("--full", "explain every entry, and add unused ones as comments"),

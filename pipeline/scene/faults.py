@@ -92,23 +92,6 @@ def unwritable(path: Path, error: OSError) -> InputError:
     return InputError(f"{path} cannot be written: {reason}")
 
 
-def write_new(path: Path, text: str) -> None:
-    """Write a file that must not exist yet.
-
-    Raises
-    ------
-    InputError
-        If it exists, or cannot be written.
-    """
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError as error:
-        raise InputError(f"{path} exists already; give another name, or remove it") from error
-    except OSError as error:
-        raise unwritable(path, error) from error
-
-
 def quoted(value: object) -> str:
     """Value on one line, roughly as written in the file."""
     if isinstance(value, dict):

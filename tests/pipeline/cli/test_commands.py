@@ -267,7 +267,7 @@ def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, argume
         (["plot", "out.zarr", "--kind", "portrait"], "diagram"),
         (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], 'a point: "60.5 degC"'),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
-        (["new", "scene.toml", "--schema", "scene.json"], "not allowed with"),
+        (["new", "scene.toml", "--list"], "not allowed with"),
         (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
     ],
