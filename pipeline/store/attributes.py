@@ -24,6 +24,7 @@ from pipeline.sweep.stations import Stations
 from pipeline.sweep.surface import surface_facts
 from pipeline.sweep.variants import Variant, Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES, Scene
+from tribo.errors import shortened
 
 
 def describe(sweep: Sweep, name: Variant | None = None) -> dict[str, Any]:
@@ -129,7 +130,9 @@ def _plain(value: Any) -> Any:
 
 
 def _short(value: Any) -> str:
-    return "a " + value["type"] if isinstance(value, Mapping) and "type" in value else repr(value)
+    if isinstance(value, Mapping) and "type" in value:
+        return f"a {value['type']}"
+    return shortened(repr(value))
 
 
 _OPTIONAL = (

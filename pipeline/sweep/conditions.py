@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError
-from tribo import BULK_RATIOS, Corrections, Criterion, InputError
+from tribo import BULK_RATIOS, Corrections, Criterion, InputError, MeasuredLoad, Ramp
 
 _BULKS = ("bulk_temperature", "disk_temperature")
 _NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
@@ -169,6 +169,13 @@ class Conditions:
             return self
         corrections = self.corrections and replace(self.corrections, friction=())
         return replace(self, friction=friction, corrections=corrections)
+
+    def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
+        """The conditions with corrections that know the course of a loading."""
+        course = loading.course if isinstance(loading, MeasuredLoad) else ()
+        if self.corrections is None or self.corrections.course == course:
+            return self
+        return replace(self, corrections=replace(self.corrections, course=course))
 
     def known_critical_temperature(self) -> float:
         """Critical temperature [K]; an `InputError` if it is not known."""

@@ -144,6 +144,7 @@ class Sweep:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_leads", None)  # which are found when they are asked for
+        object.__setattr__(self, "conditions", self.conditions.under(self.scene.loading))
         if self.variants.columns:
             self.variant(self.variants.names[0])  # refuses what the scene does not have
         if self.record.steps == "loads" and (fault := self._fault_of_loads()):

@@ -29,6 +29,7 @@ _EVEN = (
 )
 _FITTED = (0.1, 0.9)  # of the reference load: the part of the rise that has no rounded ends
 _MOST_ROWS = 1_000_000  # of a file
+_MOST_OF_COURSE = 500  # points, so that a store holds them in some 20 kB
 _UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
 
 
@@ -129,20 +130,38 @@ class MeasuredLoad:
         require_positive(normal_load=normal_load)
         if after != 0:
             raise InputError(f"cannot go on from {after:g} N: points of a record share no trunk")
-        begin, end = float(self.times[0]), self.time_at(1.0)
-        scale = normal_load / self.peak
-        number = np.arange(1, increments + 1)
-        if (pace := _pace(self)) is None:
-            times = (end - begin) * number / increments
-        else:
-            times = np.interp(number / increments, *pace) - begin
-            times[-1] = end - begin
+        begin, scale = float(self.times[0]), normal_load / self.peak
+        times = self._cut(increments)
         loads = scale * np.maximum(0.0, np.interp(begin + times, self.times, self.loads))
         loads[-1] = normal_load
         impulses = scale * self._impulses(begin + times)
         for index in range(increments):
             load, time, impulse = (float(of[index]) for of in (loads, times, impulses))
             yield Station(load, time, on_trunk=False, index=index + 1, impulse=impulse)
+
+    @property
+    def course(self) -> tuple[tuple[float, float], ...]:
+        """Times from the record's first row [s], and the load then over that at the end.
+
+        These are its rows up to there. A longer record is cut as for 500 steps, of which each has
+        its mean load in its middle.
+
+        Examples
+        --------
+        >>> MeasuredLoad(np.array([2.0, 3.0, 5.0]), np.array([0.0, 80.0, 100.0])).course
+        ((0.0, 0.0), (1.0, 0.8), (3.0, 1.0))
+        """
+        return _course(self)
+
+    def _cut(self, number: int) -> Array:
+        """Ends of so many steps, from the record's first row on [s]."""
+        begin, end = float(self.times[0]), self.time_at(1.0)
+        shares = np.arange(1, number + 1) / number
+        if (pace := _pace(self)) is None:
+            return (end - begin) * shares
+        times: Array = np.interp(shares, *pace) - begin
+        times[-1] = end - begin
+        return times
 
     def _impulses(self, moments: Array) -> Array:
         """Integral of the record's load from its first row to each of the moments [N s]."""
@@ -179,6 +198,20 @@ class MeasuredLoad:
     def ramp(self) -> Ramp:
         """The ramp of the linear fit up to the peak."""
         return Ramp(self.linear_fit()[0], self.peak)
+
+
+@functools.lru_cache(maxsize=4)  # each scene of a sweep asks for it
+def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
+    """See `MeasuredLoad.course`."""
+    begin, end = float(record.times[0]), record.time_at(1.0)
+    rows = record.times < end
+    times, loads = record.times[rows] - begin, np.maximum(0.0, record.loads[rows])
+    if len(times) > _MOST_OF_COURSE:
+        edges = np.append(0.0, record._cut(_MOST_OF_COURSE))
+        times = (edges[1:] + edges[:-1]) / 2
+        loads = np.diff(record._impulses(begin + edges)) / np.diff(edges)
+    shares = (loads / record.peak).tolist()
+    return (*zip(times.tolist(), shares, strict=True), (end - begin, 1.0))
 
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point

@@ -22,6 +22,7 @@ import numpy as np
 import scipy  # parts of it are loaded where they are used
 
 from tribo.errors import InputError, require_positive
+from tribo.loading import MeasuredLoad
 from tribo.material import Material
 from tribo.simulation.motion import Motion
 from tribo.simulation.pins import Pin
@@ -106,6 +107,9 @@ class Corrections:
         starts.
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
+    course : tuple of tuple of float
+        Course of a recorded load, `tribo.MeasuredLoad.course`; empty for a ramp, whose load is
+        linear between the steps that are known.
 
     Examples
     --------
@@ -122,6 +126,7 @@ class Corrections:
     pin_bulk: Bulk | None = None
     disk_bulk: Bulk | None = None
     motion: Motion | None = None
+    course: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         velocities = [velocity for velocity, _ in self.friction]
@@ -142,6 +147,7 @@ class Corrections:
         parts = {name: kind(**plain[name]) for name, kind in _PARTS.items() if plain.get(name)}
         return cls(
             friction=tuple((v, factor) for v, factor in plain.get("friction", ())),
+            course=tuple((time, share) for time, share in plain.get("course", ())),
             film_resistance=plain.get("film_resistance", 0.0),
             **parts,
         )
@@ -188,11 +194,13 @@ class Corrections:
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
-        if self == replace(_NOTHING, friction=self.friction) or not heats.any():
+        friction_alone = replace(_NOTHING, friction=self.friction, course=self.course)
+        if self == friction_alone or not heats.any():
             return np.zeros_like(rise)
         theta, F, t = rise[heats], load[heats], time[heats]
         share, V = columns["pin_heat_share"][heats], columns["sliding_distance"][heats] / t
-        moments = [_Moment.of(columns, place) for place in np.argwhere(heats).tolist()]
+        course = np.array(self.course).T
+        moments = [_Moment.of(columns, place, course) for place in np.argwhere(heats).tolist()]
         speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
         resistances = (
             (self.stem.resistance_after(t) if self.stem else 0.0)
@@ -271,6 +279,8 @@ def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Ma
     columns = state.heat.columns
     if corrections is None:
         return columns
+    if isinstance(scene.loading, MeasuredLoad):
+        corrections = replace(corrections, course=scene.loading.course)
     record = {**measures(scene, state), **columns}
     stations = stations_so_far(scene, state)[:-1]  # and last, this moment
     steps = {
@@ -285,17 +295,31 @@ def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Ma
 class _Moment(NamedTuple):
     """A step of a point, and the load until then."""
 
-    times: Array  # s, that are known, ascending
+    times: Array  # s, ascending
     loads: Array  # N
     contact_width: float  # m
 
     @classmethod
-    def of(cls, columns: Mapping[str, Any], place: Sequence[int]) -> Self:
-        """The moment at a place of some columns, whose steps are last."""
+    def of(cls, columns: Mapping[str, Any], place: Sequence[int], course: Array) -> Self:
+        """The moment at a place of some columns, whose steps are last.
+
+        The load before is linear between the steps that are known, or has a course; its shares
+        belong to the load at the last step.
+        """
         *before, now = place
-        times, loads = (columns[name][*before][: now + 1] for name in ("time", "normal_load"))
-        known = np.isfinite(times)
-        return cls(times[known], loads[known], float(columns["contact_width"][*before][now]))
+        times, loads = (columns[name][*before] for name in ("time", "normal_load"))
+        width = float(columns["contact_width"][*before][now])
+        if not course.size:
+            known = np.isfinite(times[: now + 1])
+            return cls(times[: now + 1][known], loads[: now + 1][known], width)
+        since, shares = course
+        peak = loads[-1] / np.interp(times[-1], since, shares)
+        earlier = since < times[now]
+        return cls(
+            np.append(since[earlier], times[now]),
+            np.append(peak * shares[earlier], loads[now]),
+            width,
+        )
 
 
 def _of_turns(track: Track | None, moments: Sequence[_Moment], speeds: Array) -> Array | float:

@@ -10,7 +10,7 @@ import scipy
 from tribo.types import Array
 
 _SINGLE = 400  # passes that are summed one by one; of all earlier ones an integral is taken
-_NODES = 60
+_PANEL, _NODES = 2.0, 5  # ratio of the ages at the ends of a panel, and nodes in each
 
 
 def track_warming(
@@ -58,12 +58,13 @@ def track_warming(
 
     warming = float(left(np.arange(1.0, min(count, _SINGLE) + 1)).sum())
     if count > _SINGLE:
+        first, last = _SINGLE + 0.5, count + 0.5
+        # In panels that end where the load bends, and have much the same age throughout.
+        bends = (time - loads[0]) / round_trip
+        even = np.geomspace(first, last, 2 + math.ceil(math.log(last / first) / math.log(_PANEL)))
+        ends = np.union1d(even, bends[(bends > first) & (bends < last)])
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        low, high = math.log(_SINGLE + 0.5), math.log(count + 0.5)
-        passed = np.exp(low + (high - low) * (nodes + 1) / 2)
-        warming += (
-            float((weights * left(np.minimum(passed, time / round_trip)) * passed).sum())
-            * (high - low)
-            / 2
-        )
+        halves = np.diff(ends)[:, None] / 2
+        passed = np.minimum(ends[:-1, None] + halves * (nodes + 1), time / round_trip)
+        warming += float((halves * weights * left(passed)).sum())
     return warming

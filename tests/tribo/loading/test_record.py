@@ -207,3 +207,21 @@ def test_records_that_cannot_be_read_are_named(tmp_path, monkeypatch):
     monkeypatch.setattr("tribo.loading.record._MOST_ROWS", 10)
     with pytest.raises(InputError, match="line 12: more than 10 rows"):
         read_load(path)
+
+
+def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():
+    """An hour of readings at 10 Hz with noise, idle for 59 min and loaded in the last second."""
+    times = np.arange(0.0, 3600.05, 0.1)
+    noise = np.random.default_rng(1).normal(0.0, 2.0, len(times))
+    loads = np.interp(times, [0, 60, 61, 3599, 3600], [0.0, 300.0, 20.0, 20.0, 600.0]) + noise
+    loads[-1] = 620.0
+    record = MeasuredLoad(times, loads)
+    since, shares = np.array(record.course).T
+    assert len(since) <= 501
+    assert (since[-1], shares[-1]) == (3600.0, 1.0)
+    *_, last = record.stations(620.0, increments=10)
+    assert np.trapezoid(620.0 * shares, since) == pytest.approx(last.impulse, rel=2e-3)
+    late = np.linspace(3598.0, 3599.9, 39)
+    np.testing.assert_allclose(
+        620 * np.interp(late, since, shares), np.interp(late, times, loads), atol=25.0
+    )

@@ -44,3 +44,16 @@ def test_many_passes_are_summed_as_few():
 
 def test_before_the_first_round_the_track_is_cold():
     assert track_warming(0.1, 0.2, STEADY, 1e-3, DIFFUSIVITY, CAPACITY) == 0
+
+
+def test_many_passes_of_a_load_that_comes_and_goes_are_summed_as_few():
+    """A load that is on for 10 s of 20, for an hour on a disc of ten turns a second."""
+    times = np.sort(np.concatenate([np.arange(0, 3600, 10.0), np.arange(0, 3600, 10.0) + 1e-3]))
+    loads = times, np.where(np.floor((times + 9.999) / 10) % 2 > 0, 100.0, 0.0)
+    age = np.arange(1, 36001) * 0.1
+    left = np.interp(3600.0 - age, *loads) * scipy.special.erf(
+        3.4e-3 / (4 * np.sqrt(DIFFUSIVITY * age))
+    )
+    one_by_one = (left / (3.4e-3 * CAPACITY * np.sqrt(np.pi * DIFFUSIVITY * age))).sum()
+    warming = track_warming(3600.0, 0.1, loads, 3.4e-3, DIFFUSIVITY, CAPACITY)
+    assert warming == pytest.approx(one_by_one, rel=1e-3)

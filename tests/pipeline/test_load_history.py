@@ -1,0 +1,88 @@
+"""Heat that stays in the bodies depends on all of the load before, whatever a store keeps of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+import tribo
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import momentary_rise
+from pipeline.sweep.plan import run_point
+from tests.helpers import tiny
+from tests.pipeline.conftest import commit_all
+
+PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
+TRACK = tribo.Track.under(PIN, STEEL, 0.3)
+STAYS = tribo.Corrections(
+    track=TRACK, pin_bulk=tribo.Bulk(3.0, 0.5), disk_bulk=tribo.Bulk(50.0, 2.0)
+)
+ROLLING = tribo.Motion(slide_roll_ratio=0.5, track_length=0.3)
+TIMES = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 11.0, 20.0, 21.0])
+LOADS = np.array([0.0, 500.0, 500.0, 100.0, 100.0, 0.0, 400.0, 750.0])
+RECORD = tribo.MeasuredLoad(TIMES, LOADS)
+LOADINGS = {
+    "ramp": tribo.Ramp(150.0, 750.0),
+    "hold": tribo.Ramp(150.0, 750.0, hold=20.0),
+    "record": RECORD,
+}
+LOAD, VELOCITY = 600.0, 1.0
+
+
+def sweep_of(loading, motion=None, **changes):
+    parts = replace(STAYS, motion=motion, pin_track=TRACK if motion else None)
+    conditions = Conditions(0.1, 298.15, 345.0, corrections=parts)
+    places = {"loads": (250.0, LOAD), "velocities": (VELOCITY,)}
+    return tiny.sweep(conditions=conditions, loading=loading, motion=motion, **places, **changes)
+
+
+@pytest.mark.parametrize("motion", [None, ROLLING], ids=["pin at rest", "twin disc"])
+@pytest.mark.parametrize(
+    ("loading", "steps"),
+    [
+        ("ramp", "end"), ("ramp", "loads"), ("ramp", 3), ("hold", "end"), ("hold", 3),
+        ("record", "end"), ("record", 2), ("record", "all"),
+    ],
+)  # fmt: skip
+def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, steps, motion):
+    sweep = sweep_of(LOADINGS[loading], motion, steps=steps)
+    commit_all(tmp_path / "a.zarr", sweep)
+    (margin,) = pipeline.margins(tmp_path / "a.zarr", LOAD, VELOCITY)
+    point = run_point(sweep_of(LOADINGS[loading], motion), LOAD, VELOCITY)
+    verdict = point.verdict(sweep.conditions)
+    assert margin.decisive_temperature == pytest.approx(verdict.decisive_temperature, rel=1e-9)
+    last = 298.15 + 0.1 * momentary_rise(sweep.scene, point.state, sweep.conditions)
+    assert margin.decisive_temperature == pytest.approx(last, rel=1e-9)
+
+
+def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
+    """µV∫F dt of the record over the capacity, by which every temperature of the contact rises."""
+    sweep = sweep_of(RECORD, steps="end")
+    kept = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=500.0))
+    sweep = sweep.changed(conditions=replace(sweep.conditions, corrections=kept))
+    commit_all(tmp_path / "a.zarr", sweep)
+    warm = pipeline.open_sweep(tmp_path / "a.zarr")
+    plain = warm.assign_attrs(conditions=replace(sweep.conditions, corrections=None).as_dict())
+    at = {"load": LOAD, "velocity": VELOCITY, "step": 0}
+    rise, cold = (pipeline.temperatures(ds)["mean_temperature"].sel(at) for ds in (warm, plain))
+    share = 1 - warm["pin_heat_share"].sel(at).item()
+    energy = 0.1 * VELOCITY * LOAD / 750.0 * np.trapezoid(LOADS, TIMES)
+    # Half of it would be missed by a line from no load to the last one.
+    assert (rise - cold).item() == pytest.approx(share**2 * energy / 500.0, rel=5e-3)
+
+
+@pytest.mark.parametrize("loading", LOADINGS)
+def test_a_part_of_a_sweep_has_the_temperatures_of_the_whole(tmp_path, loading):
+    sweep = sweep_of(LOADINGS[loading]).changed(velocities=(0.5, VELOCITY))
+    commit_all(tmp_path / "a.zarr", sweep)
+    ds, point = pipeline.open_sweep(tmp_path / "a.zarr"), {"load": LOAD, "velocity": VELOCITY}
+    whole = pipeline.temperatures(ds)["mean_temperature"].isel(step=-1)
+    for part in (ds.isel(step=-1), pipeline.end_of_point(ds), ds.isel(step=[-1]).squeeze("step")):
+        xr.testing.assert_allclose(
+            pipeline.temperatures(part)["mean_temperature"].drop_vars("step", errors="ignore"),
+            whole.drop_vars("step"), rtol=1e-12,
+        )  # fmt: skip
+        alone = pipeline.temperatures(part.sel(point))["mean_temperature"]
+        assert alone.item() == pytest.approx(whole.sel(point).item(), rel=1e-12)
