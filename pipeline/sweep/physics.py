@@ -21,6 +21,11 @@ _FALL = 0.1  # of friction, from the lowest to the highest velocity, as in the p
 _FILM = 10e-9, 2.0  # m and W/(m K), of an oxide
 # Conductivity and specific heat of a carbon steel about 60 K above room temperature.
 _CONDUCTIVITY, _SPECIFIC_HEAT = 42 / 45, 520 / 470
+_OF_CARBON_STEEL = {
+    "elastic_modulus": (190e9, 220e9),
+    "density": (7600.0, 8000.0),
+    "thermal_conductivity": (30.0, 60.0),
+}
 
 State = Literal["counted", "could be counted", "cannot be sized"]
 
@@ -120,30 +125,30 @@ def _counted(sweep: Sweep) -> Iterator[Effect]:
     if present is None:
         return
     said = dict(part.split(", ", 1) for part in present.worded.split("; "))
-    for names, without, entry in (
-        (("friction by velocity",), {"friction": ()}, "friction.by_velocity"),
+    for entries, without in (
+        ({"friction by velocity": "friction.by_velocity"}, {"friction": ()}),
         (
-            ("earlier turns of the pin", "earlier turns of the disk"),
+            {
+                "earlier turns of the pin": "pin.track_length",
+                "earlier turns of the disk": "disk.track_length",
+            },
             {"track": None, "pin_track": None},
-            "disk.track_length",
         ),
         (
-            ("bulk of the pin", "bulk of the disk"),
+            {"bulk of the pin": "pin.capacity", "bulk of the disk": "disk.capacity"},
             {"pin_bulk": None, "disk_bulk": None},
-            "disk.capacity",
         ),
-        (("stem of the pin",), {"stem": None}, "pin.stem"),
-        (("film on the disk",), {"film_resistance": 0.0}, "disk.film"),
+        ({"stem of the pin": "pin.stem"}, {"stem": None}),
+        ({"film on the disk": "disk.film"}, {"film_resistance": 0.0}),
     ):
-        sizes = [f"{name}: {said[name]}" for name in names if name in said]
-        if sizes:
+        if counted := [name for name in entries if name in said]:
             plain: Any = without
             yield Effect(
-                _NAMES[entry],
+                _NAMES[entries[counted[0]]],  # both bodies' have one name
                 "counted",
-                ", ".join(sizes),
+                ", ".join(f"{name}: {said[name]}" for name in counted),
                 "as the scene's own numbers",
-                entry,
+                " and ".join(entries[name] for name in counted),
                 _with(sweep, replace(present, **plain)),
             )
 
@@ -151,7 +156,9 @@ def _counted(sweep: Sweep) -> Iterator[Effect]:
 _NAMES = {
     "friction.by_velocity": "friction by velocity",
     "disk.track_length": "earlier turns",
+    "pin.track_length": "earlier turns",
     "disk.capacity": "bulk that follows",
+    "pin.capacity": "bulk that follows",
     "pin.stem": "stem and holder of the pin",
     "disk.film": "oxide or tribofilm",
 }
@@ -160,46 +167,61 @@ _NAMES = {
 def _could_be(sweep: Sweep, entry: str, size: str, certainty: str, **parts: Any) -> Effect:
     corrections = replace(sweep.conditions.corrections or Corrections(), **parts)
     scene = _with(sweep, corrections)
-    return Effect(_NAMES[entry], "could be counted", size, certainty, entry, scene)
+    return Effect(_NAMES[entry.split()[0]], "could be counted", size, certainty, entry, scene)
+
+
+def _no_size(entry: str, reason: str) -> Effect:
+    return Effect(_NAMES[entry], "cannot be sized", reason, "", entry)
+
+
+def _sliding(sweep: Sweep) -> list[float]:
+    """Sliding velocities of a sweep above 0, ascending [m/s]."""
+    return [velocity for velocity in sweep.plane.velocities if velocity]
 
 
 def _of_friction(sweep: Sweep) -> Iterator[Effect]:
     conditions, entry = sweep.conditions, "friction.by_velocity"
     if conditions.corrections and conditions.corrections.friction:
         return
-    if conditions.bulk_difference or not conditions.friction:
-        unequal = "the bulk temperatures differ, so that the rise is not proportional to friction"
-        reason = unequal if conditions.bulk_difference else "there is no friction"
-        yield Effect(_NAMES[entry], "cannot be sized", reason, "", entry)
+    reason = None
+    if conditions.bulk_difference:
+        reason = "the bulk temperatures differ, so that the rise is not proportional to friction"
+    elif not conditions.friction:
+        reason = "there is no friction"
+    elif len(_sliding(sweep)) < 2:
+        reason = "the scene has one sliding velocity"
+    if reason:
+        yield _no_size(entry, reason)
         return
     factors, size, certainty = _friction(sweep)
     yield _could_be(sweep, entry, size, certainty, friction=factors)
 
 
 def _of_turns(sweep: Sweep) -> Iterator[Effect]:
-    """Tracks of all bodies that turn and have none."""
+    """Tracks of all bodies that turn and have none; of two that roll, or of the one that moves."""
     present, scene, entry = sweep.conditions.corrections, sweep.scene, "disk.track_length"
-    if cold := cold_bodies(scene.motion, present):
+    if not _sliding(sweep):
+        yield _no_size(entry, "nothing moves")
+    elif cold := cold_bodies(scene.motion, present):
         turns, around = with_turns(present, scene.pin, scene.disk, scene.motion)
         yield _could_be(
             sweep,
-            entry,
+            " and ".join(f"{body}.track_length" for body in cold),
             f"tracks of {around:.3g} m around the {' and the '.join(cold)}",
             "to a tenth, if the tracks are that long: the effect goes as 1/length",
             track=turns.track,
             pin_track=turns.pin_track,
             motion=turns.motion,
         )
-    elif not (present and present.track) and any(
-        scene.velocities_at(velocity).disk for velocity in sweep.plane.velocities
-    ):
-        track = Track.under(scene.pin, scene.disk, _TRACK)
+    elif not (present and (present.track or present.pin_track)):
+        turns_pin = _pin_turns(sweep)
+        body, name = (scene.pin.material, "pin_track") if turns_pin else (scene.disk, "track")
         yield _could_be(
             sweep,
-            entry,
+            "pin.track_length" if turns_pin else entry,
             f"a track of {_TRACK:g} m",
             "to a fifth, if the track is that long: the effect goes as 1/√length",
-            track=track,
+            **{name: Track.under(scene.pin, body, _TRACK)},
             motion=scene.motion,
         )
 
@@ -224,7 +246,7 @@ def _of_bulk(sweep: Sweep) -> Iterator[Effect]:
     sizes = (f"{1e3 * across:.0f} mm around the {body}" for body, across, _ in bodies)
     yield _could_be(
         sweep,
-        "disk.capacity",
+        " and ".join(f"{body}.capacity" for body, _, _ in bodies),
         f"discs {1e3 * _THICKNESS:g} mm thick, {' and '.join(sizes)}, without a loss",
         "as their size: in proportion to the energy of the test over the capacity, less by a loss",
         **bulks,
@@ -238,7 +260,10 @@ def _pin_turns(sweep: Sweep) -> bool:
 def _of_stem(sweep: Sweep) -> Iterator[Effect]:
     """A rod behind a pin at rest; a pin that turns has none."""
     present, pin = sweep.conditions.corrections, sweep.scene.pin
-    if (present and present.stem) or _pin_turns(sweep):
+    if present and present.stem:
+        return
+    if _pin_turns(sweep):
+        yield _no_size("pin.stem", "the pin turns, so that heat enters all around it")
         return
     length, area = _stem_of(sweep)
     rod = length, area, pin.material.thermal_conductivity, pin.material.thermal_diffusivity
@@ -274,12 +299,13 @@ def _friction(sweep: Sweep) -> tuple[tuple[tuple[float, float], ...], str, str]:
     if len(by_velocity) > 1:
         measured = sorted(by_velocity.items())
         frictions = [friction for _, friction in measured]
+        ends = dict.fromkeys((min(frictions), max(frictions)))
         return (
             tuple((velocity, friction / usual) for velocity, friction in measured),
-            f"{min(frictions):g} to {max(frictions):g}, as measured at the transitions",
+            f"{' to '.join(f'{end:g}' for end in ends)}, as measured at the transitions",
             "as the measured friction, of which load and velocity changed together",
         )
-    slow, fast = min(v for v in sweep.plane.velocities if v), max(sweep.plane.velocities)
+    slow, *_, fast = _sliding(sweep)
     return (
         ((slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)),
         f"falling by {_FALL:.0%} from {slow:g} to {fast:g} m/s",
@@ -297,17 +323,31 @@ def _stem_of(sweep: Sweep) -> tuple[float, float]:
 
 
 def _warm_steel(sweep: Sweep) -> Effect:
-    pin = replace(sweep.scene.pin, material=_warm(sweep.scene.pin.material))
+    name, pin, disk = "conductivity and specific heat when warm", sweep.scene.pin, sweep.scene.disk
+    bodies = {"pin": pin.material, "disk": disk}
+    of_steel = [body for body, material in bodies.items() if _is_carbon_steel(material)]
+    if not of_steel:
+        reason = "neither body has the constants of a carbon steel, whose change is known"
+        return Effect(name, "cannot be sized", reason, "")
+    alone = f", of the {of_steel[0]} alone" if len(of_steel) == 1 else ""
     return Effect(
-        "conductivity and specific heat when warm",
+        name,
         "could be counted",
-        f"{_CONDUCTIVITY - 1:+.0%} and {_SPECIFIC_HEAT - 1:+.0%}, a carbon steel at 85 °C",
+        f"{_CONDUCTIVITY - 1:+.0%} and {_SPECIFIC_HEAT - 1:+.0%}, a carbon steel at 85 °C{alone}",
         "to a few percent: two effects of opposite sign",
-        scene=sweep.changed(pin=pin, disk=_warm(sweep.scene.disk)),
+        scene=sweep.changed(pin=replace(pin, material=_warm(pin.material)), disk=_warm(disk)),
     )
 
 
+def _is_carbon_steel(material: Material) -> bool:
+    ranges = _OF_CARBON_STEEL.items()
+    return all(low <= getattr(material, name) <= high for name, (low, high) in ranges)
+
+
 def _warm(material: Material) -> Material:
+    """A carbon steel when warm; another material as it is."""
+    if not _is_carbon_steel(material):
+        return material
     return replace(
         material,
         thermal_conductivity=_CONDUCTIVITY * material.thermal_conductivity,

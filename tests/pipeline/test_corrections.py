@@ -150,7 +150,8 @@ def test_a_rod_does_not_hold_a_pin_that_turns(tmp_path, irg):
     scene = pipeline.load_scene(
         tmp_path / "plain.toml", overrides={"motion": {"slide_roll_ratio": 1}}
     )
-    assert "pin.stem" not in [effect.entry for effect in physics_of(scene)]
+    (stem,) = (effect for effect in physics_of(scene) if effect.entry == "pin.stem")
+    assert (stem.state, stem.scene) == ("cannot be sized", None)
 
 
 def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
