@@ -179,21 +179,6 @@ def test_a_wrong_entry_or_value_is_named_with_its_cure(tmp_path, over, fault):
     assert fault in str(error.value)
 
 
-def test_each_combination_has_the_same_samples(tmp_path):
-    unknown = '\n[unknown]\n"materials.steel.thermal_conductivity" = [40.0, 45.0]\n'
-    unknown = unknown.replace("40.0, 45.0", '"40 W/(m K)", "45 W/(m K)"')
-    sweep = load(tmp_path, scene=SCENE + unknown, **{"sweep.samples": 4})
-    assert list(sweep.variants.axes) == ["pin.radius", "variant"]
-    assert len(sweep.variants) == 2 * 4
-    for number in range(4):
-        small, large = (
-            sweep.variant((("pin.radius", radius), ("variant", number))).scene
-            for radius in sweep.variants.axes["pin.radius"]
-        )
-        assert (small.pin.radius, large.pin.radius) == sweep.variants.axes["pin.radius"]
-        assert small.disk == large.disk
-
-
 def test_commands_answer_for_each_value(swept, folder, irg):
     document = irg("boundary", swept, "--json")
     assert document["pin.radius"] == [0.002, 0.004]
@@ -245,14 +230,6 @@ def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeyp
     text = (folder / "scene.toml").read_text() + '[[measured]]\nload = "200 N"\nvelocity = "2 m/s"'
     (folder / "measured.toml").write_text(text)
     assert note in irg("infer", folder / "measured.toml")
-
-
-def test_scenes_may_differ_in_their_criterion(tmp_path, irg):
-    sweep = load(tmp_path, '{ "temperature.criterion" = ["share", "mean"] }')
-    commit_all(tmp_path / "out.zarr", sweep)
-    document = irg("boundary", tmp_path / "out.zarr", "--json")
-    assert document["conditions"]["criterion"] == ["share", "mean"]
-    assert "criterion mean, share" in irg("boundary", tmp_path / "out.zarr")
 
 
 def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):

@@ -22,12 +22,6 @@ def test_a_boundary_and_a_margin_take_text():
     assert repr(text) == repr(number)  # with NaN, which is not equal to itself
 
 
-def test_figures_take_text():
-    ds = synthetic.sweep(fields=True)
-    assert pipeline.plot(ds, "fields", load="600 N", velocity="1.5 m/s")
-    assert pipeline.plot(ds, "ramp", load=["600 N", 750.0], velocity="1.5 m/s")
-
-
 @pytest.mark.parametrize(
     ("use", "words"),
     [

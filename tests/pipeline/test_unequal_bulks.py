@@ -1,7 +1,5 @@
 """Bodies of unequal bulk temperature, from the scene file to the figures."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -93,19 +91,6 @@ def test_the_conditions_stay_free_after_the_run(unequal, equal):
     assert ((still > 298.15) & (still < 333.15)).all()
 
 
-def test_exchanging_the_temperatures_moves_the_boundary(unequal):
-    conditions = {"critical_temperature": 372.0, "friction": 0.07}
-    crossings = pipeline.boundary(unequal, bulk_temperature=BOTH, **conditions)
-    swapped = {"pin": BOTH["disk"], "disk": BOTH["pin"]}
-    other = pipeline.boundary(unequal, bulk_temperature=swapped, **conditions)
-    # The disk, which moves, decides: with a warm one wear is severe from lower velocities on.
-    assert (crossings["outcome_at_load"] < 2).any()
-    assert (other["outcome_at_load"] == 2).sum() >= (crossings["outcome_at_load"] == 2).sum()
-    assert crossings.attrs["disk_temperature"] == 298.15
-    warmer = pipeline.decisive_temperature(unequal, bulk_temperature=swapped)
-    assert (warmer > pipeline.decisive_temperature(unequal, bulk_temperature=BOTH)).all()
-
-
 @pytest.mark.parametrize(
     ("bulk", "said"),
     [
@@ -128,14 +113,6 @@ def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, eq
     error = irg("boundary", stores / "equal.zarr", *option, code=2)
     assert error.count("\n") == 1
     assert "bulk = { pin = ..., disk = ... }" in error
-
-
-def test_every_figure_takes_both(unequal, tmp_path):
-    conditions = {"bulk_temperature": {"pin": "60 degC", "disk": "30 degC"}}
-    for kind in ("diagram", "ramp", "fields"):
-        out = tmp_path / f"{kind}.png"
-        pipeline.plot(unequal, kind, out, **conditions)
-        assert out.stat().st_size > 10_000
 
 
 SCENE = """
@@ -206,23 +183,6 @@ def test_two_bulk_temperatures_do_not_go_with_unknown_inputs(scene):
         pipeline.load_scene(scene)
     (only,) = caught.value.faults
     assert only.startswith("temperature.bulk: two temperatures do not go with [unknown]")
-
-
-def test_an_input_is_varied_between_bodies_of_unequal_temperatures(scene, irg):
-    """Friction moves the ratio of both parts: as in boundaries of its own."""
-    wide = ("--set", 'sweep.velocities=["1 m/s", "1.5 m/s", "2 m/s", "3 m/s", "4 m/s", "6 m/s"]')
-    over = ("--over", "friction.coefficient=0.08,0.12")
-    varied = irg("vary", scene, *over, *wide, "--json")
-    out = scene.with_suffix(".zarr")
-    irg("run", scene, *wide, "-o", out, "--workers", "1")
-    for friction, variation in zip((0.08, 0.12), varied["variations"], strict=True):
-        expected = pipeline.boundary(pipeline.open_sweep(out), friction)["critical_velocity"]
-        velocities = [
-            math.nan if velocity is None else velocity
-            for velocity in variation["critical_velocity"]
-        ]
-        # On few elements the rise is a rough function of the velocity.
-        assert velocities == pytest.approx(expected.values.tolist(), rel=0.1, nan_ok=True)
 
 
 def test_the_commands_take_both(scene, irg):

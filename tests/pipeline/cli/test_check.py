@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from pipeline.cli import main
@@ -60,11 +59,6 @@ def test_a_check_takes_what_a_run_takes(check, tmp_path):
     assert document["seconds"] > 0
 
 
-def test_a_window_that_the_contact_outgrows_is_foreseen(check):
-    (warning,) = check("--json", "--set", "window.pixels=[480, 480]")["warnings"]
-    assert "up to 424 µm wide, the window is 392 µm" in warning
-
-
 @pytest.mark.parametrize(
     ("setting", "said"),
     [
@@ -105,19 +99,3 @@ def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, check)
         ": boundary lubrication",
     ):
         assert words in said
-
-
-def test_a_measured_surface_says_how_it_lies_unless_it_is_level(tmp_path, check, monkeypatch):
-    monkeypatch.setattr("pipeline.cli.check.machine_bytes", lambda: 1)  # nothing is timed
-    heights = np.random.default_rng(0).normal(size=(64, 48)) + 0.1 * np.arange(64)[:, None]
-    np.save(tmp_path / "disk.npy", heights)
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        f'extends = "{SCENE}"\nwithout = ["disk.roughness"]\n'
-        '[disk.roughness]\nfile = "disk.npy"\nheight_unit = "um"\n[window]\npixels = [64, 48]\n'
-    )
-    light = ["--set", 'sweep.loads=["20 N"]']
-    assert "rising by 6" in check(*light, scene=scene)
-    said = check(*light, "--set", "disk.roughness.level=true", scene=scene)
-    assert "no lay; level\n" in said
-    assert "mean plane" not in said

@@ -49,16 +49,6 @@ def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, irg):
     irg("status", tmp_path / "heavy.zarr", code=1)
 
 
-def test_run_says_what_reading_the_scene_had_to_settle(tmp_path, irg):
-    (tmp_path / "record.csv").write_text("time [s], load [N]\n0, 0\n4, 600\n")
-    scene = tmp_path / "scene.toml"
-    ramp = 'rate = "150 N/s"\nreference_load = "750 N"'
-    scene.write_text(SCENE.replace(ramp, 'file = "record.csv"\nfit = true'))
-    one = ("--set", 'sweep.loads=["300 N"]', "--set", 'sweep.velocities=["1 m/s"]')
-    said = irg("run", scene, "-o", tmp_path / "out.zarr", "--workers", 1, *one)
-    assert "note: loading.file: fitted by 150 N/s from 0 s on" in said
-
-
 def test_status_tells_of_points_that_the_scene_no_longer_asks_for(scene, store, tmp_path, irg):
     said = irg("status", store)
     assert "9 points: 9 done, 0 failed, 0 pending" in said
@@ -126,11 +116,6 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(s
     assert (unknown["verdict"], unknown["temperature_error"]) == ("not decided", None)
 
 
-def test_point_names_the_load_that_the_window_does_not_carry(scene, irg):
-    said = irg("point", scene, "--load", "1e9 N", "--velocity", "1 m/s", code=2)
-    assert "--load: 1e+09 N is more than the window" in said
-
-
 @pytest.mark.parametrize(
     ("kind", "conditions"),
     [("diagram", ()), ("diagram", ("--friction", 0)), ("ramp", ("--friction", 0)), ("fields", ())],
@@ -142,19 +127,6 @@ def test_plot_writes_a_figure(store, tmp_path, irg, kind, conditions):
     assert document == {"kind": kind, "file": str(out)}
     assert out.read_bytes()[:4] == b"\x89PNG"
     assert out.stat().st_size > 10_000
-
-
-@pytest.mark.parametrize(
-    ("kind", "option", "others"),
-    [
-        ("ramp", ["--given-measured"], "--friction, --bulk-temperature"),
-        ("temperature", ["--log"], "--friction, --bulk-temperature"),
-        ("diagram", ["--load", "600 N"], "--friction, --bulk-temperature"),
-    ],
-)
-def test_an_option_that_a_figure_lacks_is_named_as_it_is_typed(store, irg, kind, option, others):
-    said = irg("plot", store, "--kind", kind, *option, code=2)
-    assert f"--kind {kind} takes no {option[0]}; it takes {others}" in said
 
 
 def test_an_accuracy_is_stored_with_what_it_picked(scene, tmp_path, irg):
@@ -309,15 +281,6 @@ def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(
     words = capsys.readouterr().err
     assert said in words
     assert ("did you mean" in words) == ("?" in said)
-
-
-def test_margin_says_how_far_an_operating_point_is_from_severe_wear(store, irg):
-    place = ("--load", "300 N", "--velocity", "1.5 m/s")
-    document = irg("margin", store, *place, "--json")
-    left = document["critical_temperature"] - document["decisive_temperature"]
-    assert document["distance"] == pytest.approx(left)
-    said = irg("margin", store, *place)
-    assert all(word in said for word in (f"{left:.4g}\n", "velocity outcome", "load outcome"))
 
 
 def test_a_wear_rate_says_how_long_the_pin_slid_and_what_more_would_change(scene, irg):

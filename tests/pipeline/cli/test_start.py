@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 import pipeline
-import tribo
 from pipeline.cli import main
 from pipeline.cli.parser import COMMANDS, function_of, parse
 from tests.helpers.scenes import SCENE
@@ -56,11 +55,6 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     assert "share is 3" in capsys.readouterr().err
     assert main(["run", *arguments]) == 0
     assert "9 of 9 points done" in capsys.readouterr().err
-
-
-def test_help_names_every_preset(irg):
-    said = "".join(irg("run", "--help").split())  # lines break after the hyphen of a name, too
-    assert f"presetofthenumericalchoices:{','.join(tribo.PRESETS)}--set" in said
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=[command.name for command in COMMANDS])

@@ -9,7 +9,6 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import frames_of
-from pipeline.cli import main
 from tests.helpers import synthetic
 
 HEADS = ["friction", "load [N]", "critical velocity [m/s]", "outcome"]
@@ -60,15 +59,6 @@ def test_a_band_is_written_with_how_many_surfaces_cross():
     middle = row["critical velocity, median [m/s]"]
     assert row["10 % [m/s]"] < middle < row["90 % [m/s]"]
     assert (row["cross"], row["surfaces"]) == (2, 2)
-
-
-def test_a_table_may_be_markdown(store, tmp_path):
-    out = tmp_path / "table.md"
-    assert main(["boundary", store, "-o", str(out), "-q"]) == 0
-    head, rule, *rows = out.read_text(encoding="utf-8").splitlines()
-    assert head.startswith("| friction | load [N] | critical velocity [m/s] | outcome |")
-    assert set(rule) == {"|", "-"}
-    assert {row.count("|") for row in (head, rule, *rows)} == {head.count("|")}
 
 
 @pytest.mark.parametrize("name", ["table.xlsx", "nowhere/table.csv"])

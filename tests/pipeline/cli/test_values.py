@@ -5,7 +5,6 @@ import re
 
 import pytest
 
-import pipeline
 from pipeline.cli import values
 from pipeline.cli.parser import parse
 from pipeline.cli.scenes import conditions_in
@@ -28,11 +27,6 @@ def test_numbers_with_points_may_stand_between_commas(text, numbers):
 def test_a_comma_that_may_be_a_decimal_point_is_refused(text):
     with pytest.raises(argparse.ArgumentTypeError, match="comma may stand for a decimal point"):
         values.frictions(text)
-
-
-def test_a_decimal_comma_in_a_single_number_is_refused_with_the_point():
-    with pytest.raises(argparse.ArgumentTypeError, match=r"0\.12"):
-        values.friction("0,12")
 
 
 @pytest.mark.parametrize(
@@ -90,11 +84,6 @@ def test_a_key_is_set_once(command, again, irg):
     twice = ["--set", "increments=5", "--set", f"{again}=6"]
     error = irg(name, "s.toml", *others, *twice, code=2)
     assert "--set: increments is given more than once; give it once" in error
-
-
-def test_a_value_that_is_varied_goes_before_one_that_is_set():
-    overrides = {"increments": 5, "fidelity.increments": 6}
-    assert pipeline.load_scene("first_try", overrides=overrides).scene.fidelity.increments == 6
 
 
 def test_a_store_may_have_any_other_name(tmp_path):

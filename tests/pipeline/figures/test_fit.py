@@ -8,10 +8,8 @@ import pytest
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-from pipeline.cli.parser import parse
 from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import KINDS, plot
-from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.pipeline.figures.test_plot import contour, lines
 from tribo import InputError
@@ -20,11 +18,6 @@ from tribo import InputError
 @pytest.fixture(scope="module")
 def sweep():
     return synthetic.sweep(loads=(200.0, 400.0, 750.0), velocities=(1.0, 2.0, 4.0), fields=True)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_command_takes_every_kind(kind):
-    assert parse(["plot", "out.zarr", "--kind", kind]).kind == kind
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -46,30 +39,6 @@ def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
         assert not one.padded(4).overlaps(other)  # [px], a gap that is seen
 
 
-def test_a_long_legend_leaves_the_diagram_its_room():
-    status = {(400.0, 1.0): FAILED, (200.0, 4.0): PENDING}
-    ds = synthetic.sweep((200.0, 400.0, 750.0), (1.0, 2.0, 4.0), status=status)
-    shapes = []
-    for figure in (plot(ds, "diagram", friction=[0.09, 0.11], width=w) for w in (None, "8.5 cm")):
-        figure.draw_without_rendering()
-        assert len(figure.legends[0].get_texts()) == 9
-        shapes.append(figure.axes[0].bbox.height / figure.axes[0].bbox.width)
-    assert shapes[1] > 0.9 * shapes[0]
-
-
-def test_a_title_is_not_broken_before_a_unit(sweep):
-    narrow, wide = (plot(sweep, "fields", width=w)._suptitle.get_text() for w in (0.085, 0.1))
-    assert not any(line.startswith(("°C", "N", "m/s")) for line in narrow.splitlines())
-    assert wide.endswith("25\N{NO-BREAK SPACE}°C")
-
-
-def test_without_titles_the_caption_has_their_place(sweep):
-    bare = plot(sweep, "ramp", with_title=False)
-    assert bare.get_suptitle() == ""
-    assert diagram(sweep).axes[0].get_title() == "White oil on ground steel"
-    assert plot(sweep, "diagram", with_title=False).axes[0].get_title() == ""
-
-
 @pytest.mark.parametrize(
     ("options", "said"),
     [({"width": 0.01}, "width is 1 cm; it must be from 4"), ({"dpi": 5}, "dpi is 5; it must be")],
@@ -77,16 +46,6 @@ def test_without_titles_the_caption_has_their_place(sweep):
 def test_sizes_that_nobody_can_read_are_refused(sweep, options, said):
     with pytest.raises(InputError, match=said):
         plot(sweep, "diagram", **options)
-
-
-def test_words_of_an_svg_stay_words(sweep, tmp_path):
-    plot(sweep, "diagram", tmp_path / "a.svg")
-    assert "sliding velocity [m/s]</text>" in (tmp_path / "a.svg").read_text(encoding="utf-8")
-
-
-def test_dots_per_inch_are_those_asked_for(sweep, tmp_path):
-    plot(sweep, "diagram", tmp_path / "a.png", width=0.127, dpi=100)
-    assert mpl.image.imread(tmp_path / "a.png").shape[1] == 500
 
 
 def test_a_logarithmic_diagram_has_the_same_boundary(sweep):

@@ -10,7 +10,6 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
-from pipeline.figures.uncertainty import draw_risk
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
@@ -121,33 +120,6 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
     assert sum(len(marks[name]) for name in marked) == sweep["status"].size + len(MEASURED)
 
 
-def test_points_whose_neighbours_agree_with_them_are_faint(drawn):
-    loads, velocities = np.array(LOADS), np.array(VELOCITIES)
-    severe = synthetic.rise(loads[:, None], velocities, 0.9) > synthetic.limit()
-    opaque = {line.get_gid(): line.get_alpha() for line in drawn.lines}
-    for kind, is_severe in ((MILD, False), (SEVERE, True)):
-        assert opaque[kind] == 1.0
-        assert opaque[f"{kind}, far"] < 0.5
-        for velocity, load in lines(drawn)[f"{kind}, far"]:
-            i, j = np.flatnonzero(loads == load)[0], np.flatnonzero(velocities == velocity)[0]
-            around = severe[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
-            assert (around == is_severe).all()
-
-
-def test_a_diagram_of_one_kind_of_wear_has_no_faint_points(sweep):
-    mild = diagram(sweep, friction=0.01).axes[0]
-    assert f"{MILD}, far" not in lines(mild)
-
-
-def test_several_frictions_make_the_band_and_their_middle_the_boundary(sweep):
-    figure = diagram(sweep, friction=(0.1, 0.08, 0.12))
-    assert "transition at friction 0.08–0.12" in labels(figure.legends[0])
-    (line,) = contour(figure.axes[0], "boundary")
-    x, y = line.T
-    expected = synthetic.critical_velocity(y, synthetic.limit(friction=0.1))
-    np.testing.assert_allclose(x, expected, rtol=1e-3)
-
-
 def test_a_band_that_is_cut_at_what_was_computed_says_so():
     whole = synthetic.sweep(friction_band=[0.099, 0.103])
     searched = whole.assign_attrs(velocities=[0.5, 4.0]).sel(velocity=slice(1.0, 2.0))
@@ -235,61 +207,6 @@ def test_ramp_shows_temperatures_between_where_there_are_any():
     np.testing.assert_allclose(temperature, 25.0 + 0.1 * synthetic.rise(load, 2.0, 0.9))
 
 
-def test_without_wear_the_ramp_has_no_frame_for_it_and_none_that_is_empty(sweep):
-    ds = sweep.assign({name: 0.0 * sweep[name] for name in ("wear_depth_max", "wear_volume")})
-    taken = ds["time"].notnull()
-    ends = taken & ~taken.shift(step=-1, fill_value=False)  # the one step that a point takes then
-    ds = ds.assign(time=ds["time"].where(ends), normal_load=ds["normal_load"].where(ends))
-    axes = ramp(ds).axes
-    assert [frame.get_ylabel().partition(" [")[0] for frame in axes] == [
-        "contact temperature",
-        "contact width",
-        "in contact",
-    ]
-    assert axes[1].get_xlabel() == "time [s]"
-    for drawn in axes:
-        assert len(drawn.lines[0].get_xdata()) > 1
-
-
-def test_ramp_leaves_out_points_that_are_not_done():
-    ds = synthetic.sweep()
-    ds["status"].loc[{"load": 500.0}] = FAILED
-    time = ramp(ds, velocity=2.0).axes[0].lines[1].get_xdata()
-    np.testing.assert_allclose(time, LOADS[LOADS != 500.0] / 150.0)
-
-
-def test_ramp_has_the_load_above_the_time(sweep):
-    figure = ramp(sweep)
-    figure.draw_without_rendering()
-    (above,) = figure.axes[0].child_axes
-    assert above.get_xlabel() == "normal load [N]"
-    left, right = figure.axes[0].get_xlim()
-    np.testing.assert_allclose(above.get_xlim(), [150.0 * left, 150.0 * right], rtol=1e-12)
-
-
-def test_ramp_of_several_points(sweep):
-    figure = ramp(sweep, load=[400, 750], velocity=[1.0, 2.5])
-    assert labels(figure.legends[0]) == [
-        "400 N, 1 m/s",
-        "400 N, 2.5 m/s",
-        "750 N, 1 m/s",
-        "750 N, 2.5 m/s",
-    ]
-    ends = [line.get_xdata().max() for line in figure.axes[0].lines[:-1]]
-    np.testing.assert_allclose(ends, np.repeat([400 / 150, 5.0], 4))
-    assert labels(ramp(sweep, share=0).axes[0].get_legend()) == ["maximum", "critical, 145 °C"]
-
-
-@pytest.mark.parametrize(
-    ("factor", "unit"), [(1, "mm³"), (1e-3, "$10^{-3}$ mm³"), (1e5, "$10^{3}$ mm³")]
-)
-def test_worn_volume_keeps_readable_numbers(sweep, factor, unit):
-    scaled = sweep.assign(wear_volume=1e3 * factor * sweep["wear_volume"])
-    volume = ramp(scaled).axes[-1]
-    assert volume.get_ylabel() == f"worn volume [{unit}]"
-    assert 1 <= np.nanmax(volume.lines[0].get_ydata()) < 1000
-
-
 def test_fields_of_the_point_nearest_to_the_transition(sweep):
     figure = fields(sweep)
     assert figure.get_suptitle() == (
@@ -311,12 +228,6 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         edges = mesh.get_coordinates()
         np.testing.assert_allclose(edges[0, 0], [-192.0, -6.0])
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
-
-
-def test_fields_outline_what_is_above_the_critical_temperature(sweep):
-    panel = fields(sweep, velocity=2.0, critical_temperature=373.15).axes[1]
-    assert panel.child_axes[0].get_xlabel() == "contact temperature [°C], outlined at 100"
-    assert len(panel.collections) == 2
 
 
 @pytest.mark.parametrize("draw", [ramp, fields])
@@ -400,14 +311,6 @@ def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown
     assert sorted(velocities) == pytest.approx(expected[0], rel=0.01)
 
 
-def test_tests_are_not_called_measured_transitions():
-    severe = {"normal_load": 400.0, "velocity": 2.0, "friction": None, "outcome": "severe"}
-    one = {"normal_load": 750.0, "velocity": 1.0, "friction": None}
-    ensemble = samples.ensemble(tests=[one, severe])
-    figure = draw_risk(ensemble, probabilities(ensemble), posterior=posterior(ensemble))
-    assert figure.axes[0].get_title().endswith("given 1 measured transition and 1 test")
-
-
 def _upwards(line):
     return line if line[0, 1] > line[-1, 1] else line[::-1]
 
@@ -419,11 +322,6 @@ def test_options_that_do_not_go_with_samples_are_refused(unknown, sweep):
         diagram(unknown, scatter=0.03)
     with pytest.raises(InputError, match="the sweep has no samples"):
         diagram(sweep, given_measured=True)
-
-
-def test_the_fields_of_a_column_fit_a_page():
-    figure = plot(synthetic.sweep(fields=True), "fields", width="8.5 cm")
-    assert figure.get_size_inches()[1] < 24.5 / 2.54
 
 
 def test_a_ramp_shows_any_stored_variable_and_names_them(alone):

@@ -114,19 +114,6 @@ def test_the_band_is_that_of_the_surfaces():
         np.testing.assert_array_equal(one[name], crossings[name].sel(realization=1), name)
 
 
-def test_a_surface_without_points_counts_for_nothing():
-    ds = ensemble()
-    ds["status"][{"realization": 2}] = 0
-    ds["time"][{"realization": 2}] = np.nan
-    crossings, expected = boundary(ds), np.delete(velocities(600.0), 2)
-    band = crossings.sel(load=600.0)
-    assert (int(band["crossing_at_load"]), int(band["known_at_load"])) == (3, 3)
-    assert float(band["critical_velocity_mean"]) == pytest.approx(expected.mean())
-    assert crossings.attrs["missing_points"] == ds["status"][2].size
-    ds["status"][:] = 0
-    assert np.isnan(boundary(ds)["critical_velocity_quantile"]).all()
-
-
 # Boundary mode, figures, command
 
 
@@ -156,15 +143,6 @@ def test_the_diagram_draws_a_band_of_surfaces():
     assert {"boundary", "surface band", "surface band edge"} <= artists
     assert "severe on some surfaces" in {line.get_gid() for line in axes.lines}
     assert any("4 surfaces" in text.get_text() for text in figure.legends[0].get_texts())
-
-
-def test_other_figures_draw_one_surface_and_name_it(swept):
-    for kind, chosen, name in (("ramp", None, "surface 1"), ("fields", 7, "surface 7")):
-        figure = pipeline.plot(swept, kind, realization=chosen)
-        texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-        assert any(name in text for text in (figure.get_suptitle(), *texts))
-    with pytest.raises(InputError, match=r"realization is 2.*holds 1, 4, 7"):
-        pipeline.plot(swept, kind, realization=2)
 
 
 def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):

@@ -49,20 +49,11 @@ def test_the_first_point_tells_a_time_and_nothing_of_the_start_of_the_workers(ta
     assert tallied([60.0], workers=2) == pytest.approx((COUNT - 1) / 2)
 
 
-def test_more_workers_than_chains_do_not_shorten_the_last_of_them(tallied):
-    assert tallied([60.0], workers=1000) == pytest.approx(1.0)
-
-
 def test_points_that_cost_the_schedule_more_than_themselves_tell_the_pace(tallied):
     """A worker finishes a point of 1 s in every 2 s."""
     assert tallied([START + 2.0 * number for number in range(20)]) == pytest.approx(
         2 * (COUNT - 20)
     )
-
-
-def test_the_wait_in_the_queue_is_not_taken_for_the_pace_of_points(tallied):
-    """The first worker comes after an hour, and finishes a point in each second."""
-    assert tallied([3601.0, 3602.0], absent=3600.0) == pytest.approx(COUNT - 2)
 
 
 def test_workers_that_come_later_count_with_the_time_to_go(tallied):

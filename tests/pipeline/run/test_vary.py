@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.run.vary import Variation, Variations
 from tests.helpers.scenes import SCENE
 
 SMALL = SCENE.replace("coefficient = 0.1", "coefficient = 0.13").replace(
@@ -125,17 +124,6 @@ def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, irg
     text = irg(*arguments)
     assert "mild throughout" in text
     assert "severe throughout" in text
-
-
-@pytest.mark.parametrize("velocity", [2.0, np.nan])
-def test_what_moves_no_boundary_is_drawn(velocity):
-    one = Variation(
-        "", "", (velocity,), ("crosses" if velocity == velocity else "mild throughout",)
-    )
-    other = Variation("friction.coefficient", "0.01", (np.nan,), ("mild throughout",))
-    figure = pipeline.draw_variations(Variations("", (400.0,), one, (other,), points=8, contacts=8))
-    (label,) = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert label == f"at 400 N, {'from 2 m/s' if velocity == velocity else 'mild throughout'}"
 
 
 @pytest.mark.parametrize(

@@ -62,12 +62,6 @@ def test_other_packages_are_told_once_and_each_worker_is_asked_once():
     assert client.asked == list("abcde")
 
 
-def test_a_worker_without_this_program_is_refused():
-    client = Answering(a=ModuleNotFoundError("No module named 'pipeline'"))
-    with pytest.raises(ExecutionError, match="a cannot run this program: No module named"):
-        threads_of(Connection(client, Source()))
-
-
 def test_one_that_does_not_answer_holds_nobody_up():
     client = Answering(a=SimpleNamespace())
 

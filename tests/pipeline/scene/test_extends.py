@@ -94,13 +94,6 @@ def test_entries_may_be_left_out(write):
     assert sweep.scene.disk.elastic_modulus == 210e9
 
 
-def test_what_is_left_out_may_be_given_anew(write):
-    entries = (
-        f'{EXTENDS}without = ["loading"]\n[loading]\nrate = "75 N/s"\nreference_load = "600 N"'
-    )
-    assert load_scene(write(own=entries)).scene.loading == tribo.Ramp(75.0, 600.0)
-
-
 def test_scenes_extend_one_another_in_a_chain(write):
     write(middle='extends = "base.toml"\nwithout = ["wear"]\n[pin]\nradius = "4 mm"')
     sweep = load_scene(write(own='extends = "middle.toml"\n[pin]\nlength = "5 mm"'))
@@ -169,21 +162,6 @@ def test_a_key_of_the_other_scene_that_does_not_fit_can_be_left_out(write, tmp_p
     assert "leave it out" not in fault
 
 
-def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
-    path = write(own=f'{EXTENDS}without = ["waer", "wear.patern", "title.x", "measured"]')
-    messages = faults_of(path)
-    assert [fault.partition(": ")[0] for fault in messages] == [f"without[{i}]" for i in range(3)]
-    for fault, hint in zip(messages, ("wear", "pattern", "title"), strict=True):
-        assert hint in fault
-        assert str(tmp_path / "base.toml") in fault
-    (fault,) = faults_of(write(own=f"{EXTENDS}without = 3"))
-    assert fault.startswith("without: 3 is not a list")
-    (fault,) = faults_of(write(own=f'without = ["wear"]\n{TEXT}'))
-    assert fault.startswith("without: there is nothing to leave out")
-    (fault,) = faults_of(write(middle=f'without = ["wear"]\n{TEXT}', own='extends="middle.toml"'))
-    assert fault.startswith(f"without (in {tmp_path / 'middle.toml'}): ")
-
-
 @pytest.mark.parametrize(
     ("value", "said"),
     [
@@ -207,13 +185,6 @@ def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_pat
     assert fault.startswith("extends: ")
     assert said in fault
     assert len(fault.splitlines()) == 1
-
-
-def test_tables_that_are_nested_too_deeply_are_one_unknown_key(write):
-    deep = "deep = " + "{ deep = " * 100 + "1" + " }" * 100
-    write(base=f"{TEXT.replace('title =', f'{deep}{chr(10)}title =')}")
-    (fault,) = faults_of(write(own=f"{EXTENDS}{deep}"))
-    assert fault.startswith("deep: unknown key")
 
 
 def test_the_shipped_scenes_state_what_differs_from_the_papers_alone():
@@ -240,9 +211,3 @@ def test_settings_reach_whole_entries_and_leave_some_out():
     assert (sweep.about.title, sweep.scene.wear, sweep.about.oil.density) == ("Mine", None, 862.0)
     sweep = load_scene("first_try", overrides=wear | {"without": ["wear", "oil"]})
     assert (sweep.scene.wear.pattern, sweep.about.oil) == ("local", None)
-
-
-def test_an_entry_that_is_not_there_cannot_be_left_out_by_a_setting():
-    (fault,) = faults_of("first_try", overrides={"without": "waer"})
-    assert fault.startswith("without[0]")
-    assert 'did you mean "wear"?' in fault

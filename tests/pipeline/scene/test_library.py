@@ -66,18 +66,6 @@ def test_a_misspelt_name_is_told_with_the_nearest(fault):
     assert '"tungsten"' in fault(NO_TABLE.replace('material = "AISI 52100"', 'material = "zzz"', 1))
 
 
-@pytest.mark.parametrize(
-    ("like", "said"), [('"AISI 5210"', 'did you mean "AISI 52100"'), ("3", "3 is not text")]
-)
-def test_a_wrong_like_is_one_fault_without_what_follows_from_it(fault, like, said):
-    table = f'[materials."AISI 52100"]\nlike = {like}\n\n[pin]'
-    assert said in fault(NO_TABLE.replace("[pin]", table, 1))
-
-
-def test_an_empty_name_of_an_oil_is_one_fault(fault):
-    assert "the text is empty" in fault('oil = ""\n' + TEXT)
-
-
 def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
     for name in library()["materials"]:
         sweep = read(text=NO_TABLE.replace("AISI 52100", name))

@@ -170,21 +170,6 @@ def test_a_measured_surface_is_read_from_beside_the_scene(read, tmp_path):
     np.testing.assert_allclose(sweep.scene.roughness.array, heights * 1e-6, rtol=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("key", "path"),
-    [
-        ("loads", "sweep.loads"),
-        ("critical", "temperature.critical"),
-        ("Increment", "increments"),
-        ("rate", "loading.rate"),
-        ("seed", "disk.roughness.seed"),
-    ],
-)
-def test_the_path_of_an_entry_that_is_named_alone_is_proposed(faults, key, path):
-    (fault,) = faults(overrides={key: 1})
-    assert fault.startswith(f'{key}: unknown key (did you mean "{path}"?)')
-
-
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
     entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
     assert read().about.preset == "draft"
@@ -349,13 +334,6 @@ def test_a_fault_is_one_line_with_its_key(faults, old, new, key, said):
     assert len(line.splitlines()) == 1
 
 
-def test_a_material_that_is_nowhere_is_named_for_each_body(faults):
-    start = TEXT.index("[materials.steel]")
-    messages = faults((TEXT[start : TEXT.index("[pin]")], ""))
-    assert [line.split(":")[0] for line in messages] == ["pin.material", "disk.material"]
-    assert all("neither a table of [materials] nor in the library" in line for line in messages)
-
-
 def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     rows = "time [ms], load [kN]\n0, 0\n2000, 0.4\n5000, 0.8\n"
     (tmp_path / "record.csv").write_text(rows)
@@ -488,14 +466,6 @@ def test_a_file_that_is_no_toml_is_one_clear_fault(tmp_path, content, said):
     assert len(caught.value.faults) == 1
     assert said in str(caught.value)
     assert str(path) in str(caught.value)
-
-
-@pytest.mark.parametrize("name", ["", "missing.toml", "a\x00b.toml", "n" * 300, "x.toml/y.toml"])
-def test_a_path_that_cannot_be_read_is_one_clear_fault(tmp_path, name):
-    (tmp_path / "x.toml").touch()
-    with pytest.raises(SceneFileError, match="cannot be read") as caught:
-        load_scene(tmp_path / name)
-    assert len(caught.value.faults) == 1
 
 
 def test_an_empty_file_lacks_every_table(tmp_path):

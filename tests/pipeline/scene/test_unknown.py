@@ -140,11 +140,6 @@ def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
         scene(tmp_path)
 
 
-def test_paths_may_also_be_written_as_tables(tmp_path):
-    nested = UNKNOWN.replace('"wear.specific_wear_rate"', "wear.specific_wear_rate")
-    assert pipeline.load_scene(scene(tmp_path, nested)) == pipeline.load_scene(scene(tmp_path))
-
-
 def test_what_is_unknown_counts_only_with_samples(tmp_path):
     plain = pipeline.load_scene(scene(tmp_path, "", None))
     sweep = pipeline.load_scene(scene(tmp_path, UNKNOWN, None))
@@ -273,15 +268,6 @@ def test_a_correlation_that_cannot_be_is_told(tmp_path, pairs, key, words):
     (message,) = faults(scene(tmp_path, PAIR.replace("CORRELATED", pairs)))
     assert message.startswith(key)
     assert words in message
-
-
-def test_a_correlation_given_twice_is_given_alike(tmp_path):
-    twice = PAIR.replace("CORRELATED", "{}").replace(
-        "sd = 0.005", 'sd = 0.005, correlated = { "temperature.critical" = NUMBER }'
-    )
-    assert pipeline.load_scene(scene(tmp_path, twice.replace("NUMBER", "-0.2"))).variants.draw
-    (message,) = faults(scene(tmp_path, twice.replace("NUMBER", "0.3")))
-    assert message == f'{CRITICAL}."friction.coefficient": -0.2 is 0.3 elsewhere; give it once'
 
 
 def test_an_input_that_changes_nothing_is_told(tmp_path):

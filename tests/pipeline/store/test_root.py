@@ -166,39 +166,6 @@ def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone, siz
     assert time.process_time() - began < 2.0
 
 
-@pytest.mark.parametrize(
-    ("path", "new"),
-    [
-        (("loads",), {"a": [1.0]}),
-        (("loads", 0), []),
-        (("library",), [{"key": "disk.material"}]),
-        (("measured", 0, "velocity"), ""),
-        (("measured", 0, "colour"), 1.0),
-        (("scene", "fidelity", "increments"), True),
-        (("stations", "loads"), None),
-        (("later_versions",), [[1, 2]]),
-        (("axes", "step", 1), -1.5),
-        (("same_rig",), None),
-    ],
-)
-def test_a_forged_attribute_of_another_kind_is_named(forged, alone, path, new):
-    def change(attributes, arrays):
-        for key in path[:-1]:
-            attributes = attributes[key]
-        attributes[path[-1]] = new
-
-    forge(forged, alone, change)
-    with pytest.raises(StoreError, match=rf"attribute {path[0]}.* is missing, or not of the kind"):
-        pipeline.summary(forged)
-
-
-def test_a_forged_root_with_a_scene_of_no_value_is_refused(forged, alone):
-    row = {"values": [0.008], "written": ["8 mm"], "scene": {}, "attributes": {}}
-    forge(forged, alone, lambda attributes, _: attributes.update(over=["load"], scenes=[row]))
-    with pytest.raises(StoreError, match="over and scenes are not those of its axes"):
-        pipeline.summary(forged)
-
-
 def test_a_root_of_terabytes_is_not_read(forged):
     os.truncate(forged / ROOT, 2**42)
     with pytest.raises(StoreError, match=r"4.4e\+12 bytes"):

@@ -15,7 +15,7 @@ from s3fs.errors import translate_boto_error
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store import lock, place
+from pipeline.store import lock
 from pipeline.store.create import writing
 from pipeline.store.place import Bucket, StoreError, StoreMismatchError
 from pipeline.store.progress import summary
@@ -245,12 +245,6 @@ def test_a_store_that_lost_its_root_is_not_written_over(address):
     with pytest.raises(StoreError, match=r"has lost its zarr\.json"):
         commit(address, SWEEP, ())
     assert keys(address) == before
-
-
-def test_without_s3fs_it_says_what_to_install(monkeypatch, capsys):
-    monkeypatch.setattr(place, "find_spec", lambda name: None)
-    assert main(["status", "s3://irg/tiny.zarr"]) == 2
-    assert "pip install s3fs" in capsys.readouterr().err
 
 
 def test_a_server_that_is_gone_is_an_error_in_a_line(address, monkeypatch, server):

@@ -1,6 +1,5 @@
 """Distributions of inputs that are not known exactly, and the samples drawn of them."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -70,32 +69,6 @@ def test_an_input_survives_being_written_as_plain_data():
 
 
 CELSIUS = replace(NORMAL, written=Unit("°C", zero=273.15))
-
-
-@pytest.mark.parametrize(
-    ("unknown", "text"),
-    [
-        (NORMAL, "normal, mean 418.15 K, sd 8 K"),
-        (CELSIUS, "normal, mean 145 °C, sd 8 K"),
-        (
-            replace(FACTOR, written=Unit("mm^3/(N m)", 1e-9)),
-            "log-normal, median 1.2e-06 mm^3/(N m), factor 1.5",
-        ),
-        (replace(EVEN, written=Unit("µm", 1e-6)), "uniform from 3 to 6 µm"),
-        (
-            Unknown("pin.radius", "normal", (2e-3, 1e-4), "m", Unit("mm", 1e-3)),
-            "normal, mean 2 mm, sd 0.1 mm",
-        ),
-        (
-            Unknown("pin.radius", "list", (2e-3, 3e-3), "m", Unit("mm", 1e-3)),
-            "one of 2, 3 mm",
-        ),
-        (LISTED, "one of 3, 5, 8, 9"),
-    ],
-)
-def test_values_are_told_in_the_unit_in_which_they_were_written(unknown, text):
-    assert str(unknown) == f"{unknown.path}: {text}"
-    assert str(Unknown.from_dict(json.loads(json.dumps(unknown.as_dict())))) == str(unknown)
 
 
 def test_the_unit_in_which_it_was_written_makes_no_other_input():

@@ -67,17 +67,6 @@ def test_an_updated_displacement_is_computed_where_its_loss_exceeds_the_slack(so
     assert (better.updates, better.convolutions) == (0, solved.convolutions + 1)
 
 
-def test_a_residual_that_is_no_number_is_computed_again(solved):
-    updated = solved._replace(updates=1)
-    better = restored(PROBLEM, updated, judge(PROBLEM, updated), math.nan, exhausted=False)
-    assert better.updates == 0
-
-
-def test_a_computed_displacement_is_not_computed_again(solved):
-    judged = judge(PROBLEM, solved)
-    assert restored(PROBLEM, solved, judged, -1.0, exhausted=False) is None
-
-
 def test_a_load_that_is_off_is_put_right_while_convolutions_are_left(solved):
     off = solved._replace(pressure=solved.pressure * (1 + 3e-12))
     judged = judge(PROBLEM, off)

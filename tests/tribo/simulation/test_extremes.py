@@ -573,16 +573,6 @@ def test_impossible_arguments_of_the_solver_are_named(change, said):
         solve_contact(solid, **arguments)
 
 
-@pytest.mark.parametrize("guess", [0.0, -1.0, 1e-300, 1e300])
-def test_a_guess_without_sense_is_none(guess):
-    grid = Grid((12, 10), (1e-6, 1e-6))
-    solid = ElasticHalfSpace(grid, 115e9)
-    z = 1e-7 * np.random.default_rng(0).uniform(size=grid.shape)
-    initial = np.full(grid.shape, guess)
-    contact = solve_contact(solid, z, 1e-2, 6.6e9, initial_pressure=initial)
-    assert contact.pressure == pytest.approx(solve_contact(solid, z, 1e-2, 6.6e9).pressure)
-
-
 # Kernels.
 
 

@@ -11,10 +11,3 @@ def test_measures_without_temperature_are_nan():
     first = next(iter(simulate(scene, 300.0, 1.25)))
     assert first.heat is None
     assert np.isnan(measures(scene, first)["max_rise"])
-
-
-def test_the_docstring_names_every_measure():
-    scene = small_scene(increments=1)
-    *_, state = simulate(scene, 400.0, 2.0)
-    text = measures.__doc__
-    assert not [name for name in measures(scene, state) if f"``{name}``" not in text]
