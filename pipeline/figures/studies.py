@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 import re
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -13,14 +11,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator, NullFormatter
-from matplotlib.transforms import Bbox
 
 from pipeline.figures.style import (
     BLACK,
     BLUE,
+    GREEN,
     GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
     VERMILION,
     Picture,
     as_text,
@@ -83,7 +83,7 @@ def draw_variations(varied: Variations) -> Figure:
     axes.set_xlim(low - room, high + room)
     axes.grid(visible=False, axis="y")
     axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
-    axes.xaxis.set_major_formatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
+    axes.xaxis.set_major_formatter(_signed)
     axes.set_xlabel("change of the critical velocity")
     for load, colour in ends.items():
         critical_velocity = varied.base.critical_velocities[load]
@@ -91,8 +91,19 @@ def draw_variations(varied: Variations) -> Figure:
         begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
         axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
     legend_below(figure, ncols=len(ends))
-    axes.set_title(as_title(varied.title, 60), x=0.3)
+    figure.suptitle(as_title(varied.title, 70))
     return figure
+
+
+def _signed(change: float, _: object = None) -> str:
+    """A relative change in percent, with its sign.
+
+    Examples
+    --------
+    >>> _signed(-0.125), _signed(0.0)
+    ('−12.5 %', '0 %')
+    """
+    return f"{100 * change:+.3g} %".replace("-", "−") if change else "0 %"
 
 
 def _named(key: str, variations: list[Variation]) -> str:
@@ -149,7 +160,7 @@ def _bar(
     axes.barh(position, high - low, left=low, height=height, color=colour, alpha=0.85)
     for variation, change in zip(variations, changes, strict=True):
         if change in (low, high):
-            words = f"{100 * change:+.1f} %"
+            words = _signed(change)
             if len(variation.value) <= _LONGEST:
                 words = _shown(variation.value)
             beside(change, words, change >= 0, fontsize=8)
@@ -226,11 +237,8 @@ def _label(entry: Unknown) -> str:
 
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
-_OUTLYING = 0.1  # relative error from which what is varied is not drawn
-_NAMED: dict[str, Any] = {"fontsize": 10, "fontweight": "bold", "color": BLACK}
-_VARIED: dict[str, Any] = {"fontsize": 7.5, "color": GREY}
-_SIDES = ((1, 1), (1, -1), (1, 0), (-1, 0), (-1, 1), (-1, -1))  # of a point, right and up
-_LEAD = {"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 1, "shrinkB": 4}
+_MARKERS = ("o", "s", "^", "v", "<", ">", "P", "X", "p", "h")
+_MARKER_COLOURS = (GREEN, PURPLE, ORANGE, SKY, GREY)
 
 
 @in_house_style
@@ -249,30 +257,33 @@ def draw_trade(trade: Trade) -> Figure:
     >>> figure = pipeline.draw_trade(pipeline.trade(scene))  # doctest: +SKIP
     >>> figure.savefig("trade.png")  # doctest: +SKIP
     """
-    figure = Picture(figsize=(8.0, 5.6))
+    figure = Picture(figsize=(8.0, 6.4))
     axes = figure.add_subplot()
-    choices = [
-        choice
-        for choice in trade.choices[:-1]
-        if choice.velocity_error < (_OUTLYING if choice.varied else math.inf)
-    ]
+    choices = trade.choices[:-1]  # but for the reference, which has no error
     axes.set(xscale="log", yscale="log")
-    front = [choice for choice in trade.front if choice in choices]
     axes.plot(
-        [_place(choice)[0] for choice in front],
-        [_place(choice)[1] for choice in front],
+        *_places([choice for choice in trade.front if choice in choices]),
         drawstyle="steps-post", color=BLUE, lw=1.2, zorder=2, gid="front",
         label="no other choice is both faster and nearer",
     )  # fmt: skip
-    for label, of_kind, look in _kinds(trade, choices):
+    varied = [choice for choice in choices if choice.varied]
+    presets = [choice for choice in choices if choice.name in PRESETS]
+    others = [choice for choice in choices if choice not in varied and choice not in presets]
+    for label, of_kind, look in (
+        ("presets", presets, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}),
+        ("the scene's own", others, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
+    ):
         if of_kind:
-            x, y = zip(*map(_place, of_kind), strict=True)
-            axes.plot(x, y, ls="none", label=label, gid=label, **look)
-    work = [choice.saving for choice in choices]
-    axes.set_xlim(max(work) * 2.0, min(work) / 2.0)
-    errors = [_place(choice)[1] for choice in choices]
-    axes.set_ylim(min(errors) / 1.8, max(errors) * 2.2)
-
+            axes.plot(*_places(of_kind), ls="none", label=label, gid=label, **look)
+    for choice in (*presets, *others):
+        axes.annotate(
+            choice.name, (choice.saving, _error(choice)), (-8, -4), textcoords="offset points",
+            ha="right", va="top", fontweight="bold", zorder=3,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        )  # fmt: skip
+    _draw_varied(axes, varied)
+    axes.margins(0.12)
+    axes.invert_xaxis()
     axes.set_xlabel("times less work than the reference  (faster to the left)")
     axes.set_ylabel("largest error of the boundary velocity")
     axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
@@ -280,72 +291,29 @@ def draw_trade(trade: Trade) -> Figure:
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_title(as_title(f"Speed against accuracy: {trade.title}"), pad=10)
-    figure.legend(loc="outside lower center", ncols=4)
-    figure.draw_without_rendering()  # names go by the final scales
-    _name(figure, axes, trade, choices, front)
+    title = f"open marks: one choice of {trade.base} varied, to the values from left to right"
+    legend_below(figure, ncols=3, title=title if varied else None, title_fontsize=9.5)
     return figure
 
 
-def _place(choice: Choice) -> tuple[float, float]:
-    return choice.saving, max(choice.velocity_error, _LEAST_ERROR)
+def _draw_varied(axes: Axes, varied: Sequence[Choice]) -> None:
+    """Mark the values of each numerical choice that was varied alone."""
+    fields = sorted({choice.varied for choice in varied if choice.varied})
+    for number, field in enumerate(fields):
+        of_field = [choice for choice in varied if choice.varied == field]
+        of_field.sort(key=lambda choice: -choice.saving)
+        values = ", ".join(choice.name.partition(" = ")[2] for choice in of_field)
+        axes.plot(
+            *_places(of_field), ls="none", marker=_MARKERS[number % len(_MARKERS)], ms=6,
+            mfc="none", mec=_MARKER_COLOURS[number % len(_MARKER_COLOURS)], mew=1.5, zorder=4,
+            label=f"{field.replace('_', ' ')} {values}", gid=field,
+        )  # fmt: skip
 
 
-def _kinds(
-    trade: Trade, choices: list[Choice]
-) -> tuple[tuple[str, list[Choice], dict[str, Any]], ...]:
-    """Name of each kind of choice, those of it, and how they look."""
-    varied = [choice for choice in choices if choice.varied]
-    presets = [choice for choice in choices if choice.name in PRESETS]
-    others = [choice for choice in choices if choice not in varied and choice not in presets]
-    return (
-        (
-            f"one choice of {trade.base} varied",
-            varied,
-            {"marker": "o", "mfc": "white", "mec": GREY, "ms": 4.5, "zorder": 4},
-        ),
-        ("presets", presets, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}),
-        ("the scene's own", others, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
-    )
+def _places(choices: Sequence[Choice]) -> tuple[list[float], list[float]]:
+    """Savings and errors of some choices."""
+    return [choice.saving for choice in choices], [_error(choice) for choice in choices]
 
 
-def _name(
-    figure: Figure, axes: Axes, trade: Trade, choices: Sequence[Choice], front: Sequence[Choice]
-) -> None:
-    """Write names beside the points, where they cover neither another name nor a point.
-
-    The presets choose first, and in a crowd have a name farther off, then the choices on the
-    front, to whose lower left nothing can lie, then the others from the top down. Of these, one
-    that finds no room has no name.
-    """
-    per_point = figure.dpi / 72
-    points = axes.transData.transform([_place(choice) for choice in choices])
-    taken = [
-        Bbox.from_extents(*(point - 5 * per_point), *(point + 5 * per_point)) for point in points
-    ]
-    window = axes.get_window_extent()
-    for choice in sorted(
-        choices, key=lambda one: (one.varied is not None, one not in front, -one.velocity_error)
-    ):
-        sides = _SIDES[::-1] if choice in front else _SIDES
-        distances = (1,) if choice.varied else (1, 3, 5, 7, 9)
-        name = choice.name.removeprefix(f"{trade.base}, " if choice.varied else "")
-        for far, (right, up) in itertools.product(distances, sides):
-            note = axes.annotate(
-                name.replace("history_coarsening", "history grid").replace("_", " "),
-                _place(choice),
-                xytext=(7 * right * far, 6 * up * far),
-                textcoords="offset points",
-                ha="left" if right > 0 else "right",
-                va="center_baseline",
-                arrowprops=_LEAD if far > 1 else None,
-                path_effects=[withStroke(linewidth=2.5, foreground="white")],
-                zorder=5,
-                **(_VARIED if choice.varied else _NAMED),
-            )
-            note.get_window_extent()  # puts it in its place
-            box = Text.get_window_extent(note)  # without the line that leads to it
-            inside = window.contains(box.x0, box.y0) and window.contains(box.x1, box.y1)
-            if inside and not box.count_overlaps(taken):
-                taken.append(box)
-                break
-            note.remove()
+def _error(choice: Choice) -> float:
+    return max(choice.velocity_error, _LEAST_ERROR)

@@ -1,11 +1,9 @@
 """Speed against accuracy, measured on a small scene."""
 
-import itertools
 import json
 from dataclasses import replace
 
 import pytest
-from matplotlib.text import Text
 
 from pipeline.figures.studies import draw_trade
 from pipeline.sweep.model import Point
@@ -132,28 +130,25 @@ def test_text_and_json_tell_the_same(measured):
 
 
 def test_the_figure_shows_presets_variations_and_front(measured):
-    (axes,) = draw_trade(measured).axes
-    ids = {line.get_gid() for line in axes.lines}
-    assert ids == {"front", "presets", "one choice of fine varied", "the scene's own"}
-    words = {text.get_text() for text in axes.texts}
-    assert {"draft", "standard", "fine", "as in the scene"} <= words
-
-
-def test_no_name_in_the_figure_covers_another_or_a_point(measured):
     figure = draw_trade(measured)
     (axes,) = figure.axes
-    figure.draw_without_rendering()
-    names = [Text.get_window_extent(text) for text in axes.texts]
-    written = {text.get_text() for text in axes.texts}
-    assert len(names) > len(measured.choices) / 2
-    assert {choice.name for choice in measured.front[:-1] if choice.varied is None} <= written
-    for one, other in itertools.combinations(names, 2):
-        assert not one.overlaps(other)
-    lines = [line for line in axes.lines if line.get_gid() != "front"]
-    points = [axes.transData.transform(xy) for line in lines for xy in line.get_xydata()]
-    assert len(points) >= len(names) == len(written)
-    assert not any(name.contains(*point) for name in names for point in points)
-    assert all(axes.get_window_extent().contains(name.x0, name.y1) for name in names)
+    drawn = {line.get_gid(): line for line in axes.lines}
+    varied = {choice.varied for choice in measured.choices} - {None}
+    assert set(drawn) == {"front", "presets", "the scene's own"} | varied
+    words = {text.get_text() for text in axes.texts}
+    assert words == {"draft", "standard", "fine", "as in the scene"}
+
+
+def test_the_legend_names_the_values_of_each_choice_in_the_order_of_its_marks(measured):
+    figure = draw_trade(measured)
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    drawn = {line.get_gid(): line for line in figure.axes[0].lines}
+    for field in {choice.varied for choice in measured.choices} - {None}:
+        choices = [choice for choice in measured.choices if choice.varied == field]
+        choices.sort(key=lambda choice: choice.work)
+        values = [choice.name.partition(" = ")[2] for choice in choices]
+        assert f"{field.replace('_', ' ')} {', '.join(values)}" in names
+        assert list(drawn[field].get_xdata()) == [choice.saving for choice in choices]
 
 
 def test_memory_is_counted_whatever_was_computed_before():
