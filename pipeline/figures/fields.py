@@ -99,6 +99,7 @@ def point_name(ds: xr.Dataset, point: tuple[int, int]) -> str:
     return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], drawn_row(ds)))
 
 
+_BAR = 0.12  # [inch] of a bar of colours, and of the gap below it
 _HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
 
 
@@ -151,8 +152,7 @@ def _contact(
     stacked: bool,
 ) -> Figure:
     """Draw the contact at the end of a point."""
-    values = _shown(ds, point, conditions)
-    temperature = values[1]
+    pressure, temperature, depth = _shown(ds, point, conditions)
     critical = conditions.critical_temperature
     limit = math.inf if critical is None else celsius(critical)
     outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
@@ -164,28 +164,32 @@ def _contact(
     centres = 1e6 * ds["x"].values, 1e6 * ds["y"].values
     x, y = (_edges(axis) for axis in centres)
     height = 3.3 * np.ptp(y) / np.ptp(x)
-    panel = 1.4 + float(np.clip(height, 1.0, _HIGHEST_STACKED if stacked else 6.0))
-    size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.8 + panel)
+    is_equal = 0.5 < height < 12
+    room = float(np.clip(height, 0.5 if is_equal else 1.0, _HIGHEST_STACKED if stacked else 6.0))
+    panel = 1.4 + room
+    size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.5 + panel)
     figure = Picture(figsize=size)
     row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
-    touching = np.ma.masked_equal(values[0], 0.0), *values[1:]
+    shown = np.ma.masked_equal(pressure, 0.0), temperature, np.ma.masked_equal(depth, 0.0)
     lowest = 0.0, temperature.min(), 0.0
     for axes, label, field, colours, low in zip(
-        row, labels, touching, ("viridis_r", "inferno", "cividis"), lowest, strict=True
+        row, labels, shown, ("viridis_r", "inferno", "cividis_r"), lowest, strict=True
     ):
         image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, rasterized=True)
-        axes.set_aspect("equal" if 0.5 < height < 12 else "auto")
+        axes.set_aspect("equal" if is_equal else "auto")
         axes.grid(visible=False)
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
         if not stacked or axes is row[-1]:
             axes.set_xlabel("x, along sliding [µm]")
         figure.colorbar(
-            image, cax=axes.inset_axes((0, 1.04, 1, 0.035)), label=label, location="top"
-        )
-    if len(ds["y"]) > 1:
-        row[0].set_ylabel("y [µm]")
-    else:
-        row[0].set_yticks([])
+            image, cax=axes.inset_axes((0, 1 + _BAR / room, 1, _BAR / room)), label=label,
+            location="top", ticks=MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]),
+        )  # fmt: skip
+    for axes in row if stacked else row[:1]:
+        if len(ds["y"]) > 1:
+            axes.set_ylabel("y [µm]")
+        else:
+            axes.set_yticks([])
     if outlined:
         row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
     figure.suptitle(f"{title_of(ds)}\n{point_name(ds, point)}, {heating(conditions)}")
