@@ -92,7 +92,7 @@ def _temperatures(
     axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], conditions: Conditions
 ) -> None:
     highest = ds["max_rise"].values
-    rises: list[tuple[Array, str, Any]] = [(highest, "maximum", {"ls": "--", "marker": "^"})]
+    rises: list[tuple[Array, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
     decisive = conditions.decisive
     if decisive.temperature != Criterion("highest").temperature:
         columns = {decisive.column: ds[decisive.column].values}
@@ -160,7 +160,8 @@ def _pair(
     right = left.twinx()
     right.grid(visible=False)
     key = []
-    for axes, (label, values), style in ((left, solid, "-"), (right, dashed, "--")):
+    # The right axis has more room, so that quantities in proportion do not lie on each other.
+    for axes, (label, values), style, room in ((left, solid, "-", 1.2), (right, dashed, "--", 1.5)):
         for number, point in enumerate(points):
             time, column, marker = ds["time"].values[point], values[point], ""
             steps = np.isfinite(time)
@@ -169,7 +170,7 @@ def _pair(
             color, order = f"C{number}", _order(point)
             axes.plot(time, column, color=color, ls=style, marker=marker, zorder=order)
         axes.set_ylabel(label)
-        axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
+        axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
         key.append(Line2D([], [], color=BLACK, ls=style, label=label.partition(" [")[0]))
     left.legend(handles=key, loc="upper left", ncols=2)
 
