@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
+from matplotlib.transforms import ScaledTranslation
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_table import frame_of_rows, labels_of_rows
@@ -47,6 +48,7 @@ _FACTORS: dict[str, dict[str, Any]] = {
     "velocity": {"color": PURPLE, "marker": ">", "ls": "none", "ms": 6, "zorder": 3.5},
     "load": {"color": GREEN, "marker": "^", "ls": "none", "ms": 6, "zorder": 3.5},
 }
+_ASIDE = 5  # [pt] of the mark of either factor from its row
 
 
 @in_house_style
@@ -117,7 +119,7 @@ def _draw_margins(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
         axes.plot(x, margins, color=GREY, lw=0.7, zorder=2)
     axes.errorbar(
         x, margins, np.nan_to_num(errors), ls="none", ecolor=GREY, elinewidth=0.9,
-        capsize=3 if len(frame) <= _MANY else 0, zorder=2.5,
+        capsize=3 if len(frame) <= _MANY else 0, zorder=2.5, label="error of the margin",
     )  # fmt: skip
     for verdict, (label, look) in _LOOKS.items():
         if (where := (frame["verdict"] == verdict).to_numpy()).any():
@@ -149,6 +151,8 @@ def _draw_factors(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
     low, high = np.nanmin(known) / _ROOM**3, np.nanmax(known) * _ROOM**3
     margins = frame["distance [K]"].to_numpy(float)
     for steps, (name, look) in enumerate(_FACTORS.items(), 1):
+        aside = ScaledTranslation(_ASIDE * (2 * steps - 3) / 72, 0, axes.figure.dpi_scale_trans)
+        look = look | {"transform": axes.transData + aside}
         axes.plot(x, factors[name], label=f"factor of {name}", gid=name, **look)
         where = np.isnan(factors[name]) & np.isfinite(margins)
         if where.any():
