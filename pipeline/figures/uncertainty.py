@@ -195,8 +195,8 @@ def draw_posterior(posterior: Posterior) -> Figure:
             listed = np.sort(quantity.shown.of(np.array(quantity.parameters))) / 10.0**power
             bins = np.append(listed, listed[-1] + 1) - 0.5
         for draws, colour, label in (
-            (posterior.prior, GREY, "before"),
-            (posterior.draws, BLUE, "after"),
+            (posterior.prior, GREY, "before the measurements"),
+            (posterior.draws, BLUE, "after them"),
         ):
             panel.hist(
                 quantity.shown.of(draws.inputs[:, number]) / 10.0**power, bins.tolist(),
@@ -229,12 +229,14 @@ def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
         marker="D", ms=4.5, color=VERMILION, elinewidth=1.0,
     )  # fmt: skip
     for entry, velocity in zip(tests, middle, strict=True):
+        is_above = velocity > entry["velocity"]  # the line of equal velocities
         axes.annotate(
-            f"{entry['normal_load']:g} N", (entry["velocity"], velocity), (6, -10),
+            f"{entry['normal_load']:g} N", (entry["velocity"], velocity),
+            (-6, 5) if is_above else (6, -10), ha="right" if is_above else "left",
             textcoords="offset points", fontsize=8, color=GREY,
         )  # fmt: skip
-    axes.set_xlabel("measured velocity [m/s]", fontsize=9)
-    axes.set_ylabel("computed [m/s]", fontsize=9)
+    axes.set_xlabel("measured velocity, its scatter [m/s]", fontsize=9)
+    axes.set_ylabel("computed, 90 % interval [m/s]", fontsize=9)
 
 
 def _power(values: Array) -> int:
