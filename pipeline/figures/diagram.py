@@ -136,7 +136,8 @@ def diagram(
         plane = _quantile(planes, 0.5)
         _regions(axes, plane, rise_limit(conditions))
         if isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
-            legend.append(Line2D([], [], color=BLACK, lw=2.2, label="computed transition"))
+            label = "computed transition" + (", median" if len(planes) > 1 else "")
+            legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
         legend += beyond
         legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, ds, conditions, band)
@@ -203,7 +204,8 @@ def _of_scenes(
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
     legend += [*_tests(axes, tests), *beyond_figure]
     _frame(axes, ds, log)
-    title = f"transition to severe wear, by {' and '.join(entry_dims(ds))}"
+    entries = " and ".join(entry_dims(ds)).replace(".", " ").replace("_", " ")
+    title = f"transition to severe wear, by {entries}"
     if len({judged for _, judged in several}) == 1:
         title += f"; severe: {criterion(judged)}; {heating(judged)}"
     legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
@@ -314,7 +316,7 @@ def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> l
     for edge in (low, high):
         isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
     _filled(axes, inside, [0.5, 1.5], [GREEN], "surface band", alpha=0.3, zorder=0.9)
-    text = f"{100 * BAND[0]:g}–{100 * BAND[-1]:g} % of {len(planes)} surfaces, median"
+    text = f"{100 * BAND[0]:g} to {100 * BAND[-1]:g} % of {len(planes)} surfaces"
     return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
 
 

@@ -16,7 +16,7 @@ from scipy.ndimage import distance_transform_edt
 from pipeline.analysis.compared import own_conditions
 from pipeline.analysis.dataset import attributes_of
 from pipeline.analysis.transition import crossing
-from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
+from pipeline.figures.style import BLACK, BLUE, GREY, REGION, TINTS, VERMILION
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
@@ -27,7 +27,11 @@ from tribo.types import Array, Mask
 _NEAR = 0.02  # relative difference of the limit that is not worth a mark of its own
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
 _RESOLUTION = 60
-_DOTS = (0, (1, 2))
+_LEVELS = (
+    (BOUNDARY, "mixed", (0, (1, 2))),
+    (FULL_FILM, "full film", (0, (6, 2, 1, 2))),
+)
+"""Levels of Λ, what begins there, and the dashes of their lines."""
 
 
 def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
@@ -37,12 +41,12 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
         return []
     bulk = conditions.mean_bulk_temperature
     film = _over_figure(ds, lambda F, V: lubrication.film_parameter(F, V, bulk))
-    look = {"linewidths": 1.0, "linestyles": [_DOTS], "zorder": 2.5}
+    look = {"linewidths": 1.0, "zorder": 2.5}
     legend: list[Artist] = []
-    for level, beyond in ((BOUNDARY, "mixed"), (FULL_FILM, "full film")):
+    for level, beyond, dashes in _LEVELS:
         label = f"Λ = {level:g}, {beyond} beyond"
-        if isoline(axes, film, level, label, colors=BLACK, **look):
-            legend.append(Line2D([], [], color=BLACK, lw=1.0, ls=_DOTS, label=label))
+        if isoline(axes, film, level, label, colors=BLACK, linestyles=[dashes], **look):
+            legend.append(Line2D([], [], color=BLACK, lw=1.0, ls=dashes, label=label))
     if not legend:
         regime = lubrication_regime(float(film.mean()))
         span = f"{film.min():.2f} to {film.max():.2f}"
@@ -133,7 +137,7 @@ def at_own_conditions(
     line = axes.plot(
         [velocity for velocity, _ in transitions],
         [point["normal_load"] for _, point in transitions],
-        ls="none", marker="D", ms=5.5, mfc="white", mec=BLACK, mew=1.1, zorder=3.9,
+        ls="none", marker="D", ms=5.5, mfc="white", mec=BLACK, mew=1.1, zorder=4.1,
         label="computed at the test's own conditions", gid="at own conditions",
     )  # fmt: skip
     return list(line)
@@ -157,9 +161,10 @@ def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any
     return True
 
 
-_LABEL_SIZE = (0.42, 0.07)  # of the axes: about what the names of the regions take
 MILD, SEVERE = "mild wear (I and II)", "severe adhesive wear (III* and III)"
-_LEAST_ROOM = 0.4  # of a label's size, around its middle
+_LETTER = 0.0115, 0.045  # of the axes: about what a letter of a name takes
+_CROSSED = "Λ", "band edge"  # what a line's mark begins with, over which no name stands
+_LEAST_ROOM = 0.5  # of a label's size, around its middle
 
 
 def name_regions(
@@ -169,7 +174,10 @@ def name_regions(
     loads: Array,
     measured: Sequence[Mapping[str, Any]],
 ) -> None:
-    """Name mild and severe wear where each has most room, between two rows of points."""
+    """Name mild and severe wear where each has most room, between two rows of points.
+
+    A name that finds no room in a line is broken into two.
+    """
     scale = np.log if axes.get_xscale() == "log" else np.asarray
     (left, right), (bottom, top) = scale(axes.get_xlim()), scale(axes.get_ylim())
 
@@ -180,31 +188,46 @@ def name_regions(
         return (scale(load) - bottom) / (top - bottom)
 
     x, y = across(plane["velocity"].values), up(plane["load"].values)
-    rows = up(np.convolve(loads, [0.5, 0.5], "valid"))
-    taken = [(across(point["velocity"]), up(point["normal_load"])) for point in measured]
+    rows, apart = up(np.convolve(loads, [0.5, 0.5], "valid")), np.diff(up(loads))
+    taken = [(point["velocity"], point["normal_load"]) for point in measured]
+    lines = (line for line in axes.collections if str(line.get_gid()).startswith(_CROSSED))
+    taken += [place for line in lines for path in line.get_paths() for place in path.vertices]
+    covered = [(across(velocity), up(load)) for velocity, load in taken]
     severe, mild = (of(plane.values, limit) for of in (Criterion.is_severe, Criterion.is_mild))
     for inside, name, colour, tint in (
         (mild, MILD, BLUE, TINTS["mild"]),
         (severe, SEVERE, VERMILION, TINTS["severe"]),
     ):
-        place = _roomiest(inside, x, y, rows, taken)
-        if place is not None:
-            axes.text(
-                *place, name, transform=axes.transAxes, ha="center", va="center", fontsize=10.5,
-                fontweight="bold", color=colour, zorder=5,
-                bbox={"fc": tint, "ec": "none", "pad": 0.5},
-            )  # fmt: skip
+        for words in (name, name.replace(" (", "\n(")):
+            parts = words.split("\n")
+            width, height = _LETTER[0] * max(map(len, parts)), _LETTER[1] * len(parts)
+            free = rows[apart > height]
+            place = _roomiest(inside, x, y, free, covered, (width, height + _LETTER[1]))
+            if place is not None:
+                axes.text(
+                    *place, words, transform=axes.transAxes, ha="center", va="center",
+                    fontsize=10.5, fontweight="bold", color=colour, zorder=5, gid=REGION,
+                    bbox={"fc": tint, "ec": "none", "pad": 0.5},
+                )  # fmt: skip
+                break
 
 
 def _roomiest(
-    inside: Mask, x: Array, y: Array, rows: Array, taken: Sequence[tuple[float, float]]
+    inside: Mask,
+    x: Array,
+    y: Array,
+    rows: Array,
+    taken: Sequence[tuple[float, float]],
+    size: tuple[float, float],
 ) -> tuple[float, float] | None:
     """Roomiest place of a label in a row, counted in sizes of labels; None if none fits."""
     inside = inside.copy()
     for point in taken:
         if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:
             inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
-    width, height = _LABEL_SIZE
+    if not rows.size:
+        return None
+    width, height = size
     steps = (np.ptp(y) / (len(y) - 1) / height, np.ptp(x) / (len(x) - 1) / width)
     # Padded, since the edges of the diagram count as edges of the region.
     room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]

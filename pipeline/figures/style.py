@@ -59,6 +59,9 @@ _HOUSE_STYLE: Any = {
     "ytick.color": "#444444",
 }
 
+REGION = "region"
+"""Mark (gid) of the names of regions."""
+
 SOFT_BREAK = " \n"
 """Break between lines of a title that goes where the figure gets another width."""
 
@@ -237,6 +240,7 @@ def as_text(words: str) -> str:
 _INCH = 0.0254  # [m]
 _NARROWEST, _WIDEST = 0.04, 1.0  # [m]
 _SMALLEST_TEXT, _THINNEST = 0.66, 0.6  # shares of a figure's own sizes that stay readable
+_SMALLEST_NAME = 0.5  # the same of a region's name, which has no more room than its region
 _LETTER = 0.55  # width of a letter, of the size of its font
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:°C|%|N|K|m/s)(?!\w))")
 
@@ -262,6 +266,8 @@ def fitted(figure: Figure, width: float | None = None, with_title: bool = True) 
     for axes in figure.axes:
         if legend := axes.get_legend():
             _stack(axes, legend)
+    for legend in figure.findobj(Legend):
+        legend.get_title().set_multialignment("center")
     return figure
 
 
@@ -275,8 +281,9 @@ def _shrink(figure: Figure, width: float) -> None:
     rows = max(place.get_gridspec().nrows for place in places if place)
     height = usual_height * (text if rows > 1 else (scale * text) ** 0.5)
     figure.set_size_inches(scale * usual_width, height)
+    name = max(scale, min(1.0, _SMALLEST_NAME))
     for artist in figure.findobj():
-        _resize(artist, text, line)
+        _resize(artist, name if artist.get_gid() == REGION else text, line)
 
 
 def _resize(artist: Artist, text: float, line: float) -> None:

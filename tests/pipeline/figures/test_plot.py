@@ -132,6 +132,7 @@ def test_a_band_that_is_cut_at_what_was_computed_says_so():
 @pytest.mark.parametrize("friction", [0.05, 0.1, 0.2])
 def test_names_stand_inside_their_regions(sweep, friction):
     axes = diagram(sweep, friction=friction).axes[0]
+    axes.figure.draw_without_rendering()
     place = {}
     for text in axes.texts:
         to_data = axes.transAxes + axes.transData.inverted()
@@ -205,6 +206,16 @@ def test_ramp_shows_temperatures_between_where_there_are_any():
     load = np.union1d(np.arange(75.0, 751.0, 75.0), [300.0])
     np.testing.assert_allclose(time, load / 150.0)
     np.testing.assert_allclose(temperature, 25.0 + 0.1 * synthetic.rise(load, 2.0, 0.9))
+
+
+def test_no_contact_and_no_wear_are_white_and_the_most_of_either_is_dark(sweep):
+    here = sweep.sel(load=750.0, velocity=1.25)
+    panels = fields(sweep).axes
+    for axes, name in ((panels[0], "pressure"), (panels[2], "wear_depth")):
+        mesh = axes.collections[0]
+        np.testing.assert_array_equal(mesh.get_array().mask, (here[name] == 0.0).T)
+        darkest, lightest = (sum(mesh.cmap(end)[:3]) for end in (1.0, 0.0))
+        assert darkest < 1 < lightest
 
 
 def test_fields_of_the_point_nearest_to_the_transition(sweep):
@@ -282,6 +293,19 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     thick = diagram(synthetic.sweep(lubrication=OILED | {"rms_height": 2e-6}))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
+
+
+def test_two_levels_of_the_film_have_lines_of_their_own_over_which_no_name_stands():
+    oil = OILED | {"rms_height": 0.08e-6}
+    axes = diagram(synthetic.sweep(lubrication=oil, friction_band=None)).axes[0]
+    films = [one for one in axes.collections if "Λ" in str(one.get_gid())]
+    assert len(films) == 2
+    assert films[0].get_linestyle() != films[1].get_linestyle()
+    axes.figure.draw_without_rendering()
+    names = [text.get_window_extent() for text in axes.texts]
+    assert names
+    for path in (path for film in films for path in film.get_paths()):
+        assert not any(path.transformed(axes.transData).intersects_bbox(box) for box in names)
 
 
 # Samples of what is not known exactly
