@@ -189,9 +189,10 @@ def name_regions(
 
     x, y = across(plane["velocity"].values), up(plane["load"].values)
     rows, apart = up(np.convolve(loads, [0.5, 0.5], "valid")), np.diff(up(loads))
-    taken = [(point["velocity"], point["normal_load"]) for point in measured]
-    lines = (line for line in axes.collections if str(line.get_gid()).startswith(_CROSSED))
-    taken += [place for line in lines for path in line.get_paths() for place in path.vertices]
+    taken = [[point["velocity"], point["normal_load"]] for point in measured]
+    for line in axes.collections:
+        if str(line.get_gid()).startswith(_CROSSED):
+            taken += np.concatenate([path.vertices for path in line.get_paths()]).tolist()
     covered = [(across(velocity), up(load)) for velocity, load in taken]
     severe, mild = (of(plane.values, limit) for of in (Criterion.is_severe, Criterion.is_mild))
     for inside, name, colour, tint in (

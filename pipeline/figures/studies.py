@@ -269,12 +269,15 @@ def draw_trade(trade: Trade) -> Figure:
     varied = [choice for choice in choices if choice.varied]
     presets = [choice for choice in choices if choice.name in PRESETS]
     others = [choice for choice in choices if choice not in varied and choice not in presets]
-    for label, of_kind, look in (
-        ("presets", presets, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}),
-        ("the scene's own", others, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
+    for label, of_kind, marker, colour in (
+        ("presets", presets, "D", VERMILION),
+        ("the scene's own", others, "s", BLACK),
     ):
         if of_kind:
-            axes.plot(*_places(of_kind), ls="none", label=label, gid=label, **look)
+            axes.plot(
+                *_places(of_kind), ls="none", marker=marker, ms=8, mfc=colour, mec="white",
+                label=label, gid=label,
+            )  # fmt: skip
     for choice in (*presets, *others):
         axes.annotate(
             choice.name, (choice.saving, _error(choice)), (-8, -4), textcoords="offset points",
