@@ -143,7 +143,7 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
         flag = flags.values[tuple(place)]
         slow = SLOW if flag & WarningKind.SLOW_RISE else ""
         melted = MOLTEN if flag & WarningKind.MOLTEN else ""
-        if message := str(point["message"].item()) or slow or melted:
+        if message := "; ".join(filter(None, (str(point["message"].item()), slow, melted))):
             names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
             values = tuple((name, value_text(ds[name], point[name].item())) for name in names)
             return f"{Point(point['load'].item(), point['velocity'].item(), values)}: {message}"

@@ -45,6 +45,7 @@ from pipeline.cli.unknowns import (
     samples_of,
 )
 from pipeline.sweep.variants import PLACE
+from pipeline.sweep.warned import MELTS, MOLTEN
 from tribo import InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 
@@ -87,6 +88,8 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
     commands, lines = _next(options, ds, margins, conditions)
     text += lines
+    if any(margin.decisive_temperature > MELTS for margin in margins):
+        text.append(f"warning: {MOLTEN}")
     command = None
     if any(map(_is_incomplete, margins)):
         judged = conditions_of(ds, **conditions).as_dict()

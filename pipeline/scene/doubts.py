@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -9,8 +10,8 @@ from typing import NamedTuple
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
-from pipeline.sweep.warned import note_on_turns
-from tribo import Material, Ramp, SelfAffineRoughness, Wear
+from pipeline.sweep.warned import MELTS, columns_in_closed_form, note_on_turns
+from tribo import Corrections, Material, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -72,6 +73,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
         *_of_motion(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
         *_of_contact(sweep, facts),
+        *_of_heat(sweep, facts),
     )
 
 
@@ -184,6 +186,49 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
             f"{points} points, those of high load and velocity; "
             "give more window.pixels if these matter"
         )
+
+
+def _of_heat(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    """Points at which steel would melt."""
+    grid = itertools.product(sweep.plane.loads, sweep.plane.velocities)
+    places = [
+        (_smooth_temperature(sweep, load, velocity, width), load, velocity)
+        for (load, velocity), width in zip(
+            grid, itertools.chain(*facts.contact_widths), strict=False
+        )
+    ]
+    molten = sum(temperature > MELTS for temperature, _, _ in places)
+    if molten:
+        temperature, load, velocity = max(places)
+        yield (
+            f"steel would melt at about {molten} of {len(places)} points: at {load:g} N and "
+            f"{velocity:g} m/s even a smooth contact would reach some {temperature - 273.15:.2g} "
+            f"°C, and steel melts from {MELTS - 273.15:.0f} °C on; the bodies of the model do not: "
+            "check load, velocity and units"
+        )
+
+
+def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float) -> float:
+    """Highest temperature of a smooth contact at the end of a point [K], roughly.
+
+    A body conducts as where it passes at a high Péclet number, or as if it were at rest.
+    """
+    pin, conditions, speeds = sweep.scene.pin, sweep.conditions, sweep.scene.velocities_at(velocity)
+    bulk = conditions.mean_bulk_temperature
+    if not velocity:
+        return bulk
+    along_y = pin.length or math.pi / 4 * width * pin.hertz(1.0, 1e11).aspect
+    conducted = sum(
+        max(
+            math.sqrt(math.pi * abs(speed) / width) * body.thermal_effusivity / 2,
+            body.thermal_conductivity / width,
+        )
+        for body, speed in zip((pin.material, sweep.scene.disk), speeds, strict=True)
+    )
+    rise = load * velocity / (width * along_y * conducted)  # at friction 1
+    columns = columns_in_closed_form(sweep, load, velocity, rise)
+    corrections = conditions.corrections or Corrections()
+    return bulk + conditions.friction * float(corrections.applied(columns)["mean_rise"][-1])
 
 
 def _of_tests(sweep: Sweep) -> Iterator[str]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from tribo import Corrections, Material, Motion, Pin, Track, contact_modulus
+from tribo.types import Array
 
 MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
 
@@ -143,28 +144,38 @@ def note_on_turns(
         pin_track=turns.pin_track if "pin" in cold else None,
         track=turns.track if "disk" in cold else None,
     )
-    stations = list(scene.loading.stations(load, scene.fidelity.increments))
-    times = np.array([station.time for station in stations])
-    part_of_pin, part_of_disk = (
-        body.thermal_effusivity * math.sqrt(abs(speed))
-        for body, speed in zip((pin.material, scene.disk), motion.velocities(velocity), strict=True)
-    )
-    hertz = pin.hertz(load, contact_modulus(pin.material, scene.disk))
-    columns = {
-        "time": times,
-        "normal_load": np.array([station.normal_load for station in stations]),
-        "sliding_distance": velocity * times,
-        "mean_pressure": np.full_like(times, hertz.peak_pressure),
-        "contact_width": np.full_like(times, 2 * hertz.half_width),
-        "pin_heat_share": np.full_like(times, part_of_pin / (part_of_pin + part_of_disk)),
-        "mean_rise": np.append(np.full(len(times) - 1, np.nan), _HOT),
-    }
+    columns = columns_in_closed_form(sweep, load, velocity, _HOT)
     warming = conditions.friction * float(alone.added_rise(columns)[-1])
     return on_cold_bodies(
         cold,
         around,
         f"warm the contact by about {warming:.2g} K more at {load:g} N and {velocity:g} m/s",
     )
+
+
+def columns_in_closed_form(
+    sweep: Sweep, load: float, velocity: float, rise: float
+) -> dict[str, Array]:
+    """Columns that corrections need, of a smooth contact with a rise at its end [K]."""
+    scene, pin = sweep.scene, sweep.scene.pin
+    stations = list(scene.loading.stations(load, scene.fidelity.increments))
+    times = np.array([station.time for station in stations])
+    part_of_pin, part_of_disk = (
+        body.thermal_effusivity * math.sqrt(abs(speed))
+        for body, speed in zip(
+            (pin.material, scene.disk), scene.velocities_at(velocity), strict=True
+        )
+    )
+    hertz = pin.hertz(load, contact_modulus(pin.material, scene.disk))
+    return {
+        "time": times,
+        "normal_load": np.array([station.normal_load for station in stations]),
+        "sliding_distance": velocity * times,
+        "mean_pressure": np.full_like(times, hertz.peak_pressure),
+        "contact_width": np.full_like(times, 2 * hertz.half_width),
+        "pin_heat_share": np.full_like(times, part_of_pin / (part_of_pin + part_of_disk)),
+        "mean_rise": np.append(np.full(len(times) - 1, np.nan), rise),
+    }
 
 
 def on_cold_bodies(bodies: tuple[str, ...], around: float, by_how_much: str) -> str:

@@ -142,6 +142,22 @@ def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, words):
     assert not any("turns only" in doubt for doubt in said_of(rolling.changed(wear=None)))
 
 
+@pytest.mark.parametrize(("velocity", "is_doubted"), [(30.0, False), (3e4, True)])
+def test_points_where_even_a_smooth_contact_would_melt_are_doubted(velocity, is_doubted):
+    fast = SMOOTH.changed(velocities=(1.0, velocity), wear=None)
+    said = [doubt for doubt in doubts(fast, facts_of(fast)) if "steel would melt" in doubt]
+    assert len(said) == is_doubted
+    assert not said or f"at {max(fast.plane.loads):g} N and {velocity:g} m/s" in said[0]
+
+
+def test_heat_of_earlier_turns_melts_discs_that_would_not_melt_cold():
+    track = tribo.Track.under(SMOOTH.scene.pin, STEEL, 0.01)
+    bodies = tribo.Corrections(track=track, disk_bulk=tribo.Bulk(capacity=0.05))
+    warm = replace(SMOOTH, conditions=replace(SMOOTH.conditions, corrections=bodies))
+    assert any("steel would melt" in doubt for doubt in doubts(warm, facts_of(warm)))
+    assert not any("steel would melt" in doubt for doubt in doubts(SMOOTH, facts_of(SMOOTH)))
+
+
 @pytest.mark.parametrize(("share", "is_doubted"), [(0.299, 0), (0.31, 1)])
 def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, is_doubted):
     wide = Span(0.1 * HALF_WIDTH, 2 * share * HALF_WIDTH)
