@@ -27,15 +27,6 @@ def test_a_scene_shows_itself_in_a_few_lines():
     assert "3 loads from 150 to 600 N" in html
 
 
-def test_a_point_shows_itself_in_a_few_lines():
-    point = pipeline.run_point(tiny.sweep(), "250 N", "1 m/s")
-    lines = repr(point).splitlines()
-    assert lines[0] == "250 N, 1 m/s"
-    assert f"{1e-9 * point.columns['max_pressure'][-1]:.3g} GPa at most" in lines[2]
-    assert len(lines) == 5 + len(point.warnings)
-    assert point._repr_html_().count("<tr>") == len(lines) - 1
-
-
 def test_a_figure_shows_itself_as_a_picture():
     figure = pipeline.plot(synthetic.sweep(), "diagram")
     pixels = image.imread(io.BytesIO(figure._repr_png_()))

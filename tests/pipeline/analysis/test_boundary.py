@@ -114,12 +114,6 @@ def test_nan_where_the_sweep_does_not_cross(sweep):
     )
 
 
-def test_order_of_the_axes_does_not_matter(sweep):
-    rng = np.random.default_rng(1)
-    shuffled = sweep.isel(load=rng.permutation(12), velocity=rng.permutation(15)).transpose()
-    assert boundary(shuffled).identical(boundary(sweep))
-
-
 def test_missing_points_elsewhere_do_not_matter_and_their_numbers_do_not_count(sweep):
     # The boundary passes between 1.75 and 2 m/s at 450 N, and below 500 N at 1.75 m/s.
     status = {(450.0, 3.0): FAILED, (450.0, 0.5): PENDING, (250.0, 1.75): PENDING}
@@ -251,32 +245,6 @@ def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
         boundary(sweep, friction=(0.1, -0.1))
     with pytest.raises(InputError, match="one number"):
         decisive_temperature(sweep, friction=(0.09, 0.103))
-
-
-def test_frictions_may_be_arrays_and_are_not_none(sweep):
-    for array in (np.array(0.1), xr.DataArray(0.1)):
-        alone = boundary(sweep, friction=array)
-        assert alone.identical(boundary(sweep, friction=0.1))
-    assert boundary(sweep, friction=np.array([0.1, 0.09]))["friction"].values.tolist() == [
-        0.1,
-        0.09,
-    ]
-    with pytest.raises(InputError, match="empty list"):
-        boundary(sweep, friction=[])
-
-
-@pytest.mark.parametrize("name", ["load", "velocity"])
-def test_a_single_line_of_a_sweep_asks_for_a_list(sweep, name):
-    value = sweep[name].values[3]
-    assert boundary(sweep.sel({name: [value]})).sizes[name] == 1
-    with pytest.raises(InputError, match=rf"ds\.sel\({name}=\[{value:g}\]\)"):
-        boundary(sweep.sel({name: value}))
-
-
-@pytest.mark.parametrize("text", ["0.1", "0,1", "0.09,0.103"])
-def test_friction_as_text_is_refused_and_not_read_letter_by_letter(text):
-    with pytest.raises(InputError, match=r"is text; give a number such as 0\.1"):
-        boundary(synthetic.sweep(), friction=text)
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():

@@ -118,7 +118,7 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(s
 
 @pytest.mark.parametrize(
     ("kind", "conditions"),
-    [("diagram", ()), ("diagram", ("--friction", 0)), ("ramp", ("--friction", 0)), ("fields", ())],
+    [("diagram", ()), ("ramp", ("--friction", 0))],
 )
 def test_plot_writes_a_figure(store, tmp_path, irg, kind, conditions):
     out = tmp_path / f"{kind}.png"

@@ -4,14 +4,11 @@ Each campaign is also made to fail, by breaking the rule that it tests.
 """
 
 import json
-from pathlib import Path
 
 import pytest
 
 from tests.crash.power import kinds
 from tests.helpers.processes import python
-
-ROOT = Path(__file__).parents[3]
 
 needs_disks = pytest.mark.skipif(not kinds(), reason="no disk can be made and mounted here")
 

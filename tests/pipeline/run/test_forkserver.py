@@ -7,8 +7,6 @@ from pipeline.run import forkserver
 from pipeline.run.cluster import connected
 from tests.helpers.processes import python
 
-ROOT = Path(__file__).parents[3]
-
 
 def test_workers_begin_with_their_settings_which_are_not_those_of_this_process(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "7")

@@ -3,30 +3,6 @@
 import pytest
 
 import pipeline
-from pipeline.scene.format import FORMAT
-from pipeline.scene.kinds import Number, Quantity
-from pipeline.scene.schema import Either, List, Range, Table, Tables
-
-
-def numbers(kind, path=""):
-    """Kinds of all quantities and numbers of the format, by their paths."""
-    match kind:
-        case Either():
-            yield from numbers(kind.usual, path)
-            yield from numbers(kind.other, path)
-        case List() | Range() | Tables():
-            yield from numbers(kind.of, path)
-        case Table():
-            for key, entry in kind.keys.items():
-                yield from numbers(entry.kind, f"{path}.{key}".lstrip("."))
-        case Quantity():
-            yield path, kind
-        case Number() if type(kind) is Number:
-            yield path, kind
-
-
-KINDS = list(dict.fromkeys(numbers(FORMAT)))
-
 
 MANY_STEPS = {
     "loading.hold": "1e9 s",

@@ -104,27 +104,6 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(words, low, high, sa
         assert not any(words in doubt for doubt in said(value)), value
 
 
-def test_materials_are_named_after_their_body_where_they_differ():
-    light = replace(STEEL, density=7.8)
-    of_pin = said_of(with_pin(material=light))
-    assert [doubt.split(" is ")[0] for doubt in of_pin] == ["the pin's density"]
-    of_disk = said_of(SMOOTH.changed(disk=light))
-    assert [doubt.split(" is ")[0] for doubt in of_disk] == ["the disk's density"]
-    assert [doubt.split(" is ")[0] for doubt in said_of(of_both(density=7.8))] == ["the density"]
-
-
-@pytest.mark.parametrize(("length", "is_doubted"), [(0.019, True), (0.34, False)])
-def test_a_track_is_the_way_around_a_plausible_disk(length, is_doubted):
-    track = tribo.Track.under(SMOOTH.scene.pin, STEEL, length)
-    conditions = replace(SMOOTH.conditions, corrections=tribo.Corrections(track=track))
-    said = said_of(replace(SMOOTH, conditions=conditions))
-    assert any("the disk's track is 19 mm" in doubt for doubt in said) is is_doubted
-
-
-def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
-    assert said_of(SMOOTH.changed(wear=tribo.Wear(0.0))) == ()
-
-
 @pytest.mark.parametrize(
     ("motion", "words"),
     [
@@ -226,22 +205,3 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
         window = (1.0, room * 100e-6 * longer)
         doubts = said_of(CROWNED, CROWNED, hertz_half_width=half, window=window, contact_widths=())
         assert any("by its length" in doubt for doubt in doubts) is not fits
-
-
-@pytest.mark.parametrize(("rise", "is_doubted"), [(0.79e-6, 0), (-0.81e-6, 1), (0.81e-6, 1)])
-def test_a_measured_surface_is_tilted_beyond_twice_its_rq(rise, is_doubted):
-    said = said_of(SMOOTH, surface=surface(rise=(0.0, rise)))
-    assert sum("is tilted" in doubt for doubt in said) == is_doubted
-    assert not is_doubted or f"by {1e6 * rise:.3g} µm along y" in said[0]
-    assert not is_doubted or "an Rq of 0.4 µm" in said[0]
-    random = said_of(SMOOTH, surface=surface(rise=(rise, 0.0), measured=False))
-    assert random == ()
-
-
-@pytest.mark.parametrize(("lay", "count"), [(29.0, 2), (30.0, 2), (31.0, 0), (None, 0)])
-def test_grooves_lie_along_sliding_up_to_an_angle(lay, count):
-    assert len(said_of(SMOOTH, surface=surface(lay=lay))) == count
-    local = SMOOTH.changed(wear=tribo.Wear(1e-15, "local"))
-    assert len(said_of(local, surface=surface(lay=lay))) == count // 2
-    random = said_of(SMOOTH, surface=surface(lay=lay, measured=False))
-    assert len(random) == count // 2

@@ -94,14 +94,6 @@ def test_a_profile_and_a_broken_file_are_refused(library):
         read_surface("a.x3p")
 
 
-def test_a_damaged_plain_array_is_refused(tmp_path):
-    np.save(tmp_path / "a.npy", HEIGHTS)
-    damaged = (tmp_path / "a.npy").read_bytes().replace(b"'shape'", b"b'shap'")
-    (tmp_path / "a.npy").write_bytes(damaged)
-    with pytest.raises(InputError, match="not a plain array of numbers"):
-        read_surface(tmp_path / "a.npy", 1.0)
-
-
 def test_without_the_extra_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
@@ -109,12 +101,6 @@ def test_without_the_extra_the_message_says_how_to_get_it(monkeypatch):
         read_surface("a.x3p")
     with pytest.raises(InputError, match=r"^a\.toml: not a plain array, which ends in \.npy"):
         read_surface("a.toml")
-
-
-def test_plain_arrays_need_no_extra(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
-    np.save(tmp_path / "a.npy", HEIGHTS)
-    np.testing.assert_array_equal(read_surface(tmp_path / "a.npy", 1.0).heights, HEIGHTS)
 
 
 def test_heights_may_be_missing_in_a_plain_array_but_not_infinite(tmp_path):
@@ -145,15 +131,6 @@ def test_a_tilt_is_levelled_away_and_nothing_else():
     np.testing.assert_allclose(levelled(tilted), levelled(HEIGHTS), atol=1e-18)
     np.testing.assert_allclose(levelled(levelled(tilted)), levelled(tilted), atol=1e-20)
     assert np.linalg.norm(levelled(HEIGHTS) - HEIGHTS) < 0.1 * np.linalg.norm(HEIGHTS)
-
-
-def test_a_tilt_with_holes_is_levelled():
-    i, j = np.indices((9, 7))
-    tilted = 1.0 + 3.0 * i - 2.0 * j
-    tilted[2:5, 3] = np.nan
-    left = levelled(tilted)
-    assert np.isnan(left).sum() == 3
-    assert np.nanmax(np.abs(left)) < 1e-12
 
 
 def test_filled_holes_stay_between_their_borders():

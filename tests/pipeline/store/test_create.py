@@ -280,7 +280,6 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     assert contents(alone) == before
 
 
-ONE = surfaces((1,))
 MISMATCHES = {
     "fields later": (several(), several(fields=True), "has no fields"),
     "surfaces later": (

@@ -4,8 +4,6 @@ import os
 import subprocess
 import sys
 import time
-from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -101,27 +99,3 @@ def test_of_two_that_take_a_lock_at_once_one_gives_way(path, monkeypatch):
     monkeypatch.setattr(time, "sleep", lambda _: (path / LOCK).write_text(ELSEWHERE))
     with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
         commit(path, SWEEP, ())
-
-
-MOUNTS = [("/", "ext4"), ("/home", "ext4"), ("/home", "nfs"), ("/mnt", "9p"), ("/tmp", "tmpfs")]
-
-
-@pytest.mark.parametrize(
-    ("folder", "is_local"),
-    [
-        ("/homes/a", True),
-        ("/home/a", False),
-        ("/mnt", False),
-        ("/mnt2/mnt", True),
-        ("/tmp/a", True),
-    ],
-)
-def test_the_last_mount_above_a_folder_tells_whether_its_disk_is_here(
-    monkeypatch, folder, is_local
-):
-    def partitions(all=False):  # as psutil calls it
-        named = [SimpleNamespace(mountpoint=place, fstype=kind) for place, kind in MOUNTS]
-        return named if all else named[:2]
-
-    monkeypatch.setattr("psutil.disk_partitions", partitions)
-    assert lock.is_local(Path(folder)) is is_local

@@ -33,7 +33,6 @@ from tests.pipeline.conftest import commit_all
 SWEEP = tiny.full()
 POINT, NEXT = Point(250.0, 1.0), Point(600.0, 1.0)
 ALL = set(points(SWEEP))
-WARNED = {point for point in ALL if record(point).message}
 ABOUT = ("message", "warning_flags", "wall_time", "steps")
 OTHER = "the data are not those that were computed"
 

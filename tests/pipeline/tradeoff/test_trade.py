@@ -1,14 +1,11 @@
 """Speed against accuracy, measured on a small scene."""
 
-import json
 from dataclasses import replace
 
 import pytest
 
 from pipeline.figures.studies import draw_trade
-from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade as tradeoff
-from pipeline.tradeoff.probe import probe
 from pipeline.tradeoff.trade import trade
 from tests.helpers.accuracy_scenes import PAPER, SCENES
 from tribo import PRESETS, InputError
@@ -117,18 +114,6 @@ def test_a_choice_is_wasted_that_costs_and_gains_nothing(measured):
     assert "the work is 2 times less" in str(wasted)
 
 
-def test_text_and_json_tell_the_same(measured):
-    text = str(measured)
-    document = json.loads(json.dumps(measured.as_dict()))
-    assert [choice["name"] for choice in document["choices"]] == [
-        choice.name for choice in measured.choices
-    ]
-    for choice in document["choices"]:
-        assert choice["name"] in text
-    assert document["cheapest_within"]["0.05"] == measured.cheapest(0.05).name
-    assert f"cheapest within 5 %: {measured.cheapest(0.05).name}" in text
-
-
 def test_the_figure_shows_presets_variations_and_front(measured):
     figure = draw_trade(measured)
     (axes,) = figure.axes
@@ -149,15 +134,6 @@ def test_the_legend_names_the_values_of_each_choice_in_the_order_of_its_marks(me
         values = [choice.name.partition(" = ")[2] for choice in choices]
         assert f"{field.replace('_', ' ')} {', '.join(values)}" in names
         assert list(drawn[field].get_xdata()) == [choice.saving for choice in choices]
-
-
-def test_memory_is_counted_whatever_was_computed_before():
-    points, coarse = (Point(500.0, 1.5),), replace(PRESETS["standard"], fewest_elements=0)
-    first, again = (probe(PAPER, coarse, points, with_memory=True).peak_bytes for _ in range(2))
-    assert again == pytest.approx(first, rel=0.05)
-    finer = replace(coarse, pixels_per_element=1)
-    # Four times as many elements.
-    assert 2.5 < probe(PAPER, finer, points, with_memory=True).peak_bytes / again < 5
 
 
 def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():

@@ -17,8 +17,6 @@ from tribo.simulation import (
     loading_step,
 )
 
-RATE = 1.2e-15
-
 
 def ball():
     scene = small_scene("swept")

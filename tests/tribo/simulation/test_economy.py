@@ -12,7 +12,6 @@ from tribo import (
     Fidelity,
     Grid,
     MeasuredRoughness,
-    Ramp,
     Wear,
     measures,
     simulate,
@@ -236,11 +235,6 @@ def test_no_friction_needs_no_heat(kernels, heat_model):
     assert np.array_equal(state.pressure, warm.pressure)
 
 
-def test_without_friction_no_step_is_there_for_the_heat_of_the_next():
-    scene = replace(small_scene(wear=False, heat_model="history"), friction_heat=False)
-    assert len(list(simulate(scene, 600.0, 1.25))) == 1
-
-
 def test_without_hardness_the_pressure_is_bounded_below_only():
     soft, hard = (with_hardness(small_scene(), hardness) for hardness in (3e9, np.inf))
     bounded, free = (last(scene, 600.0, 1.25) for scene in (soft, hard))
@@ -248,8 +242,3 @@ def test_without_hardness_the_pressure_is_bounded_below_only():
     assert free.pressure.max() > 3e9
     assert measures(soft, bounded)["saturated_fraction"] > 0
     assert measures(hard, free)["saturated_fraction"] == 0
-
-
-def test_a_reference_load_that_no_point_reaches_costs_nothing():
-    scene = replace(small_scene(wear=False), loading=Ramp(150.0, 7500.0))
-    assert len(list(simulate(scene, 75.0, 1.0))) == 1
