@@ -86,9 +86,11 @@ def test_searches_go_by_the_corrected_rise(tmp_path):
     (tmp_path / "plain.toml").write_text(SCENE)
     scene = tmp_path / "scene.toml"
     scene.write_text(BESIDE)
-    pipeline.follow_boundary(scene, tmp_path / "edge.zarr", workers=1)
+    fewer = {"increments": 4, "sweep.loads": ["300 N", "600 N"]}
+    sweep = pipeline.load_scene(scene, overrides=fewer)
+    pipeline.follow_boundary(sweep, tmp_path / "edge.zarr", workers=1)
     velocities = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
-    varied = pipeline.vary(scene, {}).base.critical_velocities
+    varied = pipeline.vary(scene, {}, overrides=fewer).base.critical_velocities
     np.testing.assert_allclose(velocities, varied, rtol=2e-3)
 
 

@@ -27,10 +27,7 @@ PLACE = ("--load", "200 N", "--velocity", "1 m/s")
 @pytest.mark.parametrize(
     "command",
     [
-        ("check", "small.toml"),
         ("point", "small.toml", *PLACE, "--set", "increments=1"),
-        ("status", "tiny.zarr"),
-        ("boundary", "tiny.zarr"),
         ("plot", "tiny.zarr", "-o", "figure.png"),
     ],
     ids=lambda command: command[0],

@@ -32,11 +32,6 @@ def alone(folder, **entries):
     return pipeline.load_scene(folder / "alone.toml", overrides=names)
 
 
-def alone_file(folder):
-    alone(folder)
-    return folder / "alone.toml"
-
-
 def same(one, other):
     for name in set(other.data_vars) - {"wall_time"}:
         np.testing.assert_array_equal(one[name].values, other[name].values, name)
@@ -212,24 +207,6 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
         chunk.unlink()
     said = irg("verify", tmp_path / "out.zarr", code=1)
     assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: message" in said
-
-
-def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeypatch):
-    load(folder)
-    place = ("--load", "200 N", "--velocity", "1 m/s")
-    note = (
-        "sweep.over is ignored here; pin.radius is the scene's own or the first listed: --set \"pin"
-    )
-    assert note in irg("point", folder / "scene.toml", *place)
-    assert note not in irg("point", alone_file(folder), *place)
-    notes = []
-    monkeypatch.setattr("pipeline.run.vary.follow_boundary", lambda *_, **__: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        pipeline.vary(folder / "scene.toml", {"pin.radius": ["3 mm"]}, tell=notes.append)
-    assert note in notes[0]
-    text = (folder / "scene.toml").read_text() + '[[measured]]\nload = "200 N"\nvelocity = "2 m/s"'
-    (folder / "measured.toml").write_text(text)
-    assert note in irg("infer", folder / "measured.toml")
 
 
 def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):

@@ -68,13 +68,6 @@ def test_temperatures_are_those_of_the_fields(unequal):
     assert share == pytest.approx((temperature > 373.15).mean(), abs=0.05)
 
 
-def test_a_point_alone_is_judged_as_in_the_sweep(unequal):
-    verdict = pipeline.run_point(warm(), 600.0, 1.5).verdict(CONDITIONS)
-    swept = pipeline.decisive_temperature(unequal).sel(load=600.0, velocity=1.5)
-    assert float(swept) == pytest.approx(verdict.decisive_temperature, rel=1e-12)
-    assert verdict.is_severe == (verdict.decisive_temperature > 373.15)
-
-
 def test_the_conditions_stay_free_after_the_run(unequal, equal):
     for friction, bulk in ((0.1, 298.15), (0.07, "40 degC")):
         conditions = {"friction": friction, "bulk_temperature": bulk, "critical_temperature": 400.0}

@@ -8,7 +8,6 @@ import pipeline
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import frames_of
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, refined
-from pipeline.analysis.scenes import stacked
 from pipeline.analysis.transition import crossing
 from pipeline.cli.margins import document_of, text_of
 from pipeline.cli.output import lines_in
@@ -224,12 +223,6 @@ def test_conditions_that_the_sweep_lacks_must_be_given():
     assert boundary(ds, share=0.1, **conditions).equals(boundary(synthetic.sweep()))
 
 
-def test_a_share_beyond_the_stored_quantiles_is_refused(sweep):
-    upper = sweep.isel(cooler_share=slice(10, None))
-    with pytest.raises(InputError, match=r"share is 0.9; .* allow from 0 to 0.55"):
-        boundary(upper, share=0.9)
-
-
 def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
     crossings = boundary(sweep, friction=(0.09, 0.103), share=0.05)
     assert crossings["critical_velocity"].dims == ("friction", "load")
@@ -259,21 +252,6 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
         expected = of(part["critical_load"], part["velocity"], 320.0)
         np.testing.assert_array_equal(part["film_parameter_at_velocity"], expected)
     assert crossings["film_parameter_at_load"].notnull().any()
-
-
-def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
-    crossings = boundary(synthetic.sweep(lubrication=OILED))
-    assert any(line.startswith("200        3.678") for line in said(crossings))
-    document = document_of(crossings)
-    assert document["regime_at_load"][0] == "boundary lubrication"
-    assert document["film_parameter_at_load"][0] == pytest.approx(0.87, abs=0.005)
-    assert "no crossing" in document["regime_at_velocity"]
-    dry = boundary(synthetic.sweep())
-    assert "Λ" not in "".join(said(dry))
-    oils = xr.DataArray(["known", "unknown"], dims="oil", name="oil")
-    both = stacked([crossings, dry], [oils])  # of the other oil no film is known
-    assert document_of(both)["regime_at_load"][1][0] == "not known"
-    assert "nan" not in "".join(said(both))
 
 
 def test_the_exponent_of_the_rise_is_known_at_each_crossing():

@@ -281,17 +281,3 @@ def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(
     words = capsys.readouterr().err
     assert said in words
     assert ("did you mean" in words) == ("?" in said)
-
-
-def test_a_wear_rate_says_how_long_the_pin_slid_and_what_more_would_change(scene, irg):
-    width = ("--contact-width", "300 um", "--load", "600 N", "--velocity", "1.5 m/s")
-    rates = []
-    for more, slid in ((), "4 s"), (("--duration", "8 s"), "8 s"):
-        said = irg("infer", scene, *width, *more)
-        assert f"for {slid} of sliding" in said
-        assert ("give --duration" in said) == (not more)
-        rates.append(irg("infer", scene, *width, *more, "--json")["value"])
-    # Wear goes with the load times the time: 4 s of ramp count 2 s, and 4 s more count 4.
-    assert rates[0] / rates[1] == pytest.approx(3.0, rel=0.15)
-    said = irg("infer", scene, *width, "--duration", "3 s", code=2)
-    assert "at least the 4 s of the ramp" in said

@@ -53,13 +53,6 @@ def test_a_note_names_the_point_and_not_a_row_of_the_table(store, tmp_path, irg)
     )
 
 
-def test_several_stores_to_infer_from_are_named_where_one_has_no_samples(store, tmp_path, irg):
-    names = [str(tmp_path / name) for name in ("a.zarr", "b.zarr")]
-    for name in names:
-        (tmp_path / name).mkdir()
-    assert "a.zarr: the sweep has no samples" in irg("infer", *names, code=2)
-
-
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")

@@ -40,16 +40,6 @@ def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, i
     assert all(row["outcome"] == "crosses" for row in at_load)
 
 
-def test_each_friction_has_its_own_rows(store, irg):
-    options = ["--friction", "0.12", "--friction", "0.09"]
-    crossings = boundary(synthetic.sweep(), (0.12, 0.09))
-    cool = crossings["critical_velocity"].sel(friction=0.09, load=400.0).item()
-    rows = [line.split() for line in irg("boundary", store, *options).splitlines()]
-    assert ["0.09", "400", f"{cool:.4g}", "crosses"] in rows
-    document = irg("boundary", store, *options, "--json")
-    assert document["conditions"]["friction"] == document["friction"] == [0.12, 0.09]
-
-
 def test_a_band_is_written_with_how_many_surfaces_cross():
     hot = synthetic.sweep(rise=lambda *place: 1.2 * synthetic.rise(*place))
     both = xr.concat(

@@ -7,13 +7,12 @@ import pytest
 
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError, Source
-from pipeline.run.tally import Tally, _weights
+from pipeline.run.tally import Tally
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, chains, points
 from tests.helpers import tiny
-from tribo import MeasuredLoad
 
 START, COUNT = 10.0, 100
 
@@ -76,10 +75,3 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
         done = Tally(store, None, time.monotonic())
         done.begin(sweep, store, Connection(None, Source()), ())
         done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
-
-
-def test_points_of_a_recorded_load_take_all_their_steps():
-    """They share no trunk, which an expected duration may not ask for."""
-    record = MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 300.0, 600.0]))
-    first, second = _weights(tiny.sweep(loading=record), (300.0, 600.0)) / np.sqrt((300.0, 600.0))
-    assert first == second  # as each begins at no load

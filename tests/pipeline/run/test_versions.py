@@ -1,7 +1,6 @@
 """Versions of workers (pipeline/run/cluster.py and cluster.py)."""
 
 import shutil
-from types import SimpleNamespace
 
 import pytest
 
@@ -60,13 +59,3 @@ def test_other_packages_are_told_once_and_each_worker_is_asked_once():
     assert "b has python 3.2.1 (here " in messages[0]
     assert "numpy 1.0 (here " in messages[0]
     assert client.asked == list("abcde")
-
-
-def test_one_that_does_not_answer_holds_nobody_up():
-    client = Answering(a=SimpleNamespace())
-
-    def late(*_, **__):
-        raise TimeoutError
-
-    client.run = late
-    assert set(threads_of(Connection(client, Source()))) == {"a"}

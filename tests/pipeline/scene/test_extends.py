@@ -8,7 +8,7 @@ import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.attributes import describe
-from tests.pipeline.scene.conftest import ROUGHNESS, TEXT, WORKFLOWS
+from tests.pipeline.scene.conftest import ROUGHNESS, TEXT
 
 EXTENDS = 'extends = "base.toml"\n'
 
@@ -47,12 +47,6 @@ def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
     write(base=TEXT + "[motion]\nslide_roll_ratio = 0.5\n")
     (fault,) = faults_of(write(own=EXTENDS + '[motion]\nentrainment_velocity = "4 m/s"'))
     assert fault.endswith('leave it out here: without = ["motion.slide_roll_ratio"]')
-
-
-def test_a_fault_of_a_shipped_scene_names_it_and_no_folder():
-    with pytest.raises(SceneFileError) as caught:
-        load_scene("oil_a_hot", overrides={"pin.radius": 2, "wear.hurst": 1})
-    assert str(WORKFLOWS) not in str(caught.value)
 
 
 def test_entries_of_its_own_stand_in_place_of_the_others(write):
@@ -185,13 +179,6 @@ def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_pat
     assert fault.startswith("extends: ")
     assert said in fault
     assert len(fault.splitlines()) == 1
-
-
-def test_the_shipped_scenes_state_what_differs_from_the_papers_alone():
-    texts = {path.stem: path.read_text(encoding="utf-8") for path in WORKFLOWS.glob("*.toml")}
-    assert [name for name, text in texts.items() if "\nextends = " not in text] == [
-        "irg_transition"
-    ]
 
 
 def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatch):

@@ -13,7 +13,7 @@ import pytest
 
 import tribo
 from pipeline.scene.faults import Faults
-from pipeline.scene.kinds import Number, Quantity, Whole
+from pipeline.scene.kinds import Quantity, Whole
 from pipeline.scene.reference import sections
 from pipeline.scene.schema import Either, List
 from pipeline.scene.units import RANGES, si_unit, to_si
@@ -137,37 +137,3 @@ def test_neither_takes_a_number_that_is_not_finite(path):
         assert not format_allows(path, value)
         with np.errstate(all="ignore"):
             assert tribo_allows(PLACES[path], value) == infinite_hardness
-
-
-def test_every_range_of_the_format_is_held_against_tribo():
-    """A quantity or a number with a range that is added must be added here, too."""
-    elsewhere = {
-        "fidelity",  # `tribo.Fidelity` alone checks these
-        "sweep.velocities",  # `tribo` lets the disk move backwards, too
-        "motion.slide_roll_ratio",  # any but 0
-        "motion.entrainment_velocity",  # likewise
-        "sweep.realizations",  # how many, or seeds as above
-        "oil.kinematic_viscosity",  # ASTM D341 has a least one, too
-        "oil.dynamic_viscosity",  # as the kinematic one
-        "sweep.samples",  # how many
-        "sweep.sample_seed",  # as a seed above
-        "sweep.steps",  # how many
-        "sweep.around",  # how many
-        "sweep.wear_rates",  # about the rate above, and above 0
-        "disk.film",  # a quotient of both
-        "friction.band",  # as the coefficient
-        "temperature.critical",  # above the bulk temperature
-        "measured",
-        "tested",
-        "friction.by_velocity",  # as the velocities and the coefficient
-        "pin.crown_radius",  # as the radius
-        "pin.stem.resistance",
-        "disk.roughness.crop",
-    }
-
-    ranged = {
-        path
-        for path, kind in KINDS.items()
-        if isinstance(kind, Quantity | Number) and not path.startswith(tuple(elsewhere))
-    }
-    assert ranged == set(PLACES)

@@ -515,7 +515,7 @@ values = st.recursive(
     max_leaves=6,
 )
 unhurried = settings(
-    deadline=None, max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 
 

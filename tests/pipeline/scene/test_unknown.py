@@ -281,13 +281,6 @@ def test_an_input_that_changes_nothing_is_told(tmp_path):
     assert "changes nothing in this scene; leave it out" in message
 
 
-@pytest.mark.parametrize("criterion", ["mean", "highest"])
-def test_a_failing_share_that_the_criterion_does_not_look_at_is_not_unknown(tmp_path, criterion):
-    other = {"temperature.criterion": criterion}
-    unknown = '[unknown]\n"temperature.failing_share" = { from = 0.05, to = 0.2 }\n'
-    assert "changes nothing" in faults(scene(tmp_path, unknown), other)[0]
-
-
 def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
     entry = '[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\nfriction = 0.1\n'
     scatter = 'load_scatter = "8 N"\nvelocity_scatter = "10 cm/s"\nfriction_scatter = 0.004\n'
@@ -313,13 +306,6 @@ def test_a_scatter_that_cannot_be_is_told(tmp_path, lines, words):
     entry = f'[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\n{lines}\n'
     (message,) = faults(scene(tmp_path, UNKNOWN + entry))
     assert words in message
-
-
-def test_an_input_that_decides_neither_temperature_nor_wear_is_told(tmp_path):
-    oil = '[oil]\ndensity = "866 kg/m^3"\nkinematic_viscosity = ["32 mm^2/s", "5.4 mm^2/s"]\n'
-    line = '"oil.density" = { mean = "866 kg/m^3", sd = "10 kg/m^3" }\n'
-    (message,) = faults(scene(tmp_path, f"{oil}[unknown]\n{line}"))
-    assert message.endswith("no temperature or wear depends on it, only the oil; leave it out")
 
 
 def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):

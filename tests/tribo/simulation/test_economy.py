@@ -190,15 +190,6 @@ def test_a_smooth_scene_is_a_plane_one(pattern):
         assert values[name] == pytest.approx(expected[name], rel=1e-6)
 
 
-def test_only_what_does_not_depend_on_y_is_plane():
-    plane, _ = smooth("swept")
-    assert plane.is_plane
-    assert not small_scene().is_plane
-    assert not small_scene("local", roughness=False, periodic=(False, False)).is_plane
-    nearest = replace(plane, fidelity=replace(plane.fidelity, kernel="nearest-image"))
-    assert not nearest.is_plane  # a window of twice its length has ends
-
-
 # No friction, no motion, no hardness.
 
 

@@ -108,12 +108,6 @@ def test_a_ball_that_the_roughness_passes_needs_more(nodes, words):
     assert_told(None, larger, state, WarningKind.FEW_NODES)
 
 
-def test_in_a_plane_elements_count_as_many_times():
-    scene = small_scene(roughness=False)
-    assert scene.is_plane
-    assert touching_elements(scene, touching(scene, np.s_[3:10])) == 49
-
-
 @pytest.mark.parametrize(
     ("scheme", "steps", "words"),
     [
