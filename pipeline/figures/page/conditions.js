@@ -8,7 +8,7 @@
  */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
-  if (!Number.isFinite(value)) return "give a number";
+  if (!Number.isFinite(value)) return "give a number, with a decimal point";
   if (value < (least ?? -Infinity) || value > (most ?? Infinity)) return fault;
   const { bulk_temperature, disk_temperature = bulk_temperature, critical_temperature } = conditions;
   const warmest = Math.max(bulk_temperature, disk_temperature);
@@ -51,18 +51,11 @@ function typed(text) {
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 
-/** Fault of text that is no number. @param {string} text */
-function commaFault(text) {
-  const pointed = text.trim().replace(",", ".");
-  const isComma = text.includes(",") && Number.isFinite(typed(pointed));
-  return isComma ? `write a decimal point, as in ${pointed}` : "";
-}
-
 /** Take over what was typed or moved. @param {Control} control @param {HTMLInputElement} source */
 function change(control, source) {
   const value = (typed(source.value) - control.offset) / control.factor;
   const conditions = { ...chosen.conditions, [control.name]: value };
-  const fault = commaFault(source.value) || faultOf(conditions, control);
+  const fault = faultOf(conditions, control);
   showFault(control, fault);
   if (fault) return;
   chosen.conditions = conditions;
@@ -85,6 +78,5 @@ function showControl(control, source) {
   const text = value === null ? "" : String(Number((value * control.factor + control.offset).toPrecision(9)));
   const [field, slider] = sources(control);
   for (const target of [field, slider]) if (target !== source) target.value = text;
-  slider.setAttribute("aria-valuetext", text);
   if (!source) showFault(control, "");
 }

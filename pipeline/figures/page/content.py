@@ -40,7 +40,6 @@ from pipeline.figures.page.fine import along, between, bridged, error_of_lines, 
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
-from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion
@@ -50,7 +49,6 @@ MOST_FIELDS = 500
 """Number of points whose fields a page holds unless told otherwise, some 5 MB."""
 
 _RATES = 7  # wear rates at least, between which a page takes straight lines of the logarithms
-_OIL_TEMPERATURES = np.arange(220.0, 601.0, 1.0)  # [K]
 
 _NUMBERS = (
     ("contact_width", "contact width", "µm", 1e6, 0),
@@ -128,7 +126,6 @@ def _about(ds: xr.Dataset, attributes: Mapping[str, Any]) -> dict[str, Any]:
         "measured": in_reach(ds, laboratory_tests(ds))[0],
         "regions": [MILD, SEVERE],
         "friction_band": attributes.get("friction_band"),
-        "film": _film(attributes, ds),
         "chosen": bool(attributes.get("boundary_only")),
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
@@ -247,30 +244,6 @@ def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str
             error_of_lines(at_own, velocities, by_velocity),
             error_of_lines(at_own.swapaxes(-1, -2), loads, by_load),
         ),
-    }
-
-
-def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | None:
-    """Film parameter as powers of load and velocity, times a factor of the bulk temperature."""
-    lubrication = Lubrication.stored(attributes)
-    if lubrication is None:
-        return None
-    load, velocity = float(ds["load"].max()), float(ds["velocity"].max()) or 1.0
-    here = [
-        lubrication.film_thickness(load, velocity, float(temperature))
-        for temperature in _OIL_TEMPERATURES
-    ]
-    cold = float(_OIL_TEMPERATURES[0])
-    halves = (
-        lubrication.film_thickness(load / 2, velocity, cold),
-        lubrication.film_thickness(load, velocity / 2, cold),
-    )
-    return {
-        "load": load,
-        "velocity": velocity,
-        "powers": [math.log2(here[0] / half) for half in halves],
-        "temperatures": _OIL_TEMPERATURES.tolist(),
-        "logarithms": np.log(np.array(here) / lubrication.rms_height).tolist(),
     }
 
 

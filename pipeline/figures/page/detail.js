@@ -20,10 +20,11 @@ function showDistribution(rows) {
   const critical = chosen.conditions.critical_temperature;
   const share = 100 * chosen.conditions.failing_share;
   const text =
-    critical === null || !hasShare()
+    critical === null || !hasShare
       ? "Distribution of the temperature over the contact."
       : "Distribution of the temperature over the contact. Wear is severe where the curve passes above " +
-        `the crossing of the dashed lines: more than ${shown(share)} % hotter than ${celsius(critical, 6)}.`;
+        `the crossing of the dashed lines: more than ${shown(share)} % hotter than ` +
+        `${shown(critical - ZERO_CELSIUS, 6)} °C.`;
   element("distribution-caption").textContent = rows.length ? text : "";
   room.replaceChildren();
   if (!rows.length) return;
@@ -39,7 +40,7 @@ function showDistribution(rows) {
   const shares = content.quantiles.map((quantile) => frame.y(100 * (1 - quantile)));
   const look = curves.length > 1 ? "faint" : "curve";
   const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);
-  if (hasShare()) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
+  if (hasShare) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
   inside.append(
     ...curves.map((curve) => svg("path", { class: look, d: path(curve.map(frame.x), shares) })),
     svg("path", { class: "guide", d: guides.join("") }),
@@ -68,14 +69,9 @@ function showFields(i, j) {
     field("contact temperature [°C]", [coldest, hottest], pictures, 1),
     field("wear depth of the pin [µm]", [0, 1e6 * wear], pictures, 2),
   );
-  const { block = [1, 1], extent: [x, y] = [NaN, NaN] } = content.fields;
-  const averaged = Math.max(...block) > 1 ? `, averaged over ${block[0]} × ${block[1]} elements` : "";
   const number = content.surfaces?.[Math.floor(place / sweep.place(1, 0, 0))];
   const surface = number === undefined ? "" : ` on surface ${number}`;
-  const size = y === null ? `${shown(1e6 * x)} µm along sliding` : `${shown(1e6 * x)} × ${shown(1e6 * y)} µm`;
-  element("fields-note").textContent =
-    `At the end of the point${surface}: ${size}; sliding to the right${averaged}. ` +
-    "The temperature is that of the parts in contact.";
+  element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
 }
 
 /**
@@ -84,10 +80,10 @@ function showFields(i, j) {
  */
 function field(label, ends, pictures, k) {
   const [low, high] = ends.map((end) => shown(end));
-  const { extent: [along, across] = [1, 1], scales = [] } = content.fields;
+  const { aspect, scales } = content.fields;
   const drawn = (/** @type {string} */ held) => ({ src: `data:image/png;base64,${held}` });
   const picture = html("img", { ...drawn(pictures[k]), alt: `${label}, from ${low} to ${high}` });
-  picture.style.aspectRatio = String(Math.min(Math.max(along / (across ?? along / 8), 0.4), 8));
+  picture.style.aspectRatio = String(aspect);
   const bar = html("img", { ...drawn(scales[k]), class: "scale", alt: "" });
   const words = html("div", { class: "ends" }, html("span", {}, low), html("span", {}, high));
   return html("figure", {}, html("figcaption", {}, label), picture, bar, words);

@@ -2,19 +2,10 @@
 "use strict";
 /* The transition diagram: regions, boundary, band, and the marks of points and measurements. */
 
-/** @type {{frame: Frame, root: SVGElement, shades: SVGElement, lines: SVGElement, pointer: SVGElement,
- *  choice: SVGElement} | null} */
-let diagram = null;
-
-/** @type {[string, string][]} */
-const KINDS = [
-  ["mild", "mild wear, computed"],
-  ["severe", "severe wear, computed"],
-  ["mixed", "severe on some"],
-  ["unjudged", "computed"],
-  ["failed", "failed"],
-  ["pending", "pending"],
-];
+/** @type {{frame: Frame, root: SVGElement, pointer: SVGElement, choice: SVGElement}} */
+let diagram;
+/** @type {("mild" | "severe" | "mixed" | "unjudged" | "failed" | "pending")[]} */
+const KINDS = ["mild", "severe", "mixed", "unjudged", "failed", "pending"];
 
 /** Ends of an axis that holds some values, with room about them. @param {number[]} values */
 function ends(values) {
@@ -23,56 +14,38 @@ function ends(values) {
   return { low: low - room, high: high + room };
 }
 
-/** Velocities and loads that the diagram holds: of several wear rates the velocities that all have. */
-function extent() {
-  const { velocities, wear_rates: rates, conditions } = content;
-  const { wear_rate = NaN } = conditions;
-  const [low, high] = [velocities.find((velocity) => velocity > 0) ?? 0, velocities.slice(-1)[0]];
-  const common = rates.length
-    ? [(low * wear_rate) / rates[0], (high * wear_rate) / rates.slice(-1)[0]]
-    : velocities;
-  return {
-    velocities: [...common, ...content.measured.map(({ velocity }) => velocity)],
-    loads: [...sweep.loads, ...content.measured.map(({ normal_load }) => normal_load)],
-  };
+/**
+ * Axes of a diagram that holds these places and tests.
+ * @param {number[]} velocities @param {number[]} loads @param {Measurement[]} tests
+ */
+function planeAxes(velocities, loads, tests) {
+  const width = Math.max(element("diagram").clientWidth, 280);
+  const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
+  const x = ends([...velocities, ...tests.map(({ velocity }) => velocity)]);
+  const y = ends([...loads, ...tests.map(({ normal_load }) => normal_load)]);
+  return axes(width, height, { ...x, label: "sliding velocity [m/s]" }, { ...y, label: "normal load [N]" });
 }
 
-/** Draw the parts that do not follow the conditions: axes, and rings about points. */
-function makeDiagram() {
-  const room = element("diagram");
-  const width = Math.max(room.clientWidth, 280);
-  const { velocities, loads } = extent();
-  const x = { ...ends(velocities), label: "sliding velocity [m/s]" };
-  const y = { ...ends(loads), label: "normal load [N]" };
-  const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
-  const { root, inside, frame } = axes(width, height, x, y);
+function drawDiagram() {
+  const { velocities, loads, measured } = content;
+  const { root, inside, frame } = planeAxes(velocities, loads, measured);
   const label = "Points of the sweep by velocity and load; arrow keys move, Enter keeps one";
   const about = { tabindex: 0, role: "application", "aria-label": label, "aria-describedby": "tip" };
   for (const [name, value] of Object.entries(about)) root.setAttribute(name, String(value));
-  const [shades, lines] = [svg("g"), svg("g")];
   const { left, top, right, bottom } = frame;
   const size = { x: left, y: top, width: right - left, height: bottom - top };
   const viewBox = Object.values(size).join(" ");
-  const view = svg("svg", { ...size, viewBox, class: "view" }, shades, lines);
-  inside.append(view); // cut off where another wear rate has velocities beyond
-  const pointer = svg("circle", { class: "pointer", r: 8, display: "none" });
-  const choice = svg("circle", { class: "choice", r: 8, display: "none" });
+  const layers = [drawnShades, drawnLines, drawnMarks, drawnMeasured];
+  const drawn = layers.flatMap((layer) => layer(frame));
+  if (isInside(chosen, sweep)) drawn.push(cross(frame, chosen));
+  inside.append(svg("svg", { ...size, viewBox, class: "view" }, ...drawn)); // cut off at its frame
+  const [pointer, choice] = ["pointer", "choice"].map((look) => svg("circle", { class: look, r: 8 }));
   root.append(pointer, choice);
-  room.replaceChildren(root, tip);
-  diagram = { frame, root, shades, lines, pointer, choice };
+  element("diagram").replaceChildren(root, tip);
+  diagram = { frame, root, pointer, choice };
   pointTo(null);
   ring(choice, chosen.point);
   listenToPoints(root);
-}
-
-/** Draw the parts that follow the conditions. */
-function drawDiagram() {
-  if (!diagram) return;
-  const { frame, shades, lines } = diagram;
-  shades.replaceChildren(...drawnShades(frame));
-  lines.replaceChildren(
-    ...drawnLines(frame), ...drawnMarks(frame), ...drawnMeasured(frame), ...drawnPlace(frame),
-  );
 }
 
 /** Mild and severe regions, and the bands over surfaces and frictions. @param {Frame} frame */
@@ -110,14 +83,14 @@ function drawnShades(frame) {
 function regionName(frame, low, high, kind) {
   const words = content.regions[kind === "mild" ? 0 : 1];
   const parts = content.parts.load;
-  const places = sweep.fine.load.map((load, k) => {
-    const [left, right, y] = [frame.x(low[k]), frame.x(high[k]), frame.y(load)];
-    const isBetweenRows = k % parts === parts >> 1;
+  const between = sweep.fine.load.map((_, k) => k).filter((k) => k % parts === parts >> 1);
+  const places = between.map((k) => {
+    const [left, right, y] = [frame.x(low[k]), frame.x(high[k]), frame.y(sweep.fine.load[k])];
     const room = Math.min((right - left) / (8 * words.length), (frame.bottom - y) / 24, (y - frame.top) / 24);
-    return { x: (left + right) / 2, y: y + 4, room: (isBetweenRows && room) || 0 };
+    return { x: (left + right) / 2, y: y + 4, room: room || 0 };
   });
-  const best = places.reduce((one, other) => (other.room > one.room ? other : one));
-  if (!(best.room > 1)) return [];
+  const best = places.sort((one, other) => other.room - one.room)[0];
+  if (!(best?.room > 1)) return [];
   return [svg("text", { x: best.x, y: best.y, class: `region region-${kind}` }, words)];
 }
 
@@ -183,73 +156,48 @@ function drawnMeasured(frame) {
     const [x, y] = [frame.x(measurement.velocity), frame.y(measurement.normal_load)];
     const expected = frame.x(expectedVelocity(measurement));
     const mark = testMark(x, y, measurement.outcome);
-    if (!hasOwnConditions(measurement)) return [mark];
-    if (!Number.isFinite(expected)) return [mark];
+    if (!hasOwnConditions(measurement) || !Number.isFinite(expected)) return [mark];
     const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
     return [line, diamond(expected, y, 4.5, "expected"), mark];
   });
 }
 
-/** The operating point. @param {Frame} frame */
-function drawnPlace(frame) {
-  if (!isInside()) return [];
-  return [cross(frame.x(chosen.velocity), frame.y(chosen.load))];
+/** Signs of measured transitions and of tests. @param {Measurement[]} tests */
+function testSigns(tests) {
+  const has = (/** @type {string | undefined} */ kind) => tests.some(({ outcome }) => outcome === kind);
+  return { transition: has(undefined), "test-mild": has("mild"), "test-severe": has("severe") };
 }
 
-/**
- * Signs of measured transitions and of tests, in words.
- * @param {Measurement[]} tests @returns {[boolean, string, SVGElement][]}
- */
-function testSigns(tests) {
-  const kinds = /** @type {["mild" | "severe" | undefined, string][]} */ ([
-    [undefined, "measured transition"], ["mild", "test: mild wear"], ["severe", "test: severe wear"],
-  ]);
-  return kinds.map(([kind, words]) => {
-    const isThere = tests.some(({ outcome }) => outcome === kind);
-    return [isThere, words, testMark(13, 7, kind)];
+/** Show the signs of what the diagram holds, in words. */
+function showLegend() {
+  const kinds = new Set(everyPoint().map(({ i, j }) => kindOf(i, j)));
+  const count = surfaces().length;
+  const { friction_band: band, measured } = content;
+  const bridged = summary().velocity.filter(({ transitions }) => bridgedText(transitions)).length;
+  const across = bridged ? `, across points not done at ${bridged} of ${sweep.loads.length} loads` : "";
+  const line = `${count > 1 ? "transition, median" : "computed transition"}${across}`;
+  const cut = isCut(band ?? []) ? ", in part not computed" : "";
+  const frictions = `transition at friction ${band?.map((end) => shown(end)).join(" to ")}${cut}`;
+  showSigns({
+    boundary: isJudged() && line,
+    band: isJudged() && count > 1 && `${100 * BAND[0]} to ${100 * BAND[2]} % of ${count}`,
+    friction: isJudged() && band !== null && frictions,
+    ...Object.fromEntries(KINDS.map((kind) => [kind, kinds.has(kind)])),
+    warned: everyPoint().some(({ i, j }) => hasWarning(i, j)),
+    ...testSigns(measured),
+    own: isJudged() && measured.some(hasOwnConditions),
+    operating: isInside(chosen, sweep),
   });
 }
 
-/** Signs of the diagram, in words. */
-function showLegend() {
-  const box = (/** @type {string} */ look) => svg("rect", { class: look, width: 26, height: 14 });
-  const line = (/** @type {string} */ look, /** @type {string} */ d) => svg("path", { class: look, d });
-  /** @type {Set<string>} */
-  const kinds = new Set(everyPoint().map(({ i, j }) => kindOf(i, j)));
-  const isWarned = everyPoint().some(({ i, j }) => hasWarning(i, j));
-  const count = surfaces().length;
-  const drawn = line("boundary", "M0,7H26");
-  const { friction_band: band, measured } = content;
-  /** @type {[boolean | number | string, string, SVGElement][]} */
-  const signs = [
-    [isJudged(), `${count > 1 ? "transition, median" : "computed transition"}${bridgedLoads()}`, drawn],
-    [isJudged() && count > 1, `${100 * BAND[0]} to ${100 * BAND[2]} % of ${count}`, box("band")],
-  ];
-  const frictions = band ? band.map((end) => shown(end)).join(" to ") : "";
-  const cut = isJudged() ? loadsBeyond(band ?? []) : 0;
-  const beyond = cut ? `, beyond what was computed at ${cut} of ${sweep.loads.length} loads` : "";
-  signs.push([frictions && isJudged(), `transition at friction ${frictions}${beyond}`, box("friction")]);
-  for (const [kind, words] of KINDS) signs.push([kinds.has(kind), words, mark(kind, 13, 7, 4)]);
-  signs.push(
-    [isWarned, "carries a warning", svg("circle", { class: "ring", cx: 13, cy: 7, r: 6 })],
-    ...testSigns(measured),
-    [
-      isJudged() && measured.some(hasOwnConditions),
-      "computed at the test’s own conditions",
-      diamond(13, 7, 5, "expected"),
-    ],
-    [isInside(), "operating point", line("operating", "M5,7h16M13,-1v16")],
-  );
-  showSigns(signs);
-}
-
 /**
- * Show those signs that are there, in words.
- * @param {[boolean | number | string, string, SVGElement][]} signs
+ * Show those signs of the legend that are there, some with words of their own.
+ * @param {Object<string, boolean | string>} signs
  */
 function showSigns(signs) {
-  const items = signs.filter(([isThere]) => isThere).map(([, words, sign]) =>
-    html("li", {}, svg("svg", { "aria-hidden": "true", viewBox: "0 0 26 14" }, sign), words),
-  );
-  element("legend").replaceChildren(...items);
+  for (const [name, words] of Object.entries(signs)) {
+    const sign = element(`sign-${name}`);
+    sign.hidden = words === false;
+    if (typeof words === "string") sign.lastChild?.replaceWith(words);
+  }
 }

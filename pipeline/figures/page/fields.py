@@ -28,9 +28,9 @@ def packed_fields(
 ) -> dict[str, Any]:
     """Draw pressure, rise and wear depth of points chosen by surface, load and velocity.
 
-    Gives ``block``, the elements averaged along each axis, ``extent`` of the window [m], ``scales``
-    of the colours, and by place the ``points``: highest pressure [Pa], lowest and highest rise
-    above the colder body at a bulk ratio [K], greatest depth [m], and the three pictures.
+    Gives ``note`` and ``aspect`` of the pictures, ``scales`` of the colours, and by place the
+    ``points``: highest pressure [Pa], lowest and highest rise above the colder body at a bulk ratio
+    [K], greatest depth [m], and the three pictures.
     """
     points: dict[str, Any] = {}
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
@@ -45,8 +45,7 @@ def packed_fields(
         if bulk_ratio:
             rise = rise + bulk_ratio * response[0] + max(0.0, -bulk_ratio)
         points[str(place)] = packed_point(pressure, rise, wear_depth)
-        if "block" not in content:
-            content |= {"block": [_block(n) for n in pressure.shape], "extent": _extent(here)}
+        content |= _about(here)
     return content
 
 
@@ -110,7 +109,19 @@ def _levels(field: Array, low: float, high: float, least: int) -> NDArray[np.uin
     return levels.astype(np.uint8)
 
 
-def _extent(ds: xr.Dataset) -> list[float | None]:
-    """Sides of the window along x and y [m]; None along an axis of one element."""
+def _about(ds: xr.Dataset) -> dict[str, Any]:
+    """Size of the window, elements averaged in its pictures, and their aspect ratio."""
     axes = ds["x"].values, ds["y"].values
-    return [float(x[-1] - x[0]) * len(x) / (len(x) - 1) if len(x) > 1 else None for x in axes]
+    along, across = (
+        float(x[-1] - x[0]) * len(x) / (len(x) - 1) if len(x) > 1 else None for x in axes
+    )
+    size = f"{1e6 * (along or 0.0):.4g} " + (
+        f"× {1e6 * across:.4g} µm" if across else "µm along sliding"
+    )
+    block = [_block(len(x)) for x in axes]
+    averaged = f", averaged over {block[0]} × {block[1]} elements" if max(block) > 1 else ""
+    return {
+        "note": f"{size}; sliding to the right{averaged}. "
+        "The temperature is that of the parts in contact.",
+        "aspect": min(max(along / across, 0.4), 8.0) if along and across else 8.0,
+    }

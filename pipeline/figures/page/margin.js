@@ -70,9 +70,12 @@ function isOn(value, all) {
   return value > 0 && value >= all[0] && value <= all[all.length - 1];
 }
 
-/** The operating point lies within the sweep. */
-function isInside() {
-  return isOn(chosen.load, sweep.loads) && isOn(chosen.velocity, sweep.velocities);
+/**
+ * A place lies within a sweep.
+ * @param {{load: number, velocity: number}} place @param {{loads: number[], velocities: number[]}} axes
+ */
+function isInside({ load, velocity }, { loads, velocities }) {
+  return isOn(load, loads) && isOn(velocity, velocities);
 }
 
 /** Read the operating point as it is typed. @param {(load: number, velocity: number) => void} take */
@@ -88,18 +91,11 @@ function listenToOperatingPoint(take) {
   form.addEventListener("input", () => take(read("at-load"), read("at-velocity")));
 }
 
-/** Take an operating point over. @param {number} load @param {number} velocity */
-function takeOperatingPoint(load, velocity) {
-  Object.assign(chosen, { load, velocity });
-  element("operating").classList.toggle("is-used", isInside());
-  update();
-}
-
-/** Margin of the operating point, or the reason why there is none. */
-function showMargin() {
-  const rows = marginRows();
-  const hint = typeof rows === "string" ? html("p", { class: "hint" }, rows) : pairs(rows);
-  element("margin").replaceChildren(hint);
+/** Show numbers of the operating point, or why there are none. @param {[string, string][] | string} rows */
+function showMargin(rows) {
+  const isHint = typeof rows === "string";
+  element("operating").classList.toggle("is-used", !isHint);
+  element("margin").replaceChildren(isHint ? html("p", { class: "hint" }, rows) : pairs(rows));
 }
 
 /**
@@ -108,7 +104,7 @@ function showMargin() {
  */
 function marginRows() {
   const { load, velocity, conditions } = chosen;
-  if (!isInside()) return reasonAgainst(load, velocity, sweep.loads, sweep.velocities);
+  if (!isInside(chosen, sweep)) return reasonAgainst(load, velocity, sweep.loads, sweep.velocities);
   const margins = surfaces()
     .map((surface) => ({
       ...sweep.margin(surface, load, velocity, conditions),
@@ -121,16 +117,14 @@ function marginRows() {
   const rows = [["deciding temperature", banded(temperatures.map((kelvin) => kelvin - ZERO_CELSIUS), "°C")]];
   if (isJudged()) {
     const critical = conditions.critical_temperature ?? NaN;
-    const velocities = margins.map((margin) => margin.velocity);
-    const loads = margins.map((margin) => margin.load);
     const errors = margins.map(({ share }, k) => share * (temperatures[k] - temperature(0)));
     const kinds = temperatures.map((kelvin, k) => verdictOf(critical - kelvin, errors[k]));
     rows.unshift(["wear", verdictsText(kinds)]);
     const largest = Math.max(...errors);
     rows.push(["its error", Number.isNaN(largest) ? "not known" : `± ${shown(largest, 2)} K`]);
     rows.push(["distance to critical", banded(temperatures.map((kelvin) => critical - kelvin), "K", 3)]);
-    rows.push(["severe at this load", wayText(velocities, velocity, "velocity", "m/s")]);
-    rows.push(["severe at this velocity", wayText(loads, load, "load", "N")]);
+    rows.push(["severe at this load", wayText(margins, "velocity", velocity, "m/s")]);
+    rows.push(["severe at this velocity", wayText(margins, "load", load, "N")]);
   }
   return rows;
 }
@@ -170,9 +164,7 @@ function verdictsText(kinds) {
  */
 function reasonAgainst(load, velocity, loads, velocities) {
   if (Number.isNaN(load) || Number.isNaN(velocity)) {
-    const fault = ["at-load", "at-velocity"].map((id) => commaFault(input(id).value)).find(Boolean);
-    if (fault) return `${fault[0].toUpperCase()}${fault.slice(1)}.`;
-    return "Type a load and a velocity to see how safe they are.";
+    return "Type a load and a velocity, with decimal points, to see how safe they are.";
   }
   const [f, v] = [loads, velocities].map((all) => [all[0], all[all.length - 1]].map((end) => shown(end)));
   return `Outside the sweep, which has ${f[0]} to ${f[1]} N and ${v[0]} to ${v[1]} m/s.`;
@@ -198,11 +190,12 @@ function bandedText(quantiles, unit, digits = 4) {
 }
 
 /**
- * Transitions in words, and their ratio to the present value.
- * @param {Transition[]} transitions @param {number} now @param {"velocity" | "load"} along
- * @param {string} unit
+ * Transitions along one axis in words, and their ratio to the present value.
+ * @param {{velocity: Transition, load: Transition}[]} margins @param {AxisName} along
+ * @param {number} now @param {string} unit
  */
-function wayText(transitions, now, along, unit) {
+function wayText(margins, along, now, unit) {
+  const transitions = margins.map((margin) => margin[along]);
   const ends = transitions.map((transition) => transition.ends);
   const codes = new Set(transitions.map(({ outcome }) => outcome));
   if (codes.size === 1 && !codes.has(CROSSES)) return outcomeWords(transitions[0], along, unit);

@@ -2,23 +2,15 @@
 "use strict";
 /* The page as a whole: the parts that are shown once, and again whenever the reader sets something. */
 
-/** @type {number | undefined} */
-let waiting;
-
 /** Show all that follows from the choices of the reader. */
 function update() {
-  pointTo(null);
-  if (sweep.takeWearRate(chosen.conditions.wear_rate)) makeDiagram();
+  sweep.takeWearRate(chosen.conditions.wear_rate);
   drawDiagram();
   showLegend();
-  const answer = showTables();
+  showTables();
   showMeasured();
-  showMargin();
+  showMargin(marginRows());
   showPoint();
-  clearTimeout(waiting);
-  waiting = setTimeout(() => { // a screen reader is told once a moving slider rests
-    element("summary").textContent = answer;
-  }, 200);
 }
 
 /** Conditions that the reader has changed. */
@@ -31,16 +23,12 @@ function changes() {
 function begin() {
   Object.assign(chosen.conditions, takeScene(changes));
   listenToConditions();
-  listenToOperatingPoint(takeOperatingPoint);
-  makeDiagram();
-  update();
-  let width = element("diagram").clientWidth;
-  new ResizeObserver(() => {
-    if (element("diagram").clientWidth === width) return;
-    width = element("diagram").clientWidth;
-    makeDiagram();
+  listenToOperatingPoint((load, velocity) => {
+    Object.assign(chosen, { load, velocity });
     update();
-  }).observe(element("diagram"));
+  });
+  update();
+  window.addEventListener("resize", update);
 }
 
 begin();

@@ -6,32 +6,36 @@ const SVG = "http://www.w3.org/2000/svg";
 
 /**
  * @typedef {{x: (value: number) => number, y: (value: number) => number, left: number,
- *   right: number, top: number, bottom: number}} Frame places of values [px]
+ *   right: number, top: number, bottom: number, velocity: (across: number) => number,
+ *   load: (down: number) => number}} Frame places of values [px], and values at places
  * @typedef {{low: number, high: number, label: string}} Axis
  */
 
 /**
- * An SVG element with attributes and children; text is text.
- * @param {string} name @param {Object<string, string | number>} [attributes]
- * @param {(Node | string)[]} children @returns {SVGElement}
+ * Give an element attributes and children; text is text.
+ * @template {Element} Kind @param {Kind} made @param {Object<string, string | number>} attributes
+ * @param {(Node | string)[]} children @returns {Kind}
  */
-function svg(name, attributes = {}, ...children) {
-  const made = document.createElementNS(SVG, name);
+function filled(made, attributes, children) {
   for (const key in attributes) made.setAttribute(key, String(attributes[key]));
   made.append(...children);
-  return /** @type {SVGElement} */ (made);
+  return made;
 }
 
 /**
- * An HTML element with attributes and children; text is text.
+ * @param {string} name @param {Object<string, string | number>} [attributes]
+ * @param {(Node | string)[]} children
+ */
+function svg(name, attributes = {}, ...children) {
+  return filled(/** @type {SVGElement} */ (document.createElementNS(SVG, name)), attributes, children);
+}
+
+/**
  * @param {string} name @param {Object<string, string>} [attributes]
- * @param {(Node | string)[]} children @returns {HTMLElement}
+ * @param {(Node | string)[]} children
  */
 function html(name, attributes = {}, ...children) {
-  const made = document.createElement(name);
-  for (const key in attributes) made.setAttribute(key, attributes[key]);
-  made.append(...children);
-  return made;
+  return filled(document.createElement(name), attributes, children);
 }
 
 /** @param {string} id @returns {HTMLElement} */
@@ -58,8 +62,9 @@ function ticks(low, high, count) {
 }
 
 /**
- * Places of an axis' values [px].
- * @param {Axis} axis @param {number} from @param {number} to @returns {(value: number) => number}
+ * A range of values stretched over another one.
+ * @param {{low: number, high: number}} range @param {number} from @param {number} to
+ * @returns {(value: number) => number}
  */
 function scale({ low, high }, from, to) {
   return (value) => from + ((value - low) / (high - low)) * (to - from);
@@ -80,7 +85,13 @@ function shown(value, digits = 4) {
  */
 function axes(width, height, x, y) {
   const [left, right, top, bottom] = [56, width - 12, 10, height - 42];
-  const frame = { left, right, top, bottom, x: scale(x, left, right), y: scale(y, bottom, top) };
+  const frame = {
+    left, right, top, bottom,
+    x: scale(x, left, right),
+    y: scale(y, bottom, top),
+    velocity: scale({ low: left, high: right }, x.low, x.high),
+    load: scale({ low: bottom, high: top }, y.low, y.high),
+  };
   const grid = svg("g", { class: "grid", "aria-hidden": "true" });
   const outline = svg("g", { class: "axis", "aria-hidden": "true" });
   for (const value of ticks(x.low, x.high, (right - left) / 70)) {
@@ -156,7 +167,8 @@ function testMark(x, y, outcome) {
   return svg("path", { class: `tested tested-${outcome}`, d });
 }
 
-/** The mark of an operating point. @param {number} x @param {number} y */
-function cross(x, y) {
+/** The mark of an operating point. @param {Frame} frame @param {{load: number, velocity: number}} place */
+function cross(frame, { load, velocity }) {
+  const [x, y] = [frame.x(velocity), frame.y(load)];
   return svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` });
 }

@@ -12,7 +12,7 @@ function listenToPoints(root) {
   root.addEventListener("pointermove", (event) => pointTo(pointAt(event)));
   root.addEventListener("pointerleave", () => pointTo(null));
   root.addEventListener("blur", () => pointTo(null));
-  root.addEventListener("focus", () => pointTo(pointed ?? chosen.point ?? nearest()));
+  root.addEventListener("focus", () => pointTo(pointed ?? chosen.point ?? middle()));
   root.addEventListener("click", (event) => {
     const point = pointAt(event);
     if (point) choosePoint(point.i, point.j);
@@ -22,49 +22,33 @@ function listenToPoints(root) {
 
 /** Point of the sweep under a pointer. @param {MouseEvent} event */
 function pointAt(event) {
-  if (!diagram) return null;
   const { frame, root } = diagram;
   const { left, top } = root.getBoundingClientRect();
-  const [i, j] = [
-    closest(sweep.loads.map(frame.y), event.clientY - top),
-    closest(sweep.velocities.map(frame.x), event.clientX - left),
-  ];
-  return i < 0 || j < 0 || !isShown(i, j) ? null : { i, j };
-}
-
-/**
- * Index of the place within reach of a pointer, −1 if there is none.
- * @param {number[]} places @param {number} pointer
- */
-function closest(places, pointer) {
-  const distances = places.map((place) => Math.abs(place - pointer));
-  const least = Math.min(...distances);
-  return least < REACH ? distances.indexOf(least) : -1;
+  const [x, y] = [event.clientX - left, event.clientY - top];
+  const near = everyPoint()
+    .map(({ i, j }) => [i, j, frame.x(sweep.velocities[j]) - x, frame.y(sweep.loads[i]) - y])
+    .map(([i, j, across, down]) => ({ i, j, away: Math.hypot(across, down) }))
+    .reduce((one, other) => (other.away < one.away ? other : one));
+  return near.away < REACH && isShown(near.i, near.j) ? near : null;
 }
 
 /** A point has anything to tell, and lies within the frame. @param {number} i @param {number} j */
 function isShown(i, j) {
-  const x = diagram?.frame.x(sweep.velocities[j]) ?? NaN;
-  return kindOf(i, j) !== "" && x >= (diagram?.frame.left ?? NaN) && x <= (diagram?.frame.right ?? NaN);
+  const { left, right, x } = diagram.frame;
+  const across = x(sweep.velocities[j]);
+  return kindOf(i, j) !== "" && across >= left && across <= right;
 }
 
-/** Point with which to begin: the one nearest to the transition. */
-function nearest() {
-  const limit = riseLimit(chosen.conditions);
-  const distances = everyPoint().map(({ i, j }) =>
-    Math.abs(Math.log(sweep.rise(chosen.surface ?? 0, i, j, chosen.conditions) / limit)),
-  );
-  const least = Math.min(...distances.filter((distance) => !Number.isNaN(distance)));
-  const k = Math.max(distances.indexOf(least), 0);
-  const n = sweep.velocities.length;
-  return { i: Math.floor(k / n), j: k % n };
+/** Point with which to begin. */
+function middle() {
+  return { i: sweep.loads.length >> 1, j: sweep.velocities.length >> 1 };
 }
 
 /** Move with the arrow keys, keep a point with Enter or Space. @param {KeyboardEvent} event */
 function pressed(event) {
   /** @type {Object<string, [number, number]>} */
   const ways = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
-  const { i, j } = pointed ?? nearest();
+  const { i, j } = pointed ?? middle();
   if (event.key === "Enter" || event.key === " ") choosePoint(i, j);
   else if (event.key === "Escape") pointTo(null);
   else if (ways[event.key]) pointTo(next(i, j, ways[event.key]));
@@ -85,9 +69,6 @@ function next(i, j, [up, right]) {
 
 /** Show the numbers of a point beside it, or of none. @param {{i: number, j: number} | null} point */
 function pointTo(point) {
-  if (!diagram) return;
-  const isSame = point?.i === pointed?.i && point?.j === pointed?.j;
-  if (isSame && point) return;
   pointed = point;
   tip.hidden = !point;
   ring(diagram.pointer, point);
@@ -110,7 +91,7 @@ function placeTip(frame, load, velocity) {
 function ring(circle, point) {
   const isThere = point !== null && isShown(point.i, point.j);
   circle.setAttribute("display", isThere ? "inline" : "none");
-  if (!isThere || !diagram) return;
+  if (!isThere) return;
   circle.setAttribute("cx", String(diagram.frame.x(sweep.velocities[point.j])));
   circle.setAttribute("cy", String(diagram.frame.y(sweep.loads[point.i])));
 }
@@ -119,6 +100,6 @@ function ring(circle, point) {
 function choosePoint(i, j) {
   if (!kindOf(i, j)) return;
   chosen.point = { i, j };
-  if (diagram) ring(diagram.choice, chosen.point);
+  ring(diagram.choice, chosen.point);
   showPoint();
 }

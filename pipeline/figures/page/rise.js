@@ -6,10 +6,8 @@
  * @typedef {{normal_load: number, velocity: number, friction: number | null,
  *   bulk_temperature?: number, outcome?: "mild" | "severe"}} Measurement
  * @typedef {[number, number, number, number, string, string, string]} Packed
- * @typedef {{points: Object<string, Packed>, stored: number, scales?: string[],
- *   block?: [number, number], extent?: [number, (number | null)]}} Fields
- * @typedef {{load: number, velocity: number, powers: [number, number], temperatures: number[],
- *   logarithms: number[]}} Film
+ * @typedef {{points: Object<string, Packed>, stored: number, scales: string[], note: string,
+ *   aspect: number}} Fields
  * @typedef {{name: ControlName, factor: number, offset: number, least: number | null,
  *   most: number | null, fault: string}} Control
  * @typedef {"friction" | "bulk_temperature" | "disk_temperature" | "critical_temperature"
@@ -25,7 +23,7 @@
  *   numbers: Numbers[], deciding: string, errors: string,
  *   outcomes: {velocity: string[], load: string[]}, range: {velocity: number[], load: number[]},
  *   messages: Object<string, string>, fields: Fields, friction_band: Ends | null,
- *   regions: [string, string], film: Film | null}} Content result of pipeline.figures.page.content
+ *   regions: [string, string]}} Content result of pipeline.figures.page.content
  * @typedef {"velocity" | "load"} AxisName
  */
 
@@ -56,17 +54,14 @@ class Sweep {
     this.range = content.range;
   }
 
-  /** Take the contacts at a wear rate; true if it is another one than before. @param {number} [rate] */
+  /** Take the contacts at a wear rate. @param {number} [rate] */
   takeWearRate(rate) {
     const { conditions, velocities, fine, range } = this.content;
-    const ratio = rate === undefined ? 1 : rate / (conditions.wear_rate ?? NaN);
-    const isOther = ratio !== this.rateRatio;
-    const scaled = (/** @type {number[]} */ all) => all.map((velocity) => velocity / ratio);
-    this.rateRatio = ratio;
+    this.rateRatio = rate === undefined ? 1 : rate / (conditions.wear_rate ?? NaN);
+    const scaled = (/** @type {number[]} */ all) => all.map((velocity) => velocity / this.rateRatio);
     this.velocities = scaled(velocities);
     this.fine = { load: fine.load, velocity: scaled(fine.velocity) };
     this.range = { load: range.load, velocity: scaled(range.velocity) };
-    return isOther;
   }
 
   /** @param {number} surface @param {number} i of the load @param {number} j of the velocity */

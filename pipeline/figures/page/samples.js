@@ -4,7 +4,7 @@
 
 /**
  * @typedef {{name: string, measured: Measurement[], loads: number[], velocities: number[],
- *   probability: string, picture: string, scale: string, shares: number[],
+ *   probability: string, picture: string, shares: number[],
  *   lines: number[][]}} Samples probabilities by load and velocity, and velocities by load and
  *   probability, within those computed
  */
@@ -51,36 +51,21 @@ function drawnBand(frame) {
   return [svg("image", { ...size, ...look }), ...lines];
 }
 
-/** The operating point lies within the sweep. */
-function isJudgedPlace() {
-  return isOn(operating.load, samples.loads) && isOn(operating.velocity, samples.velocities);
-}
-
 /** Draw the diagram, and show the probability at the pointer. */
 function drawSamples() {
   const { loads, velocities, measured } = samples;
-  const width = Math.max(element("diagram").clientWidth, 280);
-  const x = ends([...velocities, ...measured.map(({ velocity }) => velocity)]);
-  const y = ends([...loads, ...measured.map(({ normal_load }) => normal_load)]);
-  const { root, inside, frame } = axes(
-    width,
-    Math.round(Math.min(Math.max(0.72 * width, 300), 560)),
-    { ...x, label: "sliding velocity [m/s]" },
-    { ...y, label: "normal load [N]" },
-  );
+  const { root, inside, frame } = planeAxes(velocities, loads, measured);
   inside.append(...drawnBand(frame));
   for (const { velocity, normal_load, outcome } of measured) {
     inside.append(testMark(frame.x(velocity), frame.y(normal_load), outcome));
   }
-  if (isJudgedPlace()) inside.append(cross(frame.x(operating.velocity), frame.y(operating.load)));
+  if (isInside(operating, samples)) inside.append(cross(frame, operating));
   root.addEventListener("pointerleave", () => {
     tip.hidden = true;
   });
   root.addEventListener("pointermove", (event) => {
     const { left, top } = root.getBoundingClientRect();
-    const across = (event.clientX - left - frame.left) / (frame.right - frame.left);
-    const up = (event.clientY - top - frame.bottom) / (frame.top - frame.bottom);
-    showTip(frame, y.low + up * (y.high - y.low), x.low + across * (x.high - x.low));
+    showTip(frame, frame.load(event.clientY - top), frame.velocity(event.clientX - left));
   });
   element("diagram").replaceChildren(root, tip);
 }
@@ -90,7 +75,7 @@ function drawSamples() {
  * @param {Frame} frame @param {number} load @param {number} velocity
  */
 function showTip(frame, load, velocity) {
-  tip.hidden = !(isOn(load, samples.loads) && isOn(velocity, samples.velocities));
+  tip.hidden = !isInside({ load, velocity }, samples);
   if (tip.hidden) return;
   const text = `severe with a probability of ${percent(probabilityAt(load, velocity))}`;
   const place = html("b", {}, `${shown(load, 3)} N, ${shown(velocity, 3)} m/s`);
@@ -103,12 +88,7 @@ function judge(load, velocity) {
   Object.assign(operating, { load, velocity });
   const { loads, velocities, shares } = samples;
   drawSamples();
-  element("operating").classList.toggle("is-used", isJudgedPlace());
-  if (!isJudgedPlace()) {
-    const hint = html("p", { class: "hint" }, reasonAgainst(load, velocity, loads, velocities));
-    element("margin").replaceChildren(hint);
-    return;
-  }
+  if (!isInside(operating, samples)) return showMargin(reasonAgainst(load, velocity, loads, velocities));
   /** @type {[string, string][]} */
   const rows = [["probability of severe wear", percent(probabilityAt(load, velocity))]];
   columns().forEach((line, k) => {
@@ -117,29 +97,16 @@ function judge(load, velocity) {
     const sign = place <= low ? "below " : place >= high ? "above " : "";
     rows.push([`${shown(100 * shares[k])} % at this load`, `${sign}${shown(place, 3)} m/s`]);
   });
-  element("margin").replaceChildren(pairs(rows));
+  showMargin(rows);
 }
 
 function beginSamples() {
   takeScene(() => ({}));
   listenToOperatingPoint(judge);
   judge(NaN, NaN);
-  const [low, , high] = samples.shares.map((share) => 100 * share);
-  const href = `data:image/png;base64,${samples.scale}`;
-  const scale = svg("image", { href, width: 26, height: 14, preserveAspectRatio: "none" });
-  showSigns([
-    [true, "probability of severe wear, 0 to 100 %", scale],
-    [true, "50 %, as likely severe as mild", svg("path", { class: "boundary", d: "M0,7H26" })],
-    [true, `${low} and ${high} %`, svg("path", { class: "own", d: "M0,7H26" })],
-    ...testSigns(samples.measured),
-  ]);
-  const lines = [...element("velocities").querySelectorAll("tr")].map((row) =>
-    [...row.cells].map((cell) => cell.textContent).join(","),
-  );
-  const link = /** @type {HTMLAnchorElement} */ (element("velocities-csv"));
-  link.href = `data:text/csv;charset=utf-8,${encodeURIComponent(lines.join("\r\n"))}`;
-  link.download = `${samples.name || "sweep"}_velocities.csv`;
-  new ResizeObserver(drawSamples).observe(document.body);
+  showSigns(testSigns(samples.measured));
+  offerCsv("velocities", samples.name);
+  window.addEventListener("resize", drawSamples);
 }
 
 beginSamples();

@@ -2,16 +2,10 @@
 "use strict";
 /* The scene that is shown, of those of a sweep over entries: each is a template of its own. */
 
-/** Put the scene that the address names in the place of its template. */
-function placeScene() {
-  const scenes = [...document.querySelectorAll("template")];
-  const scene = scenes[sceneNumber()] ?? scenes[0];
-  scene.replaceWith(scene.content);
-}
-
-function sceneNumber() {
-  return Number(location.hash.slice(1)) || 0;
-}
+const sceneNumber = Number(location.hash.slice(1)) || 0;
+const templates = document.querySelectorAll("template");
+const chosenTemplate = templates[sceneNumber] ?? templates[0];
+chosenTemplate.replaceWith(chosenTemplate.content);
 
 /**
  * Let the reader choose another scene, which keeps the conditions that were changed; give those
@@ -21,12 +15,10 @@ function sceneNumber() {
 function takeScene(changes) {
   const choice = input("scene");
   if (!choice) return {};
-  choice.value = String(sceneNumber());
+  choice.value = String(sceneNumber);
   choice.addEventListener("change", () => {
     history.replaceState(changes(), "", `#${choice.value}`);
     location.reload();
   });
   return history.state ?? {};
 }
-
-placeScene();

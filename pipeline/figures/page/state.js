@@ -7,6 +7,7 @@ const ZERO_CELSIUS = 273.15;
 /** @type {Content} */
 const content = JSON.parse(element("content").textContent ?? "");
 const sweep = new Sweep(content);
+const hasShare = content.shares.length > 1;
 /** Choices of the reader. @type {{conditions: Conditions, surface: number | null,
  *  point: {i: number, j: number} | null, load: number, velocity: number}} */
 const chosen = {
@@ -23,11 +24,6 @@ function surfaces() {
   return Array.from({ length: sweep.surfaces }, (_, k) => k);
 }
 
-/** @param {number} kelvin @param {number} [digits] */
-function celsius(kelvin, digits = 4) {
-  return `${shown(kelvin - ZERO_CELSIUS, digits)} °C`;
-}
-
 /** Temperature of a rise at friction 1 [K]. @param {number} rise */
 function temperature(rise) {
   return coldestBulk(chosen.conditions) + riseFactor(chosen.conditions) * rise;
@@ -36,9 +32,4 @@ function temperature(rise) {
 /** There is a critical temperature to judge by. */
 function isJudged() {
   return chosen.conditions.critical_temperature !== null;
-}
-
-/** A share of the contact decides. */
-function hasShare() {
-  return content.shares.length > 1;
 }

@@ -2,54 +2,20 @@
 "use strict";
 /* Critical velocities and loads: over the surfaces, as tables and as CSV. */
 
-/**
- * @typedef {{id: string, places: number[], rows: Summary[], head: string, title: string,
- *   unit: string}} Side critical velocities by load, or critical loads by velocity
- */
-
 /** The boundary under the present conditions. */
 function summary() {
   return sweep.boundary(surfaces(), chosen.conditions);
 }
 
-/**
- * Number of loads at which a transition at any of these frictions lies beyond what was computed.
- * @param {number[]} frictions
- */
-function loadsBeyond(frictions) {
-  const rows = frictions.map(
-    (friction) => sweep.boundary(surfaces(), { ...chosen.conditions, friction }).velocity,
-  );
-  return sweep.loads.filter((_, i) =>
-    rows.some((row) => row[i].transitions.some(({ outcome }) => [ABOVE, BELOW].includes(outcome))),
-  ).length;
+/** A transition at one of these frictions is not known at some load. @param {number[]} frictions */
+function isCut(frictions) {
+  const edges = frictions.flatMap((friction) => sweep.drawn(surfaces(), { ...chosen.conditions, friction }));
+  return edges.some((edge) => edge.some(Number.isNaN));
 }
 
-/** Crossings that are interpolated across points that are not done. @param {Transition[]} transitions */
-function bridged(transitions) {
-  return transitions.filter(({ isBridged }) => isBridged).length;
-}
-
-/** The same in words. @param {Transition[]} transitions */
+/** Says that a crossing lies across points not done. @param {Transition[]} transitions */
 function bridgedText(transitions) {
-  const count = bridged(transitions);
-  if (!count) return "";
-  return `, ${transitions.length > 1 ? `${count} of them ` : ""}across points not done`;
-}
-
-/** Loads with such a crossing, in words. */
-function bridgedLoads() {
-  const rows = summary().velocity.filter(({ transitions }) => bridged(transitions));
-  return rows.length ? `, across points not done at ${rows.length} of ${sweep.loads.length} loads` : "";
-}
-
-/** Both sides of the boundary as they are shown. @returns {Side[]} */
-function sides() {
-  const { loads, velocities } = sweep;
-  const { velocity, load } = summary();
-  const byLoad = { places: loads, rows: velocity, head: "load [N]", title: "critical velocity", unit: "m/s" };
-  const byVelocity = { places: velocities, rows: load, head: "velocity [m/s]", title: "critical load" };
-  return [{ id: "velocities", ...byLoad }, { id: "loads", ...byVelocity, unit: "N" }];
+  return transitions.some(({ isBridged }) => isBridged) ? ", across points not done" : "";
 }
 
 /**
@@ -94,48 +60,29 @@ function outcomeText({ transitions }, unit) {
 }
 
 /**
- * Film parameter at a load [N] and a velocity [m/s], which Python has tabulated over the bulk.
- * @param {Film} film @param {number} load @param {number} velocity
+ * Show critical values at some places as a table, and offer it as CSV.
+ * @param {string} id @param {string} head @param {number[]} places @param {string} title
+ * @param {string} unit @param {Summary[]} rows
  */
-function filmParameter(film, load, velocity) {
-  if (!Number.isFinite(load * velocity)) return NaN;
-  const { bulk_temperature, disk_temperature } = chosen.conditions;
-  const bulk = (bulk_temperature + (disk_temperature ?? bulk_temperature)) / 2;
-  const powers = [Math.log(load / film.load), Math.log(Math.abs(velocity) / film.velocity)];
-  const oil = linear(film.temperatures, film.logarithms, bulk);
-  return Math.exp(oil + film.powers[0] * powers[0] + film.powers[1] * powers[1]);
-}
-
-/** Show one side of the boundary as a table, and offer it as CSV. @param {Side} side */
-function showSide(side) {
-  const { id, places, rows, head, title, unit } = side;
-  const film = content.film;
-  const heads =
-    surfaces().length > 1
-      ? [head, `median [${unit}]`, "10 %", "90 %"]
-      : [head, `${title} [${unit}]`];
+function showSide(id, head, places, title, unit, rows) {
+  const isBand = surfaces().length > 1;
+  const heads = isBand ? [`median [${unit}]`, "10 %", "90 %"] : [`${title} [${unit}]`];
   const cells = rows.map((row, k) => {
-    const { middle, low, high } = row;
-    const values = surfaces().length > 1 ? [middle, low, high] : [middle];
-    const [load, velocity] = id === "velocities" ? [places[k], middle] : [middle, places[k]];
-    const parameter = film ? [shown(filmParameter(film, load, velocity), 2)] : [];
-    const numbers = values.map((value) => shown(value));
-    return [shown(places[k], 6), ...numbers, ...parameter, outcomeText(row, unit)];
+    const values = isBand ? [row.middle, row.low, row.high] : [row.middle];
+    return [shown(places[k], 6), ...values.map((value) => shown(value)), outcomeText(row, unit)];
   });
-  const last = film ? ["film Λ", "outcome"] : ["outcome"];
-  element(id).replaceChildren(table([...heads, ...last], cells, 1));
-  const link = /** @type {HTMLAnchorElement} */ (element(`${id}-csv`));
-  link.href = `data:text/csv;charset=utf-8,${encodeURIComponent(csv(side))}`;
-  link.download = `${content.name || "sweep"}_critical_${id}.csv`;
+  element(id).replaceChildren(table([head, ...heads, "outcome"], cells, 1));
+  offerCsv(id, content.name);
 }
 
-/** Show both tables; the answer in a sentence. */
+/** Show both tables, and the answer in a sentence. */
 function showTables() {
-  sides().forEach(showSide);
-  const { velocity } = summary();
+  const { velocity, load } = summary();
+  showSide("velocities", "load [N]", sweep.loads, "critical velocity", "m/s", velocity);
+  showSide("loads", "velocity [m/s]", sweep.velocities, "critical load", "N", load);
   const missing = sum(surfaces().map((surface) => content.missing[surface]));
   const note = missing ? ` ${missing} points are pending or failed and left out.` : "";
-  return crossingText(velocity) + note;
+  element("summary").textContent = crossingText(velocity) + note;
 }
 
 /** @param {Summary[]} rows by load */
@@ -154,29 +101,11 @@ function crossingText(rows) {
   return `Wear turns severe at ${[...new Set([places[0], places[places.length - 1]])].join(", at ")}.`;
 }
 
-/** One side of the boundary with its conditions, in full digits. @param {Side} side */
-function csv({ places, rows, head, title, unit }) {
-  const { friction, bulk_temperature, critical_temperature, failing_share } = chosen.conditions;
-  const disk = chosen.conditions.disk_temperature ?? bulk_temperature;
-  const temperatures = [bulk_temperature, disk, critical_temperature ?? ""];
-  const conditions = [friction, ...temperatures, failing_share, content.conditions.criterion ?? "share"];
-  const name = `${title} [${unit}]`;
-  const isBand = surfaces().length > 1;
-  const heads = isBand
-    ? [head, `${name} median`, `${name} 10 %`, `${name} 90 %`, "crossing", "known"]
-    : [head, name, "outcome"];
-  heads.push("across points not done");
-  const lines = rows.map(({ middle, low, high, transitions }, k) => {
-    const outcomes = transitions.map(({ outcome }) => outcome);
-    const counts = [CROSSES + 1, UNKNOWN].map((end) => outcomes.filter((outcome) => outcome < end).length);
-    const values = (isBand ? [middle, low, high] : [middle]).map((value) =>
-      Number.isFinite(value) ? value : "",
-    );
-    const along = unit === "N" ? "load" : "velocity";
-    const last = isBand ? counts : [content.outcomes[along][outcomes[0]]];
-    return [places[k], ...values, ...last, bridged(transitions), ...conditions];
-  });
-  const bulks = ["bulk temperature [K]", "bulk temperature of the disk [K]"];
-  const others = ["friction", ...bulks, "critical temperature [K]", "failing share", "criterion"];
-  return [[...heads, ...others], ...lines].map((line) => `${line.join(",")}\r\n`).join("");
+/** Offer a table as CSV, as it is shown. @param {string} id @param {string} name */
+function offerCsv(id, name) {
+  const lines = [...element(id).querySelectorAll("tr")].map((row) =>
+    [...row.cells].map(({ textContent }) => JSON.stringify(textContent)).join(","),
+  );
+  const href = `data:text/csv;charset=utf-8,${encodeURIComponent(lines.join("\r\n"))}`;
+  Object.assign(element(`${id}-csv`), { href, download: `${name || "sweep"}_critical_${id}.csv` });
 }

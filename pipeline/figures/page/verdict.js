@@ -3,9 +3,9 @@
 /* State of a point under the present conditions, in words. */
 
 /**
- * @typedef {{place: number, decisive: number, highest: number, time: number, failed: number,
- *   isSevere: boolean, temperatures: number[]}} Verdict temperatures in kelvin, of which each
- *   quantile of the contact stays below one
+ * @typedef {{place: number, decisive: number, failed: number, isSevere: boolean,
+ *   temperatures: number[]}} Verdict temperatures in kelvin, of which each quantile of the contact
+ *   stays below one
  */
 
 /** Verdicts on the surfaces on which a point is done. @param {number} i @param {number} j */
@@ -20,8 +20,6 @@ function verdicts(i, j) {
       place,
       temperatures: row.map(temperature),
       decisive: temperature(rise),
-      highest: temperature(row[row.length - 1]),
-      time: sweep.times[place],
       failed: isJudged() ? 1 - linear(row, content.quantiles, limit) : NaN,
       isSevere: rise > limit,
     }]);
@@ -50,19 +48,7 @@ function messagesOf(i, j) {
 
 /** @param {number} i @param {number} j */
 function hasWarning(i, j) {
-  const places = surfaces().map((surface) => sweep.place(surface, i, j));
-  return places.some((place) => sweep.status[place] === POINT_DONE && String(place) in content.messages);
-}
-
-/**
- * From the lowest to the highest of some values, once if they are one.
- * @param {number[]} values @param {string} unit @param {number} [digits]
- */
-function span(values, unit, digits = 4) {
-  const finite = values.filter(Number.isFinite);
-  if (!finite.length) return "–";
-  const [low, high] = [Math.min(...finite), Math.max(...finite)].map((value) => shown(value, digits));
-  return `${low === high ? low : `${low} to ${high}`} ${unit}`;
+  return !["failed", "pending", ""].includes(kindOf(i, j)) && messagesOf(i, j).length > 0;
 }
 
 /**
@@ -73,38 +59,35 @@ function description(i, j, isFull) {
   const all = verdicts(i, j);
   const { failing_share } = chosen.conditions;
   /** @type {[string, string][]} */
-  const rows = [["wear", wearOf(all.map(({ isSevere }) => isSevere), kindOf(i, j))]];
+  const rows = [["wear", wearOf(all, kindOf(i, j))]];
   if (all.length) {
-    if (!hasShare() || failing_share > 0) {
+    if (!hasShare || failing_share > 0) {
       const share = `exceeded on ${shown(100 * failing_share)} % of the contact`;
-      const decisive = span(all.map((verdict) => verdict.decisive - ZERO_CELSIUS), "°C");
-      rows.push([hasShare() ? share : content.deciding, decisive]);
+      const decisive = banded(all.map((verdict) => verdict.decisive - ZERO_CELSIUS), "°C");
+      rows.push([hasShare ? share : content.deciding, decisive]);
     }
-    rows.push(["highest temperature", span(all.map(({ highest }) => highest - ZERO_CELSIUS), "°C")]);
+    const highest = all.map(({ temperatures }) => Math.max(...temperatures) - ZERO_CELSIUS);
+    rows.push(["highest temperature", banded(highest, "°C")]);
     if (isJudged()) {
-      rows.push(["contact above critical", span(all.map(({ failed }) => 100 * failed), "%", 3)]);
+      rows.push(["contact above critical", banded(all.map(({ failed }) => 100 * failed), "%", 3)]);
     }
     const numbers = isFull ? content.numbers : content.numbers.slice(0, 1);
     numbers.forEach(({ label, unit, power }, k) => {
       const factor = sweep.rateRatio === 1 ? 1 : sweep.rateRatio ** (power ?? NaN);
       const values = all.map(({ place }) => factor * sweep.numbers[k][place]);
-      if (values.some(Number.isFinite)) rows.push([label, span(values, unit)]);
+      if (values.some(Number.isFinite)) rows.push([label, banded(values, unit)]);
     });
-    if (isFull) rows.push(["at its worst after", span(all.map(({ time }) => time), "s")]);
+    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => sweep.times[place]), "s")]);
   }
   for (const message of messagesOf(i, j)) rows.push([all.length ? "warning" : "message", message]);
   return rows;
 }
 
-/**
- * Kind of wear in words, from the verdicts on the surfaces.
- * @param {boolean[]} severe @param {string} [kind]
- */
-function wearOf(severe, kind) {
-  if (!severe.length) return kind === "failed" ? "failed" : "not computed";
+/** Kind of wear in words. @param {Verdict[]} all @param {string} kind */
+function wearOf(all, kind) {
+  if (!all.length) return kind === "failed" ? "failed" : "not computed";
   if (!isJudged()) return "not known without a critical temperature";
-  if (severe.length > 1) return `severe on ${severe.filter(Boolean).length} of ${severe.length}`;
-  return severe[0] ? "severe" : "mild";
+  return verdictsText(all.map(({ isSevere }) => (isSevere ? "severe" : "mild")));
 }
 
 /** @param {number} i @param {number} j */

@@ -196,7 +196,7 @@ def _of_plane(held: dict[str, Any]) -> str:
 
 def _of_samples(held: dict[str, Any]) -> str:
     """A scene of samples."""
-    table = held.pop("table")
+    table, scale = held.pop("table"), held.pop("scale")
     return _filled(
         "samples.html",
         _of_both(
@@ -207,6 +207,7 @@ def _of_samples(held: dict[str, Any]) -> str:
             "basis": "".join(f"<li>{html.escape(one)}</li>" for one in held["basis"]),
             "evidence": html.escape(held["evidence"]),
             "table": html_of(table),
+            "scale": scale,
         },
     )
 

@@ -137,8 +137,8 @@ KINDS = {
 
 
 def column(table, name):
-    """Numbers of a column of a table; NaN where it is empty."""
-    return np.array([float(row[name] or "nan") for row in table])
+    """Numbers of a column of a table; NaN where there is none."""
+    return np.array([float(row[name].replace("–", "nan")) for row in table])
 
 
 def same(actual, expected, rtol=0.01):
