@@ -31,7 +31,3 @@ def test_a_public_name_has_an_example_that_runs(module, name):
     runs = [example for example in examples if doctest.SKIP not in example.options]
     assert examples
     assert runs or name in LONG
-
-
-def test_nothing_is_called_long_that_is_not_public():
-    assert set(pipeline.__all__) >= LONG

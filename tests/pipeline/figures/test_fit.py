@@ -2,7 +2,6 @@
 
 import itertools
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.legend import Legend
@@ -59,12 +58,6 @@ def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
     assert labels == ["1", "2", "3", "4"]
     names = {text.get_text() for text in log.texts}
     assert names == {"mild wear (I and II)", "severe adhesive wear (III* and III)"}
-
-
-def test_the_users_own_style_goes_before_that_of_the_house(sweep):
-    with mpl.rc_context({"font.size": 14.0}):
-        assert diagram(sweep).axes[0].xaxis.label.get_fontsize() == 14.0
-    assert diagram(sweep).axes[0].xaxis.label.get_fontsize() == 10.0
 
 
 def test_a_measured_transition_is_joined_with_that_at_its_own_friction(sweep):

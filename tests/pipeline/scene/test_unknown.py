@@ -294,20 +294,6 @@ def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
     }
 
 
-@pytest.mark.parametrize(
-    ("lines", "words"),
-    [
-        ("friction_scatter = 0.004", "measured[0].friction_scatter: 0.004 needs a measured"),
-        ("friction = 0.1\nfriction_scatter = 0", "measured[0].friction_scatter: 0 is out of range"),
-        ('velocity_scatter = "-1 m/s"', "measured[0].velocity_scatter"),
-    ],
-)
-def test_a_scatter_that_cannot_be_is_told(tmp_path, lines, words):
-    entry = f'[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\n{lines}\n'
-    (message,) = faults(scene(tmp_path, UNKNOWN + entry))
-    assert words in message
-
-
 def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):
     assert "give [unknown], too" in faults(scene(tmp_path, ""))[0]
 

@@ -46,11 +46,6 @@ def test_it_picks_the_first_that_is_good_enough_and_says_why():
     assert changed.about.preset == (selection.name if selection.name in PRESETS else None)
 
 
-def test_the_choice_is_the_same_every_time():
-    first, second = (choose_fidelity(UNWORN, 0.03) for _ in range(2))
-    assert replace(first, seconds=0.0) == replace(second, seconds=0.0)
-
-
 @pytest.mark.parametrize(
     ("sweep", "points"),
     [(UNWORN, (Point(300.0, 1.5),)), (UNWORN.changed(velocities=(1.0, 2.0)), None)],
@@ -143,8 +138,3 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     stricter = begun.about.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
         at_accuracy(grown, stricter, store=out)
-
-
-def test_at_rest_there_is_nothing_to_be_accurate_about():
-    with pytest.raises(InputError, match="velocity is 0"):
-        choose_fidelity(PAPER, 0.02, points=(Point(300.0, 0.0),))

@@ -10,7 +10,7 @@ from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import _Timed, estimate, savings
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
-from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, simulate
+from tribo import PRESETS, Fidelity, Grid, Ramp, Wear, simulate
 from tribo.simulation import contacts
 
 SWEEP = PAPER.changed(loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
@@ -122,8 +122,3 @@ def test_work_that_is_saved_is_named_with_its_reason(changes, said):
     if said.startswith("fields"):
         kept = kept.changed(fields=False)
     assert any(said in work for work in savings(kept.changed(**changes)))
-
-
-def test_no_workers_are_refused():
-    with pytest.raises(InputError, match="workers is -1; it must be a whole number of at least 1"):
-        estimate(SWEEP, workers=-1)

@@ -26,7 +26,7 @@ from tribo import (
 )
 from tribo.simulation import leads_to
 
-few = settings(deadline=None, derandomize=True, max_examples=30)
+few = settings(deadline=None, derandomize=True, max_examples=20)
 
 TOLERANCE = 1e-9
 
