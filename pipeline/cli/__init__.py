@@ -21,6 +21,7 @@ from typing import Any
 
 import pipeline
 from pipeline.cli.parser import function_of, parse
+from pipeline.run import forkserver
 
 try:
     import resource
@@ -46,9 +47,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if (reason := _too_little_memory()) is not None:
             print(f"irg: {reason}", file=sys.stderr)
             return 2
-        return carried_out(options, function_of(options))
+        return carried_out(options, _begun)
     except KeyboardInterrupt:  # before a command began
         return 130
+
+
+def _begun(options: argparse.Namespace) -> Any:
+    """Result of a command, whose module is imported only now."""
+    if options.command == "sweeps:run" and not (options.scheduler or options.scheduler_file):
+        forkserver.start()  # imports for the workers what is imported here meanwhile
+    return function_of(options)(options)
 
 
 def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
@@ -61,7 +69,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
     if options.quiet:
         output.QUIET.set()
     # Of what is computed, no other command keeps anything before its end.
-    safe = "; finished points are safe" if getattr(options, "command", "") == "running:run" else ""
+    safe = "; finished points are safe" if getattr(options, "command", "") == "sweeps:run" else ""
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: output.tell(f"note: {message}")

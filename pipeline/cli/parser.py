@@ -50,7 +50,7 @@ COMMANDS = (
         "log.csv --word Fresser=severe", o.OF_TESTS,
     ),
     Command(
-        "run", "run", "running:run", "run or resume the sweep of a scene",
+        "run", "run", "sweeps:run", "run or resume the sweep of a scene",
         "scene.toml --accuracy 2%",
         (*o.OF_SCENE, *o.OF_RUN),
     ),

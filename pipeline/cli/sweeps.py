@@ -15,7 +15,7 @@ from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.warned import note_on_turns
 
 
-def computed(options: argparse.Namespace) -> Result:
+def run(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_of(options, store=out)
