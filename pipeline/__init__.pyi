@@ -25,12 +25,12 @@ from .run.source import ExecutionError as ExecutionError
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
 from .scene.faults import SceneFileError as SceneFileError
-from .scene.quantities import display as display
 from .scene.scan import surface_statistics as surface_statistics
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import run_point as run_point
 from .scene.scenefile import scene_entry as scene_entry
 from .scene.template import new_scene as new_scene
+from .scene.units import display as display
 from .scene.units import to_si as to_si
 from .store.place import StoreError as StoreError
 from .store.place import StoreMismatchError as StoreMismatchError

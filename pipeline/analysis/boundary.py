@@ -45,7 +45,7 @@ from pipeline.analysis.transition import (
 )
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.surface import Lubrication
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -102,7 +102,7 @@ def boundary(
         conditions are attributes, whose units are in ``units_of_attributes``, and
         ``missing_points`` is the total of those that are missing. Where the scene gives an oil,
         ``film_parameter_at_load`` and ``film_parameter_at_velocity`` are the film parameters at
-        the crossings (see `pipeline.sweep.lubrication`).
+        the crossings (see `pipeline.sweep.surface`).
 
         Over several surfaces all have a dimension ``realization`` in front, and there are also
         ``critical_velocity_quantile(quantile, load)``, the velocity below which 10, 50 and 90 %

@@ -25,7 +25,7 @@ from pipeline.analysis.dataset import (
     with_wear_rates,
 )
 from pipeline.scene.faults import quoted
-from pipeline.scene.quantities import display, in_si, share_of
+from pipeline.scene.units import display, in_si, share_of
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions, changes_of
 from pipeline.sweep.criterion import require_bulks

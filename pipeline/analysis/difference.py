@@ -24,7 +24,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.margin_table import labels_of_rows, margin_table
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import ENTRIES, outcomes
-from pipeline.scene.quantities import display
+from pipeline.scene.units import display
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.sweep.own_laws import OwnLawError

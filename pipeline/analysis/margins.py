@@ -23,7 +23,7 @@ from pipeline.analysis.margin import Margin, Row
 from pipeline.analysis.margin_error import grids_of
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import range_of
-from pipeline.scene.quantities import in_si
+from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.selection import velocity_error

@@ -20,8 +20,7 @@ from pipeline.analysis.dataset import (
     with_wear_rates,
 )
 from pipeline.analysis.tables import frame_of
-from pipeline.scene.quantities import display
-from pipeline.scene.units import to_si
+from pipeline.scene.units import display, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from tribo import InputError

@@ -12,7 +12,7 @@ from typing import Any, TypeGuard
 
 import pandas as pd
 
-from pipeline.scene.quantities import is_shown_unit, shown_in, si_of
+from pipeline.scene.units import is_shown_unit, shown_in, si_of
 from tribo import InputError
 
 TABLES = (".csv", ".md")

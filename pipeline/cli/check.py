@@ -15,10 +15,10 @@ from pipeline.cli.scenes import scene_of, selected
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
-from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.stages import duration
+from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, savings, worker_bytes
 from tribo import lubrication_regime

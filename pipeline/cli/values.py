@@ -158,7 +158,7 @@ def failing_share(text: str) -> float:
     >>> failing_share("10%"), failing_share("0.1"), failing_share("0")
     (0.1, 0.1, 0.0)
     """
-    from pipeline.scene.quantities import share_of  # imports NumPy, which --help needs not
+    from pipeline.scene.units import share_of  # imports NumPy, which --help needs not
 
     try:
         return share_of(text)

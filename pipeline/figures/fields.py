@@ -15,7 +15,7 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import corrected_field, drawn_row, on_surface
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
-from pipeline.scene.quantities import in_si
+from pipeline.scene.units import in_si
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point

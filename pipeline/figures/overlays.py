@@ -19,7 +19,7 @@ from pipeline.analysis.transition import crossing
 from pipeline.figures.style import BLACK, BLUE, GREY, REGION, TINTS, VERMILION
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.surface import Lubrication
 from tribo import Criterion, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask

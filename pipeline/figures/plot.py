@@ -22,7 +22,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import PendingError, fields
 from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.style import figure_path, fitted, save_figure
-from pipeline.scene.quantities import in_si
+from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary
 from tribo import InputError

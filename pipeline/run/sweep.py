@@ -26,8 +26,8 @@ from pipeline.run.schedule import compute
 from pipeline.run.source import PATIENCE, ExecutionError, unheard
 from pipeline.run.tally import Progress, Tally, reported
 from pipeline.run.writer import Writer
-from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import sweep_of
+from pipeline.scene.units import require_count
 from pipeline.store.attributes import differences, versions
 from pipeline.store.create import grown, writing
 from pipeline.store.place import Bucket, PathLike

@@ -25,10 +25,9 @@ from pipeline.scene.headings import (
     with_velocity_of_turns,
 )
 from pipeline.scene.over import scene_with
-from pipeline.scene.quantities import is_shown_unit
 from pipeline.scene.rows import may_be_thousands, read_rows
 from pipeline.scene.schema import flat
-from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.scene.units import UnitError, is_shown_unit, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, Label, placed_rows

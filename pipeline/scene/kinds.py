@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.quantities import share_of
-from pipeline.scene.units import RANGES, UnitError, exact_si, si_unit, to_si
+from pipeline.scene.units import RANGES, UnitError, exact_si, share_of, si_unit, to_si
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 

@@ -12,9 +12,8 @@ from typing import Any
 
 from pipeline.scene.document import Document, Layer
 from pipeline.scene.faults import Faults, quoted, with_value
-from pipeline.scene.quantities import display
 from pipeline.scene.schema import flat
-from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.scene.units import UnitError, display, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column, Variants, combinations, wear_rates

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.scene.quantities import in_si
 from pipeline.scene.surfaces import Flip, Surface, filled, levelled, oriented, read_surface
+from pipeline.scene.units import in_si
 from tribo import InputError, average_roughness, fit_self_affine, rms_height
 from tribo.surface import SelfAffineFit
 from tribo.types import Array

@@ -30,10 +30,10 @@ from pipeline.scene.parts import (
     pin_of,
     wear_of,
 )
-from pipeline.scene.quantities import in_si
 from pipeline.scene.reference import sections
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.surfaces import realizations_of, roughness_of
+from pipeline.scene.units import in_si
 from pipeline.scene.unknown import Make, fixed_paths, samples_of
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement

@@ -22,8 +22,8 @@ import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.parts import own_of
-from pipeline.scene.quantities import display
 from pipeline.scene.text_scan import TEXT, TextScan, read_text
+from pipeline.scene.units import display
 from pipeline.sweep.own_laws import SURFACE, Laws
 from tribo import InputError, read_heights
 from tribo.errors import reason_of, require_file

@@ -1,9 +1,4 @@
-"""Quantities with units, and hardness numbers as pressures: from text to SI.
-
-A Vickers number is a pressure already, in kgf/mm² on the faces of the impression. Brinell and
-Rockwell C numbers are converted to it by Table 1 of ASTM E140, which holds for steels that are not
-austenitic; between its lines linearly. Such a conversion is good to a few per cent at best.
-"""
+"""Quantities with units, and hardness numbers: from text to SI, and as they are shown."""
 
 from __future__ import annotations
 
@@ -20,6 +15,7 @@ from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
     import pint
+
 
 _LONGEST = 80
 _GRAVITY = 9.80665  # [m/s²], of weights
@@ -299,3 +295,87 @@ def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
             f"{scale}; give it in HV, or as a pressure"
         )
     return Decimal(float(np.interp(float(number), numbers, vickers))) * _KGF_PER_MM2
+
+
+_FACTORS = {
+    "mm": 1e3, "µm": 1e6, "GPa": 1e-9, "%": 1e2, "MB": 1e-6, "mm³/(N m)": 1e9, "1/GPa": 1e9,
+    "mm³": 1e9, "mm² K/W": 1e6, "MJ/(m³ K)": 1e-6, "mm²/s": 1e6,
+}  # fmt: skip
+"""Values in these units of one in SI; any other unit is that of SI, but for °C."""
+
+
+def in_si(name: str, value: float | str, like: str) -> float:
+    """Value in SI of a number in SI, or of text with a unit like that of the example.
+
+    Examples
+    --------
+    >>> in_si("load", 600.0, like="750 N"), in_si("load", "0.6 kN", like="750 N")
+    (600.0, 600.0)
+    """
+    if not isinstance(value, str):
+        return float(value)
+    try:
+        return to_si(value, like)
+    except UnitError as error:
+        raise InputError(f'{name}: {error}; give one such as "{like}"') from error
+
+
+def require_count(name: str, value: float) -> None:
+    """Raise an `InputError` unless a value is a whole number of at least 1."""
+    if value < 1 or value % 1:
+        raise InputError(f"{name} is {value}; it must be a whole number of at least 1")
+
+
+def share_of(value: float | str) -> float:
+    """Value of a share, as a number or as text such as ``"10%"``.
+
+    Examples
+    --------
+    >>> share_of(0.1), share_of("10%"), share_of("0.1")
+    (0.1, 0.1, 0.1)
+    """
+    if not isinstance(value, str):
+        return value
+    number = value.strip().removesuffix("%")
+    try:
+        return float(number) / 100 if number != value.strip() else float(number)
+    except ValueError:
+        raise InputError(f'"{value}": give a share such as 10% or 0.1') from None
+
+
+def shown_in(value: float, unit: str) -> float:
+    """Value of a quantity in a unit in which such quantities are shown.
+
+    Examples
+    --------
+    >>> shown_in(298.15, "°C"), shown_in(2e-3, "mm")
+    (25.0, 2.0)
+    """
+    return value - 273.15 if unit == "°C" else value * _FACTORS.get(unit, 1.0)
+
+
+def si_of(value: float, unit: str) -> float:
+    """Value in SI of one in a unit in which such quantities are shown.
+
+    Examples
+    --------
+    >>> si_of(25.0, "°C"), si_of(2.0, "mm")
+    (298.15, 0.002)
+    """
+    return round(value + 273.15, 9) if unit == "°C" else value / _FACTORS.get(unit, 1.0)
+
+
+def is_shown_unit(unit: str) -> bool:
+    """Whether quantities are shown in a unit: one of SI, or of those that have factors here."""
+    return unit == "°C" or unit in _FACTORS or unit in SI_UNITS
+
+
+def display(value: float, unit: str, digits: int = 6) -> str:
+    """Write an SI value as text in a unit such as °C, N, m/s, µm or GPa.
+
+    Examples
+    --------
+    >>> display(298.15, "°C"), display(1.25, "m/s"), display(2.7e-7, "µm")
+    ('25 °C', '1.25 m/s', '0.27 µm')
+    """
+    return f"{shown_in(value, unit):.{digits}g} {unit}"

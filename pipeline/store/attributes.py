@@ -17,11 +17,10 @@ from typing import Any, Self
 import numpy as np
 
 from pipeline.store.schema import FORMAT
-from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.stations import Stations
-from pipeline.sweep.surface import surface_facts
+from pipeline.sweep.surface import Lubrication, surface_facts
 from pipeline.sweep.variants import Variant, Variants, written_of
 from tribo import BULK_RATIOS, QUANTILES, Scene
 from tribo.errors import shortened

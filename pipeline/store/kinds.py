@@ -14,10 +14,10 @@ from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.stations import Stations
+from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.unknown import Unknown
 from tribo import Fidelity
 from tribo.simulation.corrections import Corrections

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.scene.quantities import share_of
 from pipeline.scene.scenefile import SceneLike, sweep_of
+from pipeline.scene.units import share_of
 from pipeline.store.place import PathLike, StoreMismatchError, require_writable
 from pipeline.store.root import read_attributes
 from pipeline.sweep.criterion import rise_limit

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import SceneLike, sweep_of
+from pipeline.scene.units import require_count
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.plan import stacked_columns, step_count

@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.scene.quantities import in_si
 from pipeline.scene.scenefile import SceneLike, sweep_of
+from pipeline.scene.units import in_si
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import staged

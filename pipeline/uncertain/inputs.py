@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from pipeline.scene.quantities import in_si
+from pipeline.scene.units import in_si
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import REACH
 from pipeline.sweep.unknown import Fixed, Unknown, drawn

@@ -18,8 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri
 
-from pipeline.scene.quantities import in_si
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.units import UnitError, in_si, to_si
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.evidence import distances_of
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_table import OperatingPoints, frame_of_points
-from pipeline.scene.quantities import in_si
+from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
 from pipeline.uncertain.ensemble import Ensemble, Excess

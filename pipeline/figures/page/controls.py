@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.analysis.conditions import COLDEST_OIL, HOTTEST_OIL
-from pipeline.scene.quantities import display
+from pipeline.scene.units import display
 from pipeline.sweep.conditions import Conditions
 
 _ZERO_CELSIUS = 273.15  # [K]

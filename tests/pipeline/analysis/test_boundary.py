@@ -12,7 +12,7 @@ from pipeline.analysis.transition import crossing
 from pipeline.cli.margins import document_of, text_of
 from pipeline.cli.output import lines_in
 from pipeline.store.schema import DONE, FAILED, PENDING
-from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.surface import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, OILED, VELOCITIES
 from tribo import InputError, failed_share

@@ -11,7 +11,7 @@ from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.surface import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
 from pipeline.uncertain.weigh import posterior
 from tests.helpers import samples, synthetic

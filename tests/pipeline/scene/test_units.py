@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.scene import units
-from pipeline.scene.quantities import display
-from pipeline.scene.units import UnitError, exact_si, hardness_pressure, to_si
+from pipeline.scene.units import UnitError, display, exact_si, hardness_pressure, to_si
 
 USUAL = [(next(iter(group)), unit) for group in units._USUAL.values() for unit in group]
 

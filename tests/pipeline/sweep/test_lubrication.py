@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.surface import Lubrication
 from tribo import (
     Ball,
     Crowned,
