@@ -22,14 +22,8 @@ from pipeline.analysis.scenes import frame_by_scene, heads_of
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.scene.bodies import LOAD, SPEED
 from pipeline.scene.faults import Faults
-from pipeline.scene.headings import (
-    columns_for,
-    heading_of,
-    missing_columns,
-    with_units_below,
-    with_velocity_of_turns,
-)
-from pipeline.scene.rows import may_be_thousands, read_rows
+from pipeline.scene.headings import Sheet, read_sheet, sheet_of
+from pipeline.scene.rows import may_be_thousands
 from pipeline.store.place import PathLike
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
@@ -277,56 +271,36 @@ class OperatingPoints:
         >>> points.places, dict(points.others)
         ((Place(load=500.0, velocity=2.0),), {'gear': [3]})
         """
-        faults: list[str] = []
         if isinstance(source, Mapping) or not isinstance(source, str | os.PathLike):
-            cells = _cells_of(source)
+            name, sheet = "points", _sheet_of(source)
         else:
-            cells = _read_file(Path(source), faults)
-        quantities = {name: _quantity(cells, name, faults) for name in _KINDS}
+            name, sheet = str(source), read_sheet(Path(source), _KINDS, _KINDS)
+            if not sheet.heads:
+                raise InputError(f'{name} is empty; begin it with a line "load [N],velocity [m/s]"')
+        heads = sheet.labelled
+        twice = dict.fromkeys(head for head in sheet.heads if sheet.heads.count(head) > 1)
+        faults = [f'column "{head}" stands there twice; name each once' for head in twice]
+        faults += [*sheet.faults, *sheet.of_rows]
+        values = {name: _quantity(sheet, name, faults) for name in sheet.places}
         if faults:
             listed = [f"  {fault}" for fault in faults[:_MOST_FAULTS]]
             if more := len(faults) - len(listed):
                 listed.append(f"  and {more} more")
             count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-            raise InputError("\n".join([f"{cells.name} has {count}:", *listed]))
-        if not cells.rows:
-            raise InputError(f"{cells.name} has no rows; give a load and a velocity in each")
-        places = zip(*(values for _, values in quantities.values()), strict=True)
-        others = dict(cells.columns)
-        for head, _ in quantities.values():
-            del others[head]
+            raise InputError("\n".join([f"{name} has {count}:", *listed]))
+        if not sheet.rows:
+            raise InputError(f"{name} has no rows; give a load and a velocity in each")
+        others = {
+            head: [row.cells[place] for row in sheet.rows]
+            for place, head in enumerate(heads)
+            if place not in sheet.places.values()
+        }
+        places = zip(values["load"], values["velocity"], strict=True)
         return cls(tuple(Place(*place) for place in places), others)
 
 
-class _Cells(NamedTuple):
-    """Cells of a table by heading, the number of each row in its file, and its decimal mark."""
-
-    name: str
-    rows: Sequence[int]
-    columns: Mapping[str, Sequence[Any]]
-    decimal: str = "."
-
-
-def _read_file(path: Path, faults: list[str]) -> _Cells:
-    """Cells of a file, without its empty lines; faults are added to the list."""
-
-    def is_heading(cells: list[str]) -> bool:
-        places, wrong = columns_for(cells, _KINDS)
-        return not wrong and _KINDS.keys() == places.keys()
-
-    read = with_velocity_of_turns(read_rows(path, is_heading))
-    if not read.heads:
-        raise InputError(f'{path} is empty; begin it with a line "load [N],velocity [m/s]"')
-    twice = dict.fromkeys(head for head in read.heads if read.heads.count(head) > 1)
-    faults += [f'column "{head}" stands there twice; name each once' for head in twice]
-    faults += read.faults
-    heads, rows = with_units_below(read.heads, read.rows)
-    columns = {head: [row.cells[place] for row in rows] for place, head in enumerate(heads)}
-    return _Cells(str(path), [row.number for row in rows], columns, read.decimal)
-
-
-def _cells_of(columns: Any) -> _Cells:
-    """Cells of a mapping or a data frame."""
+def _sheet_of(columns: Any) -> Sheet:
+    """Columns of a mapping or a data frame as those of a file."""
     if not hasattr(columns, "keys"):
         raise InputError(
             f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
@@ -337,32 +311,25 @@ def _cells_of(columns: Any) -> _Cells:
     if len(set(lengths.values())) > 1:
         counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
         raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
-    return _Cells("points", range(1, 1 + max(lengths.values(), default=0)), listed)
+    return sheet_of(listed, _KINDS)
 
 
-def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[float]]:
-    """Heading and values in SI of a quantity; faults are added to the list."""
-    kind = _KINDS[name]
-    usual = kind.example.split()[1]
-    places, ambiguous = columns_for([*cells.columns], [name])
-    if name not in places:
-        named = f'; name one as in "{name} [{usual}]"'
-        faults += [f"{problem}{named}" for problem in ambiguous]
-        faults += [] if ambiguous else [missing_columns([*cells.columns], [name])]
-        return "", []
-    head = [*cells.columns][places[name]]
-    unit, wrong, values = heading_of(head).unit, Faults(), list[float]()
-    heading = "" if unit else f', or the heading "{name} [{usual}]"'
+def _quantity(sheet: Sheet, name: str, faults: list[str]) -> list[float]:
+    """Values of a quantity in SI; faults are added to the list."""
+    kind, head, unit = _KINDS[name], sheet.labelled[sheet.places[name]], sheet.heading(name).unit
+    usual, wrong, values = kind.example.split()[1], Faults(), list[float]()
     if unit:
         kind.read(f"1 {unit}", f'column "{head}"', wrong)
-    for row, cell in zip(cells.rows, cells.columns[head], strict=True) if not wrong else ():
+    for row in sheet.rows if not wrong else ():
+        cell: Any = row.cells[sheet.places[name]]
         in_si = not unit and not isinstance(cell, str)
-        place, text = f'row {row}, column "{head}"', f"{cell} {usual if in_si else unit}".strip()
-        if cells.decimal == "," and may_be_thousands(str(cell)):
+        place, text = f'row {row.number}, column "{head}"', f"{cell} {usual if in_si else unit}"
+        if sheet.decimal == "," and may_be_thousands(str(cell)):
             wrong.note(place, f'"{cell}" beside decimal commas may be thousands; write it plainly')
         elif str(cell).strip():
-            values.append(kind.read(text, place, wrong))
+            values.append(kind.read(text.strip(), place, wrong))
         else:
             wrong.note(place, f"empty; give {kind}")
+    heading = "" if unit else f', or the heading "{name} [{usual}]"'
     faults += [f"{place}: {problem}{heading}" for place, problem, *_ in wrong]
-    return head, values
+    return values

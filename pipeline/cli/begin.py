@@ -133,16 +133,17 @@ def tests(options: argparse.Namespace) -> Result:
         raise InputError(f'--column: no test has "{strange[0]}"; give one of {allowed}')
     log = read_log(path, entries)
     row_of = TEST
-    if not {"outcome"} & log.places.keys() and {"load", "velocity"} <= log.places.keys():
+    columns = log.sheet.places.keys()
+    if "outcome" not in columns and {"load", "velocity"} <= columns:
         row_of = TRANSITION
         log = read_log(path, entries, row_of)
     found, faults = entries_of_log(log, row_of)
     toml = list(_toml(log, options.decimal, row_of is TEST)) if found else []
     document = {
-        "file": str(path), "form": log.form, "columns": _columns(log), "unused": log.unused,
+        "file": str(path), "form": log.sheet.form, "columns": _columns(log), "unused": log.unused,
         "words": log.words, "tests": found, "faults": faults, "toml": "\n".join(toml),
     }  # fmt: skip
-    text = [f"{path}: {', '.join(log.form)}", "", *_understood(log), ""]
+    text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
     if found:
         text.append(f"{_counts(found)}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
@@ -170,22 +171,22 @@ def _of_trace(path: Path, trace: Trace) -> Result:
 
 def _columns(log: Log) -> dict[str, str]:
     """Heading of each entry that was found."""
-    return {name: log.heads[place] for name, place in log.places.items()}
+    return {name: log.sheet.heads[place] for name, place in log.sheet.places.items()}
 
 
 def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
     """A row for each column, and a line for the entries that have none."""
-    names = {place: name for name, place in log.places.items()}
+    names = {place: name for name, place in log.sheet.places.items()}
     rows = []
-    for place, head in enumerate(log.heads):
+    for place, head in enumerate(log.sheet.heads):
         first = next((row.cells[place] for row in log.rows if row.cells[place]), "")
         name = names.get(place)
-        unit = log.heading(name).unit if name else ""
+        unit = log.sheet.heading(name).unit if name else ""
         if name == "outcome":
             first = f"{first}, {log.words[first]}" if first in log.words else first
         rows.append((head, name or "not used", f"{first} {unit}".strip()))
     yield frame_of(("column", "read as", "first cell"), rows)
-    if without := [name for name in TEST.keys if name not in log.places]:
+    if without := [name for name in TEST.keys if name not in log.sheet.places]:
         needed = [f"{name} (needed)" if name in TEST.needed else name for name in without]
         yield f"without a column: {', '.join(needed)}"
 
@@ -201,7 +202,8 @@ def _toml(log: Log, decimal: str | None, is_tests: bool) -> Iterable[str]:
     """Lines of a scene that name the log, and say what is not said by its own words."""
     yield "[[tested]]" if is_tests else "[[measured]]"
     yield f"file = {_quoted(log.path.name)}"
-    columns = {name: head for name, head in _columns(log).items() if log.heading(name).name != name}
+    sheet, named = log.sheet, _columns(log).items()
+    columns = {name: head for name, head in named if sheet.heading(name).name != name}
     if columns:
         pairs = ", ".join(f"{name} = {_quoted(head)}" for name, head in columns.items())
         yield f"columns = {{ {pairs} }}"

@@ -191,9 +191,6 @@ def _on_surfaces(margins: Sequence[Margin]) -> str:
     )
 
 
-SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
-
-
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads."""
     ds, conditions = opened(options), conditions_in(options)
@@ -307,7 +304,6 @@ def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str |
     for frame in frames_of(crossings):
         yield ""
         yield short(frame, [*alone, *JUDGED.values()])
-    yield from _slow_rise(crossings)
     if "film_parameter_at_load" in crossings:
         yield ""
         yield (
@@ -321,19 +317,6 @@ def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str |
     if command:
         yield ""
         yield f"compute more of the boundary with: {command}"
-
-
-def _slow_rise(crossings: xr.Dataset) -> Iterator[str]:
-    """Loads at which the rise grows so slowly that an error of it moves the boundary far more."""
-    exponents = crossings["rise_exponent_at_load"].to_series().groupby("load").median()
-    slow = exponents[exponents < SLOW]
-    if slow.size:
-        yield ""
-        yield (
-            f"at {', '.join(f'{load:g}' for load in slow.index)} N the rise grows slowly with the "
-            "velocity: an error of 1 % of it moves the critical velocity by up to "
-            f"{1 / max(slow.min(), 0.01):.2g} %"
-        )
 
 
 def _conditions(crossings: xr.Dataset) -> Iterator[str]:

@@ -17,15 +17,9 @@ import numpy as np
 from pipeline.scene.bodies import LOAD, SPEED
 from pipeline.scene.document import Document, Layer
 from pipeline.scene.faults import Faults, with_value
-from pipeline.scene.headings import (
-    columns_for,
-    heading_of,
-    missing_columns,
-    with_units_below,
-    with_velocity_of_turns,
-)
+from pipeline.scene.headings import heading_of, read_sheet
 from pipeline.scene.over import scene_with
-from pipeline.scene.rows import may_be_thousands, read_rows
+from pipeline.scene.rows import may_be_thousands
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, is_shown_unit, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs
@@ -192,29 +186,20 @@ def _label(head: str, cells: Sequence[Any]) -> Column:
 
 def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
-
-    def is_heading(cells: list[str]) -> bool:
-        return not columns_for(cells, _PLACE)[1] and columns_for(cells, _PLACE)[0].keys() == {
-            *_PLACE
-        }
-
     try:
-        read = with_velocity_of_turns(read_rows(path, is_heading))
+        sheet = read_sheet(path, _PLACE, _PLACE)
     except InputError as error:
         faults.note("sweep.along", str(error))
         return []
-    heads, rows = with_units_below(read.heads, read.rows)
-    places, wrong = columns_for(heads, _PLACE)
-    if not wrong and (missing := [name for name in _PLACE if name not in places]):
-        wrong = [missing_columns(heads, missing)]
-    for fault in (*wrong, *read.faults):
+    for fault in (*sheet.faults, *sheet.of_rows):
         faults.note("sweep.along", f"{path}: {fault}")
-    names = {place: name for name, place in places.items()}
+    heads = sheet.labelled
+    names = {place: name for name, place in sheet.places.items()}
     titles = [names.get(place, heading_of(head).title) for place, head in enumerate(heads)]
     tables = []
-    for row in rows:
+    for row in sheet.rows:
         for head, cell in zip(heads, row.cells, strict=True):
-            if not cell or (read.decimal == "," and may_be_thousands(cell)):
+            if not cell or (sheet.decimal == "," and may_be_thousands(cell)):
                 said = "is empty" if not cell else "may be thousands; write it plainly"
                 faults.note(
                     "sweep.along", f"{path}: row {row.number}, column {json.dumps(head)} {said}"
@@ -222,7 +207,7 @@ def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
         units = (heading_of(head).unit for head in heads)
         cells = zip(titles, row.cells, units, strict=True)
         tables.append({title: _value(cell, unit) for title, cell, unit in cells})
-    if not tables and not wrong:
+    if not tables and not sheet.faults:
         faults.note("sweep.along", f"{path} has no rows; give a load and a velocity in each")
     return tables
 

@@ -7,9 +7,11 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.rows import Row, Rows
+from pipeline.scene.rows import Row, Rows, read_rows
 from pipeline.scene.units import TURNS, UnitError, si_unit, to_si
 
 _UNIT_AT_END = (
@@ -166,7 +168,7 @@ def columns_for(
             places[name] = found[0]
         elif found:
             several = _listed(heads[place] for place in found)
-            faults.append(f"{len(found)} columns may be {name}: {several}")
+            faults.append(f'{len(found)} columns may be {name}: {several}; call one alone "{name}"')
     return places, faults
 
 
@@ -234,6 +236,71 @@ def with_velocity_of_turns(read: Rows) -> Rows:
         said = f"{cells[turn]} rpm{track}" if cells[turn] else ""
         rows.append(Row(number, [said if k == turn else c for k, c in enumerate(cells)]))
     return read._replace(heads=heads, rows=rows)
+
+
+class Sheet(NamedTuple):
+    """Rows of a file or of columns, and the columns for wanted quantities.
+
+    Attributes
+    ----------
+    heads, labelled : list of str
+        Headings as they stand there, and with units that stand in a row below them.
+    places : dict of str to int
+        Column of each quantity that was found.
+    rows : list of Row
+        Rows below the headings.
+    decimal : str
+        Mark of decimals.
+    form : list of str
+        Words on the form of the file.
+    faults, of_rows : list of str
+        What is wrong with its columns, and with its rows.
+    """
+
+    heads: list[str]
+    labelled: list[str]
+    places: dict[str, int]
+    rows: list[Row]
+    decimal: str
+    form: list[str]
+    faults: list[str]
+    of_rows: list[str]
+
+    def heading(self, name: str) -> Heading:
+        """Heading of a quantity."""
+        return heading_of(self.labelled[self.places[name]])
+
+
+def read_sheet(
+    path: Path,
+    wanted: Collection[str],
+    needed: Collection[str],
+    chosen: Mapping[str, str] | None = None,
+    decimal: str | None = None,
+) -> Sheet:
+    """Read the rows of a file below headings of a load and a velocity; see `columns_for`."""
+
+    def is_heading(cells: list[str]) -> bool:
+        places, faults = columns_for(cells, wanted, chosen)
+        return not faults and {"load", "velocity"} <= places.keys()
+
+    read = with_velocity_of_turns(read_rows(path, is_heading, decimal))
+    labelled, rows = with_units_below(read.heads, read.rows)
+    places, faults = columns_for(read.heads if chosen else labelled, wanted, chosen)
+    if (missing := [name for name in needed if name not in places]) and read.heads and not faults:
+        faults = [missing_columns(labelled, missing)]
+    form = read.decimal, read.form
+    return Sheet(read.heads, labelled, places, rows, *form, faults, read.faults)
+
+
+def sheet_of(columns: Mapping[str, Sequence[Any]], wanted: Collection[str]) -> Sheet:
+    """Columns of equal length by their headings, all the wanted ones of which are needed."""
+    heads = [*columns]
+    rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*columns.values(), strict=True), 1)]
+    places, faults = columns_for(heads, wanted)
+    if (missing := [name for name in wanted if name not in places]) and not faults:
+        faults = [missing_columns(heads, missing)]
+    return Sheet(heads, heads, places, rows, ".", [], faults, [])
 
 
 def missing_columns(heads: Sequence[str], missing: Sequence[str]) -> str:

@@ -17,16 +17,9 @@ from typing import Any
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOG, OUTCOMES, TEST, TRANSITION
-from pipeline.scene.headings import (
-    Heading,
-    columns_for,
-    heading_of,
-    missing_columns,
-    with_units_below,
-    with_velocity_of_turns,
-)
+from pipeline.scene.headings import Sheet, heading_of, read_sheet
 from pipeline.scene.kinds import Kind, Number, OneOf
-from pipeline.scene.rows import Row, may_be_thousands, read_rows
+from pipeline.scene.rows import Row, may_be_thousands
 from pipeline.scene.schema import Table
 from tribo import InputError
 
@@ -64,18 +57,10 @@ class Log:
     ----------
     path : Path
         The file.
-    heads : list of str
-        Headings.
-    labelled : list of str
-        Headings with their units, of which those without any may stand in a row below.
-    places : dict of str to int
-        Column of each entry that the log gives.
+    sheet : Sheet
+        Its columns, and the entries of a test that they give.
     words : dict of str to str
         Outcome for each word of the log that is not one itself.
-    decimal : str
-        Mark of decimals.
-    form : list of str
-        Words on the form of the file.
     rows : list of Row
         Rows of tests.
     left_out : list of int
@@ -85,37 +70,29 @@ class Log:
     """
 
     path: Path
-    heads: list[str]
-    labelled: list[str]
-    places: dict[str, int]
+    sheet: Sheet
     words: dict[str, str]
-    decimal: str
-    form: list[str]
     rows: list[Row]
     left_out: list[int]
     faults: list[str]
 
-    def heading(self, name: str) -> Heading:
-        """Heading of an entry."""
-        return heading_of(self.labelled[self.places[name]])
-
     def cells(self, name: str) -> list[str]:
         """Cells of an entry."""
-        return [row.cells[self.places[name]] for row in self.rows]
+        return [row.cells[self.sheet.places[name]] for row in self.rows]
 
     @property
     def unused(self) -> list[str]:
         """Titles of the columns that are not used."""
-        used = self.places.values()
-        return [head for place, head in enumerate(self.heads) if place not in used]
+        used = self.sheet.places.values()
+        return [head for place, head in enumerate(self.sheet.heads) if place not in used]
 
     @property
     def guessed(self) -> list[str]:
         """Headings and words that were recognised, though not exact names."""
         said = [
-            f'"{self.heads[place]}" as {name}'
-            for name, place in self.places.items()
-            if heading_of(self.heads[place]).name != name
+            f'"{self.sheet.heads[place]}" as {name}'
+            for name, place in self.sheet.places.items()
+            if heading_of(self.sheet.heads[place]).name != name
         ]
         return said + [f'"{word}" as {outcome}' for word, outcome in self.words.items()]
 
@@ -139,28 +116,18 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     """
     given = entries or {}
     chosen = given.get("columns") or {}
-
-    def is_heading(cells: list[str]) -> bool:
-        places, faults = columns_for(cells, row_of.keys, chosen)
-        return not faults and {"load", "velocity"} <= places.keys()
-
-    read = with_velocity_of_turns(read_rows(path, is_heading, given.get("decimal")))
-    places, faults = columns_for(read.heads, row_of.keys, chosen)
-    if (missing := [name for name in row_of.needed if name not in places]) and not faults:
-        faults = [missing_columns(read.heads, missing)] if read.heads else []
-    if faults and read.heads and not chosen:
+    sheet = read_sheet(path, row_of.keys, row_of.needed, chosen, given.get("decimal"))
+    faults, places = [*sheet.faults], sheet.places
+    if faults and sheet.heads and not chosen:
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
-    labelled, rows = with_units_below(read.heads, read.rows)
     needed = [places[name] for name in ("load", "velocity") if name in places]
-    kept = [row for row in rows if not needed or any(row.cells[place] for place in needed)]
+    kept = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
     if not kept and not faults:
         faults = [f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"']
-    left_out = [row.number for row in rows if row not in kept]
-    faults += read.faults
-    form = read.decimal, read.form
-    log = Log(path, read.heads, labelled, places, {}, *form, kept, left_out, faults)
+    left_out = [row.number for row in sheet.rows if row not in kept]
+    log = Log(path, sheet, {}, kept, left_out, [*faults, *sheet.of_rows])
     if "outcome" in places:
-        own, title = given.get("words") or {}, log.heading("outcome").title
+        own, title = given.get("words") or {}, sheet.heading("outcome").title
         for word in dict.fromkeys(log.cells("outcome")):
             if word not in OUTCOMES and (outcome := own.get(word) or outcome_of(word, title)):
                 log.words[word] = outcome
@@ -172,26 +139,26 @@ def entries_of_log(log: Log, row_of: Table = TEST) -> tuple[list[dict[str, Any]]
     tests, faults = [], dict[tuple[str, str], tuple[str, list[int]]]()
     for row in log.rows:
         test = {}
-        for name, place in log.places.items():
+        for name, place in log.sheet.places.items():
             cell = log.words.get(row.cells[place]) if name == "outcome" else None
             cell = cell or row.cells[place]
             if cell:
-                test[name] = _value(cell, log.heading(name).unit, row_of.keys[name].kind)
+                test[name] = _value(cell, log.sheet.heading(name).unit, row_of.keys[name].kind)
         wrong = Faults()
         row_of.read(test, "", wrong)
         for name, problem, *_ in wrong:
-            if name in row_of.keys and name not in log.places:
+            if name in row_of.keys and name not in log.sheet.places:
                 continue  # a missing column is said once
             said = problem + _hint(log, name, row, problem)
             kind = re.sub(r'"(\\.|[^"\\])*"', "", problem)
             faults.setdefault((name, kind), (said, []))[1].append(row.number)
         ambiguous = [
             name
-            for name, place in log.places.items()
-            if log.decimal == "," and may_be_thousands(row.cells[place]) and name != "outcome"
+            for name, place in log.sheet.places.items()
+            if log.sheet.decimal == "," and may_be_thousands(row.cells[place]) and name != "outcome"
         ]
         for name in ambiguous:
-            cell = row.cells[log.places[name]]
+            cell = row.cells[log.sheet.places[name]]
             said = (
                 f'"{cell}" beside decimal commas is {float(cell):g} or {cell.replace(".", "")}; '
                 'give the decimal mark of the file, as decimal = "." or ","'
@@ -220,7 +187,7 @@ def _hint(log: Log, name: str, row: Row, problem: str) -> str:
     if "has no unit" in problem:
         return f"; or the unit of the column in its heading, such as {name} [...]"
     if name == "outcome" and "is unknown" in problem:
-        word = json.dumps(row.cells[log.places[name]], ensure_ascii=False)
+        word = json.dumps(row.cells[log.sheet.places[name]], ensure_ascii=False)
         return f'; or say what it means, as words = {{ {word} = "severe" }}'
     return ""
 

@@ -16,7 +16,6 @@ import time
 from pathlib import Path
 from unittest import mock
 
-from pipeline.cli.margins import SLOW
 from pipeline.tradeoff import choose
 from tests.promises.judge import boundaries, exponents, largest_error, places, true_boundary
 from tests.promises.report import ACCURACIES, PROMISED, report
@@ -79,8 +78,8 @@ def presets(sweep, parts):
 
 
 def _slow(slopes):
-    """The line of `irg boundary` on a rise that grows so slowly that errors of it count more."""
-    return ["slow rise"] if min(slopes.values()) < SLOW else []
+    """Mark of a rise that grows so slowly with the velocity that errors of it count more."""
+    return ["slow rise"] if min(slopes.values()) < 0.4 else []
 
 
 def accuracies(sweep, parts):

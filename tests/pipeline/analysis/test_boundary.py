@@ -268,8 +268,8 @@ def test_the_exponent_of_the_rise_is_known_at_each_crossing():
     assert exponents.isnull().equals(~crosses)
 
 
-@pytest.mark.parametrize("exponents", [(0.2, 0.39, 0.7), (0.41, 0.39, 0.7), (0.41, 0.5, 0.7)])
-def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
+@pytest.mark.parametrize("exponents", [(0.2, 0.39, 0.7), (0.41, 0.5, 0.7)])
+def test_the_exponent_is_that_of_the_rise_about_the_crossing(exponents):
     loads = [200.0, 400.0, 600.0]
 
     def rise(load, velocity, quantile=1.0):
@@ -279,13 +279,3 @@ def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
     sweep = synthetic.sweep(rise=rise, loads=loads)
     crossings = boundary(sweep)
     assert document_of(crossings)["rise_exponent_at_load"] == pytest.approx(exponents)
-    warning = "".join(line for line in said(crossings) if "grows slowly" in line)
-    slow = {
-        load: exponent for load, exponent in zip(loads, exponents, strict=True) if exponent < 0.4
-    }
-    assert bool(warning) == bool(slow)
-    if slow:
-        assert warning.startswith(f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows")
-        assert warning.endswith(f"by up to {1 / min(slow.values()):.2g} %")
-    both = boundary(sweep, friction=[0.1, 0.1])
-    assert "".join(line for line in said(both) if "grows slowly" in line) == warning
