@@ -5,8 +5,7 @@ from .analysis.dataset import open_sweep as open_sweep
 from .analysis.decisive import decisive_temperature as decisive_temperature
 from .analysis.decisive import temperatures as temperatures
 from .analysis.difference import diff as diff
-from .analysis.margin_table import Place as Place
-from .analysis.margin_table import margin_table as margin_table
+from .analysis.margins import margin_table as margin_table
 from .analysis.margins import margins as margins
 from .analysis.scenes import at_entries as at_entries
 from .analysis.warned_points import warned as warned
@@ -24,12 +23,13 @@ from .run.inference import critical_temperatures as critical_temperatures
 from .run.source import ExecutionError as ExecutionError
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
+from .scene.along import Place as Place
 from .scene.faults import SceneFileError as SceneFileError
+from .scene.reference import new_scene as new_scene
 from .scene.scan import surface_statistics as surface_statistics
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import run_point as run_point
 from .scene.scenefile import scene_entry as scene_entry
-from .scene.template import new_scene as new_scene
 from .scene.units import display as display
 from .scene.units import to_si as to_si
 from .store.place import StoreError as StoreError

@@ -13,8 +13,7 @@ import xarray as xr
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of, plane_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin, Row
-from pipeline.analysis.margin_table import notes_of
-from pipeline.analysis.margins import rows_of
+from pipeline.analysis.margins import notes_of, rows_of
 from pipeline.analysis.scenes import frame_by_scene, planes
 from pipeline.analysis.tables import frame_of, short
 from pipeline.sweep.conditions import Conditions

@@ -21,7 +21,7 @@ from pipeline.analysis.dataset import (
     is_emulated,
     require_one_scene,
 )
-from pipeline.analysis.margin_table import labels_of_rows, margin_table
+from pipeline.analysis.margins import labels_of_rows, margin_table
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import ENTRIES, outcomes
 from pipeline.scene.units import display

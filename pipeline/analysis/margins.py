@@ -1,14 +1,19 @@
-"""Distances of operating points from severe wear, along whatever stands in front."""
+"""Distances of operating points from severe wear, along whatever stands in front, and as frames."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
+import numpy as np
+import pandas as pd
 import xarray as xr
 
+from pipeline.analysis.boundary import BAND
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import (
     asked,
@@ -19,10 +24,12 @@ from pipeline.analysis.dataset import (
     with_wear_rates,
 )
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.margin import Margin, Row
+from pipeline.analysis.margin import NOT_DECIDED, Margin, Row
 from pipeline.analysis.margin_error import grids_of
-from pipeline.analysis.scenes import scenes
+from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
+from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import range_of
+from pipeline.scene.along import OperatingPoints
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
@@ -152,3 +159,185 @@ def _about_places(rows: Iterable[Row]) -> Iterator[Row]:
         about.setdefault((*labels,) if PLACE in row.shown else id(row), []).append(row)
     for first, *others in about.values():
         yield first.with_others(others) if others else first
+
+
+def margin_table(
+    ds: xr.Dataset | PathLike,
+    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
+    **conditions: Any,
+) -> pd.DataFrame:
+    """Distances of operating points from severe wear, without a new simulation.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store.
+    points : path or mapping of str to sequence
+        A .csv file with columns ``load [N]`` and ``velocity [m/s]``, or in other units; or columns
+        by heading, such as a data frame. Further columns are passed on, with "(given)" after the
+        heading where a result has the same.
+    **conditions
+        Friction, temperatures, share and criterion; see `pipeline.boundary`.
+
+    Returns
+    -------
+    DataFrame
+        A row for each operating point: ``load [N]``, ``velocity [m/s]``, the ``verdict`` beyond the
+        error of its temperature, ``decisive temperature [°C]``, ``temperature error [K]``, the
+        ``distance [K]`` below the critical temperature, ``velocity factor``, ``critical velocity
+        [m/s]``, ``load factor``, ``critical load [N]``, and the outcome along each axis. Over
+        several surfaces it has medians, the numbers of ``variants`` and of those that are
+        ``severe`` and ``undecided``, and the ends of the band, ``distance low [K]`` and ``high``. A
+        point that the sweep says nothing about has a ``note`` instead.
+
+    Raises
+    ------
+    InputError
+        If the table has faults, all of which are named, or a condition lies outside its range.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> points = {"load": ["500 N", "600 N"], "velocity": ["1.6 m/s", "2 m/s"]}
+    >>> pipeline.margin_table("results/first_try.zarr", points)[["load [N]", "verdict"]]
+       load [N] verdict
+    0     500.0    mild
+    1     600.0  severe
+    """
+    if points is None:
+        ds = dataset_of(ds)
+        return frame_of_rows(ds, rows_of(ds, **conditions))
+    read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
+    ds = dataset_of(ds)
+    require_plane(ds)
+
+    def of_scene(scene: xr.Dataset) -> pd.DataFrame:
+        rows = rows_of(scene, **conditions)
+        if len(rows) == 1:
+            return frame_of_points(read, _HEADS, lambda *place: _of_one(rows[0].at(*place)))
+        return frame_of_points(
+            read, _HEADS_OF_SEVERAL, lambda *place: _of_several([row.at(*place) for row in rows])
+        )
+
+    return frame_by_scene(ds, of_scene)
+
+
+def frame_of_points(
+    points: OperatingPoints,
+    heads: Sequence[str],
+    answer: Callable[[float, float], Sequence[Any]],
+) -> pd.DataFrame:
+    """Frame with the further columns of each operating point, its place, an answer, and a note.
+
+    The answer ends with the note. Where a point raises an `InputError`, that is the note, and its
+    verdict is not known.
+    """
+    results = _results(heads, [(place, partial(answer, *place)) for place in points.places])
+    others = {
+        f"{head} (given)" if head in {*results, *as_dict(results)} else head: values
+        for head, values in points.others.items()
+    }
+    return pd.concat([pd.DataFrame(others, index=results.index), results], axis="columns")
+
+
+def _results(
+    heads: Sequence[str],
+    asked: Iterable[tuple[tuple[float, float], Callable[[], Sequence[Any]]]],
+) -> pd.DataFrame:
+    """Frame of answers at places; where an `InputError` stands for one it is the note."""
+    rows = []
+    for place, answer in asked:
+        try:
+            rows.append((*place, *answer()))
+        except InputError as error:
+            rows.append((*place, "not known", *[None] * (len(heads) - 1), str(error)))
+    return frame_of(["load [N]", "velocity [m/s]", *heads, "note"], rows)
+
+
+def frame_of_rows(ds: xr.Dataset, rows: Iterable[Row]) -> pd.DataFrame:
+    """Frame of the rows of the table of variants that have places of their own, with margins."""
+    rows = [row for row in rows if row.place]
+    held = [name for row in rows[:1] for name in row.shown]
+    names = [name for name in held if name not in (PLACE, VARIANT)] or held
+    heads = heads_of(ds, names)
+    labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in rows])
+    asked = [(row.place or (np.nan, np.nan), lambda row=row: _of_one(row.here())) for row in rows]
+    return pd.concat([labels, _results(_HEADS, asked)], axis="columns")
+
+
+def labels_of_rows(frame: pd.DataFrame) -> list[str]:
+    """Heads of the labels of rows, their loads and their velocities, before those of answers."""
+    return [*map(str, frame)][: frame.columns.get_loc("verdict")]
+
+
+LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")
+"""Columns for which a terminal or a page is too narrow."""
+_HEADS = (
+    "verdict", "decisive temperature [°C]", "temperature error [K]", "distance [K]",
+    "velocity factor", "critical velocity [m/s]", "velocity outcome",
+    "load factor", "critical load [N]", "load outcome",
+)  # fmt: skip
+_FIELDS = [*as_dict(pd.DataFrame(columns=[*_HEADS]))]
+_HEADS_OF_SEVERAL = (
+    "verdict", "severe", "undecided", "variants", "decisive temperature [°C]",
+    "temperature error [K]", "distance [K]", "distance low [K]", "distance high [K]",
+    "velocity factor", "load factor",
+)  # fmt: skip
+
+
+def in_counts(frame: pd.DataFrame) -> str:
+    """Numbers of operating points by verdict in words, and which of them is the nearest.
+
+    Examples
+    --------
+    >>> heads = "load [N]", "velocity [m/s]", "verdict", "distance [K]"
+    >>> in_counts(frame_of(heads, [(300.0, 1.0, "mild", 30.0), (600.0, 2.0, "severe", -4.0)]))
+    '1 mild, 1 severe; the least margin is -4 K, at 600 N and 2 m/s'
+    """
+    counts = Counter(frame["verdict"])
+    said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
+    if len(frame) == 1 or frame["distance [K]"].isna().all():
+        return said
+    least = frame.loc[frame["distance [K]"].astype(float).idxmin()]
+    place = f"{least['load [N]']:g} N and {least['velocity [m/s]']:g} m/s"
+    return f"{said}; the least margin is {least['distance [K]']:.3g} K, at {place}"
+
+
+def notes_of(frame: pd.DataFrame) -> list[str]:
+    """Notes of a frame of operating points, each with its place in words."""
+    noted = frame[["load [N]", "velocity [m/s]", "note"]].dropna()
+    rows = noted.itertuples(index=False, name=None)
+    return [f"{load:g} N at {velocity:g} m/s: {note}" for load, velocity, note in rows if note]
+
+
+def _note(margins: Sequence[Margin]) -> str | None:
+    """Note on critical values that are interpolated across points that are not done."""
+    names = ("velocity", "load")
+    bridged = {name: max(getattr(one, f"{name}_bridged") for one in margins) for name in names}
+    if not any(bridged.values()):
+        return None
+    listed = ", ".join(f"{count} along the {name}" for name, count in bridged.items() if count)
+    return f"points not done next to the transition: {listed}"
+
+
+def _of_one(margin: Margin) -> tuple[Any, ...]:
+    return *(getattr(margin, name) for name in _FIELDS), _note([margin])
+
+
+def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:
+    """Medians over surfaces, and the band of the distance; factors only if all surfaces cross."""
+    counts = Counter(margin.verdict for margin in margins)
+    severe, undecided = counts["severe"], counts[NOT_DECIDED]
+    verdict = NOT_DECIDED if undecided else "severe on some"
+    if len(counts) == 1:
+        (verdict,) = counts
+    errors = [margin.temperature_error for margin in margins]
+    error = None if None in errors else max(filter(None, errors), default=0.0)
+    low, middle, high = np.quantile([margin.distance for margin in margins], BAND).tolist()
+    temperature = float(np.median([margin.decisive_temperature for margin in margins]))
+    factors = (
+        float(np.median([getattr(margin, name) for margin in margins]))
+        for name in ("velocity_factor", "load_factor")
+    )
+    values = severe, undecided, len(margins), temperature, error, middle, low, high, *factors
+    return verdict, *values, _note(margins)

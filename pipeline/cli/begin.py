@@ -19,9 +19,8 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import COMMANDS, parse
 from pipeline.scene.format import TEST, TRANSITION
-from pipeline.scene.logs import Log, entries_of_log, read_log
+from pipeline.scene.logs import Log, Trace, entries_of_log, read_log, read_trace
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
-from pipeline.scene.trace import Trace, read_trace
 from tribo import InputError
 
 _OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print

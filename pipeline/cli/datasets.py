@@ -11,11 +11,11 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import attributes_of, is_emulated
-from pipeline.analysis.margin_table import OperatingPoints, Place
 from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
 from pipeline.cli.scenes import at_in, criterion_in, flags_of, values_in, weighing
 from pipeline.cli.values import setting
+from pipeline.scene.along import OperatingPoints, Place
 from pipeline.store.attributes import describe, scene_hash
 from pipeline.sweep.conditions import changes_of
 from tribo import InputError

@@ -26,8 +26,7 @@ from pipeline.analysis.compared import compared, on_tests
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of, has_plane
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margin_table import LONG, in_counts, notes_of
-from pipeline.analysis.margins import margins_at
+from pipeline.analysis.margins import LONG, in_counts, margins_at, notes_of
 from pipeline.analysis.scenes import parts_of, words
 from pipeline.analysis.tables import as_dict, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes

@@ -14,8 +14,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from matplotlib.transforms import ScaledTranslation
 
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margin_table import frame_of_rows, labels_of_rows
-from pipeline.analysis.margins import rows_of
+from pipeline.analysis.margins import frame_of_rows, labels_of_rows, rows_of
 from pipeline.figures.style import (
     BLACK,
     BLUE,

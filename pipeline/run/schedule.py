@@ -40,8 +40,8 @@ from pipeline.run.cluster import (
 from pipeline.run.source import SAFE, ExecutionError
 from pipeline.run.tally import STARTS, Reports, Suspects
 from pipeline.run.work import Report, compute_points
-from pipeline.run.writer import Writer
 from pipeline.store.schema import FAILED
+from pipeline.store.write import Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration

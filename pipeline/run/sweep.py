@@ -25,7 +25,6 @@ from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.schedule import compute
 from pipeline.run.source import PATIENCE, ExecutionError, unheard
 from pipeline.run.tally import Progress, Tally, reported
-from pipeline.run.writer import Writer
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.attributes import differences, versions
@@ -36,7 +35,7 @@ from pipeline.store.restore import changed_chunks, note_files, restore_root
 from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.verify import examined
-from pipeline.store.write import Store
+from pipeline.store.write import Store, Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
 from tribo import InputError

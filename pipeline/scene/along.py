@@ -1,4 +1,4 @@
-"""Pairs: ``[sweep] along``, rows of a file or tables, each with a place and entries of its own.
+"""Places in a table: operating points, and rows of ``[sweep] along`` with entries of their own.
 
 A row is read as if its values stood in the file. With ``around`` further places about each one are
 simulated, so that its distance from severe wear is known in load and velocity, too.
@@ -7,17 +7,18 @@ simulated, so that its distance from severe wear is known in load and velocity, 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipeline.scene.bodies import LOAD, SPEED
 from pipeline.scene.document import Document, Layer
 from pipeline.scene.faults import Faults, with_value
-from pipeline.scene.headings import heading_of, read_sheet
+from pipeline.scene.headings import Sheet, heading_of, read_sheet, sheet_of
 from pipeline.scene.over import scene_with
 from pipeline.scene.rows import may_be_thousands
 from pipeline.scene.schema import flat
@@ -30,6 +31,127 @@ from tribo import InputError
 _PLACE = {"load": LOAD, "velocity": SPEED}
 _REACH = 2.0  # factor of load and velocity to which places about a row go
 _MOST = 10_000  # places, each of which is read as a scene
+_MOST_FAULTS = 20  # that are written out
+
+
+class Place(NamedTuple):
+    """Operating point: load [N] and velocity [m/s].
+
+    Examples
+    --------
+    >>> place = Place(load=400.0, velocity=2.2)
+    >>> f"friction heat at friction 0.1: {0.1 * place.load * place.velocity:.0f} W"
+    'friction heat at friction 0.1: 88 W'
+    """
+
+    load: float
+    velocity: float
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoints:
+    """Operating points of a table, and its further columns.
+
+    Attributes
+    ----------
+    places : tuple of Place
+        Loads and velocities.
+    others : mapping of str to sequence
+        Further columns, by their headings.
+
+    Examples
+    --------
+    >>> OperatingPoints((Place(500.0, 2.0),), {"gear": [3]}).places[0].velocity
+    2.0
+    """
+
+    places: tuple[Place, ...]
+    others: Mapping[str, Sequence[Any]]
+
+    @classmethod
+    def read(cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]]) -> OperatingPoints:
+        """Read operating points.
+
+        Parameters
+        ----------
+        source : path or mapping of str to sequence
+            A file as CSV or Excel, or columns by heading, such as a data frame: ``load`` and
+            ``velocity``, or such as ``Normalkraft / N``, with units in the heading or in each
+            cell; bare numbers of a mapping are in N and m/s. Further columns are passed on.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or for all of its faults at once, by row and column.
+
+        Examples
+        --------
+        >>> points = OperatingPoints.read({"load [kN]": [0.5], "velocity": ["2 m/s"], "gear": [3]})
+        >>> points.places, dict(points.others)
+        ((Place(load=500.0, velocity=2.0),), {'gear': [3]})
+        """
+        if isinstance(source, Mapping) or not isinstance(source, str | os.PathLike):
+            name, sheet = "points", _sheet_of(source)
+        else:
+            name, sheet = str(source), read_sheet(Path(source), _PLACE, _PLACE)
+            if not sheet.heads:
+                raise InputError(f'{name} is empty; begin it with a line "load [N],velocity [m/s]"')
+        heads = sheet.labelled
+        twice = dict.fromkeys(head for head in sheet.heads if sheet.heads.count(head) > 1)
+        faults = [f'column "{head}" stands there twice; name each once' for head in twice]
+        faults += [*sheet.faults, *sheet.of_rows]
+        values = {name: _quantity(sheet, name, faults) for name in sheet.places}
+        if faults:
+            listed = [f"  {fault}" for fault in faults[:_MOST_FAULTS]]
+            if more := len(faults) - len(listed):
+                listed.append(f"  and {more} more")
+            count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
+            raise InputError("\n".join([f"{name} has {count}:", *listed]))
+        if not sheet.rows:
+            raise InputError(f"{name} has no rows; give a load and a velocity in each")
+        others = {
+            head: [row.cells[place] for row in sheet.rows]
+            for place, head in enumerate(heads)
+            if place not in sheet.places.values()
+        }
+        places = zip(values["load"], values["velocity"], strict=True)
+        return cls(tuple(Place(*place) for place in places), others)
+
+
+def _sheet_of(columns: Any) -> Sheet:
+    """Columns of a mapping or a data frame as those of a file."""
+    if not hasattr(columns, "keys"):
+        raise InputError(
+            f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
+            'by heading such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
+        )
+    listed = {str(head): list(np.atleast_1d(columns[head]).tolist()) for head in columns}
+    lengths = {head: len(cells) for head, cells in listed.items()}
+    if len(set(lengths.values())) > 1:
+        counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
+        raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
+    return sheet_of(listed, _PLACE)
+
+
+def _quantity(sheet: Sheet, name: str, faults: list[str]) -> list[float]:
+    """Values of a quantity in SI; faults are added to the list."""
+    kind, head, unit = _PLACE[name], sheet.labelled[sheet.places[name]], sheet.heading(name).unit
+    usual, wrong, values = kind.example.split()[1], Faults(), list[float]()
+    if unit:
+        kind.read(f"1 {unit}", f'column "{head}"', wrong)
+    for row in sheet.rows if not wrong else ():
+        cell: Any = row.cells[sheet.places[name]]
+        in_si = not unit and not isinstance(cell, str)
+        place, text = f'row {row.number}, column "{head}"', f"{cell} {usual if in_si else unit}"
+        if sheet.decimal == "," and may_be_thousands(str(cell)):
+            wrong.note(place, f'"{cell}" beside decimal commas may be thousands; write it plainly')
+        elif str(cell).strip():
+            values.append(kind.read(text.strip(), place, wrong))
+        else:
+            wrong.note(place, f"empty; give {kind}")
+    heading = "" if unit else f', or the heading "{name} [{usual}]"'
+    faults += [f"{place}: {problem}{heading}" for place, problem, *_ in wrong]
+    return values
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,17 +1,25 @@
-"""What is made from the format of scenes: its sections, and ``workflows/SCENE.md``."""
+"""What is made from the format of scenes: their reference, and new scenes."""
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
+import shutil
+import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.scene.faults import quoted
-from pipeline.scene.format import FIDELITY, SCENE
-from pipeline.scene.kinds import Kind, Quantity
+from pipeline.scene.document import as_toml, read_document
+from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted, unwritable
+from pipeline.scene.format import FIDELITY, SCENE, UNKNOWN, USUAL_PRESET
+from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.schema import Either, Entry, List, Optional, Table, Tables
+from pipeline.scene.shipped import shipped_scenes
+from tribo import InputError
 
 _HEAD = """# The scene file
 
@@ -154,6 +162,212 @@ def written(value: Any, kind: Kind | None = None) -> str:
 
 def _cell(kind: Kind) -> str:
     return str(kind).replace("|", "\\|")
+
+
+_WIDTH = 98
+_USUAL = "first_try"
+_FILES = ("disk.roughness.file", "loading.file")
+_HEAD_IN_FULL = """\
+# A scene to start from. Its entries are those of a steel cylinder on a ground steel disk in white
+# oil: put your own in their place. An entry such as "#hold" is not used; take the # off to use it.
+"""
+_SHORT = """\
+# A steel cylinder on a ground steel disk in white oil: put your own numbers in their place.
+#   irg check {name}.toml    what it means, and what it costs
+#   irg run {name}.toml      then irg plot results/{name}.zarr for the diagram
+# All entries with their meanings: irg help scene, or irg new FILE.toml --full.
+title = "My system"
+oil = {{ kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"], density = "866 kg/m^3", \
+pressure_viscosity_coefficient = "20 1/GPa" }}
+pin = {{ shape = "cylinder", radius = "2 mm", length = "3.4 mm", material = "steel" }}
+disk = {{ material = "steel", roughness = {{ ra = "0.27 um", hurst_exponent = 0.8, \
+correlation_length = "4 um", seed = 0 }} }}
+window = {{ pixels = [576, 480], pixel_size = ["0.816 um", "0.95 um"] }}   # along x, along y
+loading = {{ rate = "150 N/s", reference_load = "750 N" }}
+wear = {{ specific_wear_rate = "1.2e-6 mm^3/(N m)", pattern = "swept" }}
+friction = {{ coefficient = 0.1, band = [0.09, 0.103] }}
+temperature = {{ bulk = "25 degC", critical = "145 degC", failing_share = 0.1 }}
+fidelity = {{ preset = "standard" }}
+
+[materials.steel]
+elastic_modulus = "210 GPa"
+poisson_ratio = 0.3
+hardness = "6.6 GPa"                     # or a number such as "62 HRC"
+thermal_conductivity = "45 W/(m K)"
+density = "7800 kg/m^3"
+specific_heat = "470 J/(kg K)"
+
+[sweep]
+loads = ["200 N", "400 N", "600 N", "750 N"]
+velocities = {{ from = "1 m/s", to = "4 m/s", step = "0.6 m/s" }}
+fields = true
+"""
+_NEXT = """\
+#
+# Its meaning      irg check {name}.toml
+# Its diagram      irg run {name}.toml, then irg plot results/{name}.zarr
+"""
+
+
+def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> list[Path]:
+    """Write a scene to start from: a short one, or one in which every entry is explained.
+
+    Parameters
+    ----------
+    path : path
+        File to write; it must not exist yet.
+    like : str, optional
+        Name of a shipped scene to begin with, every entry explained. By default a scene whose
+        diagram takes seconds.
+    full : bool
+        Explain every entry of the template, too, and add those that it has not as comments.
+
+    Returns
+    -------
+    list of Path
+        The files written: the scene, and copies of those that it names.
+
+    Raises
+    ------
+    InputError
+        If there is no such scene, the file exists or cannot be written, or is not called ``.toml``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> [file.name for file in new_scene(folder / "mine.toml", like="fig8")]
+    ['mine.toml', 'fig8_load_record.csv']
+    """
+    path, shipped = Path(path), shipped_scenes()
+    if path.suffix != ".toml":
+        name = path.stem or "scene"
+        raise InputError(f"{path}: a scene is a TOML file; give a name such as {name}.toml")
+    if like is not None and like not in shipped:
+        raise InputError(
+            f'"{like}" is not a shipped scene{did_you_mean(like, shipped)}; there are '
+            f"{', '.join(shipped)}"
+        )
+    source = shipped[like or _USUAL]
+    entries = read_document(source, Faults()).entries()
+    if like is None:
+        head = _HEAD_IN_FULL
+        entries |= {"title": "My system", "fidelity": {"preset": USUAL_PRESET}}
+        del entries["measured"]
+    else:
+        lines = source.read_text(encoding="utf-8").splitlines(keepends=True)
+        head = "".join(itertools.takewhile(lambda line: line.startswith("#"), lines))
+    text = "\n".join([head + _NEXT.format(name=path.stem).rstrip(), *_lines(entries), ""])
+    if like is None and not full:
+        text = _SHORT.format(name=path.stem)
+    beside = [str(name) for key in _FILES if (name := entry_at(entries, key))]
+    copies = [(source.parent / name, path.parent / Path(name).name) for name in beside]
+    for file in (path, *(copy for _, copy in copies)):
+        if file.exists():
+            raise InputError(f"{file} exists already; give another name, or remove it")
+    try:
+        path.write_text(text, encoding="utf-8")
+        for original, copy in copies:
+            shutil.copyfile(original, copy)
+    except OSError as error:
+        raise unwritable(path, error) from error
+    return [path, *(copy for _, copy in copies)]
+
+
+def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
+    """A scene's entries with what each means, and those that it does not have as comments."""
+    for section in sections():
+        if "NAME" in section.path:
+            table = section.path.partition(".")[0]
+            for number, (name, values) in enumerate(entries.get(table, {}).items()):
+                yield from _section(section, f"[{table}.{name}]", values, comment=number == 0)
+            continue
+        values = entry_at(entries, section.path) if section.path else entries
+        if section.is_list and values:
+            for number, item in enumerate(values):
+                yield from _section(section, section.header, item, comment=number == 0)
+            continue
+        if isinstance(values, str):  # short for a name of the library
+            values = {"like": values}
+        yield from _section(section, section.header if section.path else "", values)
+
+
+def _section(
+    section: Section, header: str, values: Mapping[str, Any] | None, comment: bool = True
+) -> Iterator[str]:
+    """Lines of one table: all keys with comments, or only those given without."""
+    yield ""
+    if comment and section.path:
+        yield from _wrapped(section.entry.meaning)
+    if header:
+        yield header if values is not None else f"#{header}"
+    entries = values or {}
+    used = section.form_of(entries)
+    others: dict[str, tuple[Entry, str]] = {}
+    for key, (entry, form) in section.keys().items():
+        if form not in ("", used):
+            others[key] = entry, form
+        elif comment or key in entries:
+            yield from _key(section, key, entry, entries, comment)
+    if others and comment:
+        form = next(iter(others.values()))[1]
+        yield from _wrapped(f"Or, for a {form}, in place of the keys of the {used}:")
+        for key, (entry, _) in others.items():
+            yield from _key(section, key, entry, {}, comment)
+
+
+def _key(
+    section: Section, key: str, entry: Entry, entries: Mapping[str, Any], comment: bool
+) -> Iterator[str]:
+    """Lines of one key: its meaning and the values allowed, and its value or an example."""
+    default = entry.default
+    if section.path == "fidelity" and key != "preset":
+        default = getattr(tribo.PRESETS[entries.get("preset", USUAL_PRESET)], key)
+    if comment:
+        usual = written(default, entry.kind)
+        ending = f"; default {usual}" if usual else ""
+        yield from _wrapped(f"{entry.meaning} Give {entry.kind}{ending}.")
+    value = entries[key] if key in entries else example(entry, default)
+    mark = "" if key in entries else "#"
+    if entry.kind is UNKNOWN:  # a line for each, since they are long
+        for name, distribution in value.items():
+            yield f"{mark}{key}.{name} = {as_toml(distribution)}"
+    else:
+        yield f"{mark}{key} = {as_toml(value)}"
+
+
+def example(entry: Entry, default: Any = None) -> Any:
+    """A value of an entry, as TOML has it: its example, its default, or one that is allowed."""
+    return _allowed(entry.kind, default) if entry.example is None else entry.example
+
+
+def _allowed(kind: Kind, default: Any) -> Any:
+    match kind:
+        case Quantity() | UnitText():
+            return kind.example
+        case List():
+            return [_allowed(kind.of, None)] * (kind.length or 1)
+        case Either():
+            return _allowed(kind.usual, default)
+        case _ if default is not None:
+            return default
+        case OneOf():
+            return kind.options[0]
+        case Flag():
+            return False
+        case Whole():
+            return int(max(kind.at_least, 0))
+        case Number():
+            return 0.1
+    return "text"
+
+
+def _wrapped(text: str) -> Iterator[str]:
+    """Text as comments, without the marks of Markdown; quoted words stay on one line."""
+    plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", text).replace("`", "")
+    kept = re.sub('"[^"]*"', lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), plain)
+    for line in textwrap.wrap(kept, _WIDTH, break_long_words=False, break_on_hyphens=False):
+        yield "# " + line.replace("\N{NO-BREAK SPACE}", " ")
 
 
 if __name__ == "__main__":

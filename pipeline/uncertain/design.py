@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from pipeline.analysis.margin_table import Place
+from pipeline.scene.along import Place
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.certify import SceneWith, as_in_a_scene, log_rise

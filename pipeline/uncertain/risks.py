@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margin_table import OperatingPoints, frame_of_points
+from pipeline.analysis.margins import frame_of_points
+from pipeline.scene.along import OperatingPoints
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings

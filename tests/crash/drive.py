@@ -16,11 +16,11 @@ from unittest import mock
 
 from pipeline.cli import main as irg
 from pipeline.run import sweep as running
-from pipeline.run import tally, writer
+from pipeline.run import tally
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally
-from pipeline.store import create, files
+from pipeline.store import create, files, write
 from pipeline.store.lock import FileLock
 from pipeline.store.place import StoreError
 from pipeline.store.write import Store
@@ -85,7 +85,7 @@ def computing(records, pace):
     with (
         mock.patch.object(running, "compute", compute),
         mock.patch.object(running, "connected", return_value=nullcontext(link)),
-        mock.patch.multiple(writer, _PAUSE=0.0, _SHARE=0.0),
+        mock.patch.multiple(write, _PAUSE=0.0, _SHARE=0.0),
     ):
         yield
 

@@ -26,19 +26,14 @@ from pipeline.analysis.dataset import (
     variant_of,
 )
 from pipeline.analysis.difference import entries_of
-from pipeline.analysis.margin_table import (
-    LONG,
-    OperatingPoints,
-    in_counts,
-    margin_table,
-    notes_of,
-)
+from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import frame_of, html_of, short
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import criterion, fitted, heating, svg_of
+from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.about import on_plane

@@ -9,8 +9,9 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.margin_table import OperatingPoints, notes_of
+from pipeline.analysis.margins import notes_of
 from pipeline.analysis.tables import short
+from pipeline.scene.along import OperatingPoints
 from pipeline.uncertain.answers import frame_of_lines
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.risks import risk_table

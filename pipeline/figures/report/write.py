@@ -10,9 +10,9 @@ from typing import Any
 import xarray as xr
 
 from pipeline.analysis.dataset import attributes_of, dataset_of
-from pipeline.analysis.margin_table import OperatingPoints
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.figures.report.content import content
+from pipeline.scene.along import OperatingPoints
 from pipeline.store.place import PathLike
 
 _STYLE = """

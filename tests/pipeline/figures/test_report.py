@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.margin_table import OperatingPoints
 from pipeline.figures.report.samples import sections
+from pipeline.scene.along import OperatingPoints
 from tests.helpers import samples, synthetic
 from tribo import InputError
 

@@ -18,11 +18,11 @@ from pipeline.run.cluster import Connection
 from pipeline.run.schedule import compute
 from pipeline.run.source import ExecutionError, Source, unheard
 from pipeline.run.tally import STARTS, TRIALS
-from pipeline.run.writer import Writer
 from pipeline.store.attributes import Simulated, describe
 from pipeline.store.create import writing
 from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
+from pipeline.store.write import Writer
 from pipeline.sweep.plan import chains, points, run_point, run_points
 from tests.helpers import tiny
 from tests.helpers.local_client import Ended, LocalClient

@@ -3,8 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.scene.logs import entries_of_log, read_log
-from pipeline.scene.trace import read_trace
+from pipeline.scene.logs import entries_of_log, read_log, read_trace
 from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny

@@ -6,10 +6,9 @@ import tomllib
 import pytest
 
 from pipeline.scene.faults import Faults
-from pipeline.scene.reference import page, sections
+from pipeline.scene.reference import example, new_scene, page, sections
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
-from pipeline.scene.template import example, new_scene
 from tribo import InputError
 
 KEYS = [(section, key) for section in sections() for key in section.keys()]  # noqa: SIM118

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.margin_table import Place
+from pipeline.scene.along import Place
 from pipeline.sweep.unknown import Unknown, drawn
 from pipeline.uncertain.design import Goal
 from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, ensemble, rise

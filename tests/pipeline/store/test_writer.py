@@ -1,10 +1,10 @@
-"""The thread that commits results (pipeline/run/writer.py)."""
+"""The thread that commits results (pipeline/store/write.py)."""
 
 import time
 
 import pytest
 
-from pipeline.run.writer import Writer
+from pipeline.store.write import Writer
 
 
 class Commits:
