@@ -12,7 +12,7 @@ import xarray as xr
 
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of, plane_of
-from pipeline.analysis.margin import NOT_DECIDED, Margin, Row
+from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
 from pipeline.analysis.margins import notes_of, rows_of
 from pipeline.analysis.scenes import frame_by_scene, planes
 from pipeline.analysis.tables import frame_of, short
@@ -78,7 +78,7 @@ def on_tests(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
 def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """Rows of one scene."""
     plane, conditions = plane_of(ds), conditions_of(ds, **changed)
-    judges: dict[Conditions, tuple[Row, ...]] = {}
+    judges: dict[Conditions, tuple[JudgedRow, ...]] = {}
     held = (attributes_of(ds).get("scene") or {}).get("loading", {}).get("hold") or 0.0
     for test in laboratory_tests(ds):
         own = own_conditions(conditions, test)

@@ -145,7 +145,7 @@ def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Row:
+class JudgedRow:
     """Decisive rises of one row of the table of variants by load and velocity, and how to judge.
 
     Attributes
@@ -187,7 +187,7 @@ class Row:
             )
         return self.at(*self.place)
 
-    def with_others(self, others: Sequence[Row]) -> Row:
+    def with_others(self, others: Sequence[JudgedRow]) -> JudgedRow:
         """The row together with the rows around it, which lie on a cross."""
         every = [self.grid, *(other.grid for other in others)]
         loads, velocities = (
@@ -266,7 +266,7 @@ class Row:
         return Crossing.along(x, going_on, limit, ends, missing, is_done)
 
 
-def _margin(row: Row, load: float, velocity: float) -> Margin:
+def _margin(row: JudgedRow, load: float, velocity: float) -> Margin:
     """The margin of one row."""
     grid, conditions = row.grid, row.conditions
     rise = _at(grid.loads, row.at_velocity(velocity, continued=True), load)

@@ -24,7 +24,7 @@ from pipeline.analysis.dataset import (
     with_wear_rates,
 )
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.margin import NOT_DECIDED, Margin, Row
+from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
 from pipeline.analysis.margin_error import grids_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
 from pipeline.analysis.tables import as_dict, frame_of
@@ -109,9 +109,9 @@ def margins_at(
                 yield row.here() if place is None else row.at(*place)
 
 
-def rows_of(ds: xr.Dataset | PathLike, *others: Any, **given: Any) -> tuple[Row, ...]:
+def rows_of(ds: xr.Dataset | PathLike, *others: Any, **given: Any) -> tuple[JudgedRow, ...]:
     """The planes of a sweep along whatever stands in front, each judged by its conditions."""
-    ds, rows = with_wear_rates(ds), list[Row]()
+    ds, rows = with_wear_rates(ds), list[JudgedRow]()
     if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long
         ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
     for scene in scenes(ds):
@@ -127,7 +127,7 @@ def rows_of(ds: xr.Dataset | PathLike, *others: Any, **given: Any) -> tuple[Row,
         is_missing = (rise.isnull() & asked(scene)).values.reshape(-1, *rise.shape[-2:])
         drawn = itertools.product(*front.values())
         rows += [
-            Row(
+            JudgedRow(
                 labels=labels,
                 drawn=dict(zip(front, values, strict=True)),
                 grid=grid,
@@ -151,9 +151,9 @@ def _ends(scene: xr.Dataset, name: str, is_placed: bool) -> tuple[float, float]:
     return here, here
 
 
-def _about_places(rows: Iterable[Row]) -> Iterator[Row]:
+def _about_places(rows: Iterable[JudgedRow]) -> Iterator[JudgedRow]:
     """Rows, those that lie about one place as one; the first of these is the place itself."""
-    about = dict[Any, list[Row]]()
+    about = dict[Any, list[JudgedRow]]()
     for row in rows:
         labels = [label for label in row.shown.items() if label[0] != VARIANT]
         about.setdefault((*labels,) if PLACE in row.shown else id(row), []).append(row)
@@ -254,7 +254,7 @@ def _results(
     return frame_of(["load [N]", "velocity [m/s]", *heads, "note"], rows)
 
 
-def frame_of_rows(ds: xr.Dataset, rows: Iterable[Row]) -> pd.DataFrame:
+def frame_of_rows(ds: xr.Dataset, rows: Iterable[JudgedRow]) -> pd.DataFrame:
     """Frame of the rows of the table of variants that have places of their own, with margins."""
     rows = [row for row in rows if row.place]
     held = [name for row in rows[:1] for name in row.shown]

@@ -38,10 +38,10 @@ from pipeline.cli.scenes import conditions_in, values_in
 from pipeline.cli.unknowns import (
     about,
     boundary_of_samples,
+    ensemble_in,
     frame_of_intervals,
     notes,
     on_risk,
-    samples_of,
 )
 from pipeline.sweep.variants import PLACE
 from pipeline.sweep.warned import MELTS, MOLTEN
@@ -115,7 +115,7 @@ def _next(
 
 def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Distances of operating points as intervals of probability."""
-    ensemble, measured = samples_of(options, ds, **conditions)
+    ensemble, measured = ensemble_in(options, ds, **conditions)
     draws = measured.draws if measured else None
     if options.points is None:
         answer = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pipeline
 from pipeline.cli.output import tell
-from pipeline.scene.over import notes_of
+from pipeline.scene.over import notes_on_first_values
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.tradeoff.choose import at_accuracy
@@ -57,7 +57,7 @@ def scene_of(
 def one_scene_of(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
     """The scene, for a command that takes one value of each entry; a note says if it has more."""
     sweep = scene_of(options, points)
-    for note in notes_of(sweep.variants):
+    for note in notes_on_first_values(sweep.variants):
         tell(note)
     return sweep
 

@@ -16,7 +16,7 @@ from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.datasets import opened, operating_points_in, scene_with_of
 from pipeline.cli.output import Result, run_line, tell, working
 from pipeline.cli.scenes import beside, criterion_in, scene_of, settings_of
-from pipeline.cli.unknowns import about, notes, samples_of
+from pipeline.cli.unknowns import about, ensemble_in, notes
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Goal, Limit, confirmed, designed
 from tribo import InputError, TriboError
 
@@ -112,7 +112,7 @@ def design(options: argparse.Namespace) -> Result:
     if len(entries) > 2 or len(set(entries)) < len(entries):
         raise InputError(f"--over is {', '.join(entries)}; give one entry, or two different ones")
     ds = opened(options)
-    ensemble, weighed = samples_of(options, ds, **criterion_in(options))
+    ensemble, weighed = ensemble_in(options, ds, **criterion_in(options))
     draws = weighed.draws if weighed else None
     *first, last = entries
     with working("seeking the limit") as progress:

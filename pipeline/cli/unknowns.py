@@ -47,7 +47,7 @@ def risk(options: argparse.Namespace) -> Result:
     ds = opened(options)
     if options.certify:
         _certify(options, ds)
-    ensemble, weighed = samples_of(options, ds, **criterion_in(options))
+    ensemble, weighed = ensemble_in(options, ds, **criterion_in(options))
     draws = weighed.draws if weighed else None
     document = {"given_measured": weighed is not None, **about(ensemble)}
     text = list(notes(ensemble, weighed))
@@ -132,7 +132,7 @@ def boundary_of_samples(
     options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]
 ) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
-    ensemble, weighed = samples_of(options, ds, **conditions)
+    ensemble, weighed = ensemble_in(options, ds, **conditions)
     with working("finding probabilities at each load"):
         lines = frame_of_lines(ensemble, weighed.draws if weighed else None)
     document = {"given_measured": weighed is not None, **about(ensemble), **_document(lines)}
@@ -163,7 +163,7 @@ def frame_of_intervals(answer: MarginIntervals) -> pd.DataFrame:
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
     ds = opened(options)
-    ensemble, weighed = samples_of(options, ds, **criterion_in(options))
+    ensemble, weighed = ensemble_in(options, ds, **criterion_in(options))
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
@@ -217,7 +217,7 @@ def _on_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.
             )
 
 
-def samples_of(
+def ensemble_in(
     options: argparse.Namespace, ds: xr.Dataset, **conditions: Any
 ) -> tuple[Ensemble, Posterior | None]:
     """The samples of a sweep, and the inputs as measurements leave them if these are to count."""

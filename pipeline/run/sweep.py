@@ -27,7 +27,7 @@ from pipeline.run.source import PATIENCE, ExecutionError, unheard
 from pipeline.run.tally import Progress, Tally, reported
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
-from pipeline.store.attributes import differences, versions
+from pipeline.store.attributes import differences, package_versions
 from pipeline.store.create import grown, writing
 from pipeline.store.place import Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
@@ -249,7 +249,7 @@ def _notes(store: Store, before: Mapping[str, Any]) -> Iterator[str]:
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"
         )
-    for name, version in versions().items():
+    for name, version in package_versions().items():
         if (first := store.attributes["versions"][name]) != version:
             yield (
                 f"{store.place} was begun with {name} {first}, and goes on with {version}: "

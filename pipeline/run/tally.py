@@ -20,7 +20,7 @@ import numpy as np
 
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError
-from pipeline.run.work import Report, report
+from pipeline.run.work import Report, records_here
 from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
@@ -375,7 +375,7 @@ class Reports:
         with suppress(OSError, TimeoutError, ValueError):
             answers = self._client.sync(
                 self._client.run,
-                report,
+                records_here,
                 keys,
                 workers=[worker],
                 on_error="return",

@@ -17,7 +17,7 @@ from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
-from pipeline.scene.over import notes_of
+from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.scene.unknown import differing_inputs
 from pipeline.store.place import PathLike
@@ -211,7 +211,7 @@ def vary(
     overrides = overrides or {}
     sweep = load_scene(scene, preset, overrides, own_laws)
     if tell:
-        for note in notes_of(sweep.variants):
+        for note in notes_on_first_values(sweep.variants):
             tell(note)
     others = {
         (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, own_laws)

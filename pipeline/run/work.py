@@ -95,7 +95,7 @@ def _computed(
     return [result.record(with_fields) for result in results], results[0].trunk
 
 
-def report(keys: Collection[str], dask_worker: Worker) -> Report:
+def records_here(keys: Collection[str], dask_worker: Worker) -> Report:
     """Records of those of these tasks whose results lie on a worker, and what it does.
 
     It runs in the worker's event loop, so that a long point does not keep finished ones waiting.

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.scene.bodies import LOAD, SPEED
-from pipeline.scene.document import Document, Layer
+from pipeline.scene.document import Document, FileEntries
 from pipeline.scene.faults import Faults, with_value
 from pipeline.scene.headings import Sheet, heading_of, read_sheet, sheet_of
 from pipeline.scene.over import scene_with
@@ -233,7 +233,7 @@ def with_first_row(document: Document, pairs: Pairs | None) -> Document:
     }
     for path, value in pairs.entries[0].items():
         below = with_value(below, path, value)
-    return Document((*document.layers, Layer(document.file, below)))
+    return Document((*document.layers, FileEntries(document.file, below)))
 
 
 def along_of(pairs: Pairs, sweep: Sweep, make: Make) -> Sweep:

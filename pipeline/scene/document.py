@@ -32,7 +32,7 @@ _LONG_KEY = re.compile(
 )
 
 
-class Layer(NamedTuple):
+class FileEntries(NamedTuple):
     """Entries that stand in one file, as TOML has them."""
 
     file: Path
@@ -42,7 +42,7 @@ class Layer(NamedTuple):
 class Document(NamedTuple):
     """Entries of a scene in layers: an earlier layer overrides those after it."""
 
-    layers: tuple[Layer, ...]
+    layers: tuple[FileEntries, ...]
 
     @property
     def file(self) -> Path:
@@ -99,7 +99,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)
-    document = Document((Layer(path, table),))
+    document = Document((FileEntries(path, table),))
     if extends is None:
         if without is not None:
             faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
@@ -135,7 +135,7 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: Fault
             faults.note(key, f"{'.'.join(tables)} is not a table; give its own key")
         else:
             top = _merged(top, with_value({}, key, value))
-    return Document((Layer(document.file, top), *document.layers))
+    return Document((FileEntries(document.file, top), *document.layers))
 
 
 def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults: Faults) -> None:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pipeline.scene.document import Document, Layer
+from pipeline.scene.document import Document, FileEntries
 from pipeline.scene.faults import Faults, quoted, with_value
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, display, si_unit, to_si
@@ -61,7 +61,7 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
     return Variants(columns, parts, given=dict(zip(names, parts, strict=True)))
 
 
-def notes_of(table: Variants) -> Iterator[str]:
+def notes_on_first_values(table: Variants) -> Iterator[str]:
     """Notes that a command prints which computes one value of each entry alone."""
     for column in table.chosen:
         if asked_by := _ASKED_BY.get(column.name):
@@ -84,7 +84,7 @@ def with_first_values(document: Document) -> Document:
     for path, values in flat(over) if isinstance(over, dict) else ():
         if isinstance(values, list) and values:
             first = with_value(first, path, values[0])
-    return Document((*document.layers, Layer(document.file, first)))
+    return Document((*document.layers, FileEntries(document.file, first)))
 
 
 def _axis(path: str, values: tuple[Any, ...]) -> Column:

@@ -32,7 +32,7 @@ from pipeline.sweep.samples import (
     Layer,
     samples_per_contact,
 )
-from pipeline.sweep.unknown import MOST, Fixed, Kind, Unit, Unknown, without
+from pipeline.sweep.unknown import MOST, Fixed, Form, Unit, Unknown, without
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
@@ -160,7 +160,7 @@ def _inputs(
     table, inputs = tables["unknown"], []
     for path, shape in table.items():
         try:
-            inputs.append(_input(path, cast(Kind, shape.form), shape.parameters))
+            inputs.append(_input(path, cast(Form, shape.form), shape.parameters))
         except (UnitError, InputError) as error:
             faults.note(f"unknown.{quoted(path)}", str(error))
     joint = with_correlations(tuple(one.unknown for one in inputs), table, faults)
@@ -264,7 +264,7 @@ def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
             yield name, new
 
 
-def _input(path: str, kind: Kind, parameters: tuple[Any, ...]) -> _Input:
+def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> _Input:
     """The distribution of one input; raises `UnitError` or `InputError` if it is faulty."""
     if path.partition(".")[0] in _FIXED or "." not in path:
         raise InputError(

@@ -157,12 +157,12 @@ def _lasting(sweep: Sweep) -> dict[str, Any]:
         "scene": description,
         "scene_hash": scene_hash(description),
         "stations": Stations.of(sweep).as_dict(),
-        "versions": versions(),
+        "versions": package_versions(),
     }
 
 
 @functools.cache
-def versions() -> dict[str, str]:
+def package_versions() -> dict[str, str]:
     """Versions of the packages that compute and store."""
     try:
         tribo = metadata.version("irg-transition")
@@ -174,10 +174,10 @@ def versions() -> dict[str, str]:
 def _with_present_versions(attributes: Mapping[str, Any]) -> dict[str, Any]:
     later = attributes.get("later_versions", [])
     last = later[-1]["versions"] if later else attributes["versions"]
-    if last == versions():
+    if last == package_versions():
         return dict(attributes)
     since = datetime.now(UTC).isoformat(timespec="seconds")
-    entry = {"since": since, "versions": versions()}
+    entry = {"since": since, "versions": package_versions()}
     return {**attributes, "later_versions": [*later, entry]}
 
 

@@ -61,7 +61,7 @@ class Heartbeat:
         if there and not _is_dead(there) and (age := _age(place)) < STALE:
             raise in_use(
                 str(place),
-                name_of(there),
+                process_in(there),
                 f"; it was last heard of {max(age, 0):.0f} s ago, and {STALE:.0f} s after the last "
                 "sign of it the store is free",
             )
@@ -70,7 +70,7 @@ class Heartbeat:
                 place.put({LOCK: self._content})
         time.sleep(SETTLE)
         if not self.is_in_place():
-            raise in_use(str(place), name_of(place.read(LOCK) or b""))
+            raise in_use(str(place), process_in(place.read(LOCK) or b""))
 
     def renew(self) -> None:
         """Write the lock anew, unless another process has taken it."""
@@ -122,7 +122,7 @@ def beats(place: Place) -> str | None:
     is_of_heart = match and match[3]  # and not of a `flock`
     if not is_of_heart or _is_dead(content) or time.time() - place.written_at(LOCK) >= STALE:
         return None
-    return name_of(content)
+    return process_in(content)
 
 
 def in_use(store: str, holder: str, more: str = "") -> StoreError:
@@ -137,7 +137,7 @@ def this_process() -> bytes:
     return f"process {os.getpid()} on {socket.gethostname()}\n".encode()
 
 
-def name_of(content: bytes) -> str:
+def process_in(content: bytes) -> str:
     """Process that a lock names, if it names one in full."""
     match = _CONTENT.fullmatch(content.decode(errors="replace"))
     return match[1] if match else "another process"
@@ -242,7 +242,7 @@ def holder_of(place: Place) -> str | None:
         if name := beats(place):
             return name
         if isinstance(place, Folder) and _is_locked(place.path / LOCK):
-            return name_of(place.read(LOCK) or b"")
+            return process_in(place.read(LOCK) or b"")
     except OSError:
         pass
     return None
@@ -285,7 +285,7 @@ def _has_locks(descriptor: int, store: str) -> bool:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             if not left:
-                raise in_use(store, name_of(os.pread(descriptor, 1000, 0))) from None
+                raise in_use(store, process_in(os.pread(descriptor, 1000, 0))) from None
             time.sleep(_PAUSE)
         except OSError as error:
             if error.errno in _NO_LOCKS:

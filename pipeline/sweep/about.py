@@ -122,10 +122,10 @@ class About:
     arguments: tuple[str, ...] = field(default=(), compare=False)
 
 
-Row = tuple[str, str]
+Line = tuple[str, str]
 
 
-def as_lines(title: str, rows: Sequence[Row]) -> str:
+def as_lines(title: str, rows: Sequence[Line]) -> str:
     """Write rows below a title.
 
     Examples
@@ -139,7 +139,7 @@ def as_lines(title: str, rows: Sequence[Row]) -> str:
     return "\n".join([title, *(f"  {name:{width}}  {text}" for name, text in rows)])
 
 
-def as_html(title: str, rows: Sequence[Row]) -> str:
+def as_html(title: str, rows: Sequence[Line]) -> str:
     """Write rows as a table for a notebook.
 
     Examples
@@ -153,7 +153,7 @@ def as_html(title: str, rows: Sequence[Row]) -> str:
     return f"<table><caption>{html.escape(title)}</caption>{cells}</table>"
 
 
-def on_scene(scene: Scene) -> Iterator[Row]:
+def on_scene(scene: Scene) -> Iterator[Line]:
     """Describe a scene, a row for each subject."""
     yield "pin", scene.pin.words
     yield "disk", _surface(scene)
@@ -174,7 +174,7 @@ def on_scene(scene: Scene) -> Iterator[Row]:
         yield "wear", f"{wear!r}, {wear.pattern}"
 
 
-def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Row:
+def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Line:
     """Describe the loads and velocities of a sweep.
 
     Examples
@@ -191,7 +191,7 @@ def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Row:
     return "sweep", f"{spanned(loads, 'loads', 'N')}, {spanned(velocities, 'velocities', 'm/s')}"
 
 
-def on_conditions(conditions: Conditions) -> Iterator[Row]:
+def on_conditions(conditions: Conditions) -> Iterator[Line]:
     """Say when wear is severe, a row for each subject."""
     bulk = f"bulk {conditions.bulk_temperature - 273.15:g} °C"
     if conditions.disk_temperature is not None:
@@ -204,7 +204,7 @@ def on_conditions(conditions: Conditions) -> Iterator[Row]:
         yield "severe", f"{conditions.decisive.severe} {critical}"
 
 
-def on_point(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Row]:
+def on_point(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Line]:
     """Describe the end of a point, a row for each subject."""
     end = {name: column[-1] for name, column in columns.items()}
     yield "after", f"{end['time']:.4g} s and {end['sliding_distance']:.4g} m"

@@ -28,7 +28,7 @@ from tribo import BULK_RATIOS, QUANTILES, Ramp, Scene, State, measures, warnings
 from tribo.simulation import PointWarning, contacts, heat, heated, leads_to, start
 from tribo.types import Array
 
-Record = Mapping[str, float | Array]
+Moment = Mapping[str, float | Array]
 
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
@@ -58,7 +58,7 @@ class Trunk:
     """
 
     state: State
-    ends: Mapping[Variant, Mapping[float, Record | None]] = field(default_factory=dict)
+    ends: Mapping[Variant, Mapping[float, Moment | None]] = field(default_factory=dict)
 
     def without(self, failed: Iterable[Point]) -> Trunk:
         """The trunk, with these points noted as failed."""
@@ -288,9 +288,9 @@ class _Run(NamedTuple):
 
     scene: Scene
     states: list[State]
-    records: list[Record]
+    records: list[Moment]
 
-    def reached(self, load: float) -> Record | None:
+    def reached(self, load: float) -> Moment | None:
         """Record on reaching a load."""
         moments = zip(self.states, self.records, strict=True)
         return next((record for state, record in moments if state.normal_load >= load), None)
@@ -356,11 +356,11 @@ def stacked_columns(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
     return _stacked([_record(sweep, state) for state in states])
 
 
-def _stacked(records: Sequence[Record]) -> dict[str, Array]:
+def _stacked(records: Sequence[Moment]) -> dict[str, Array]:
     return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
-def _record(sweep: Sweep, state: State) -> Record:
+def _record(sweep: Sweep, state: State) -> Moment:
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     record: dict[str, float | Array] = {**measures(sweep.scene, state), "rise_quantile": quantiles}
     if sweep.scene.unequal_bulks:

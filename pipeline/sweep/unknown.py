@@ -18,7 +18,7 @@ import scipy  # its special functions take 0.2 s to load
 from tribo import InputError
 from tribo.types import Array
 
-Kind = Literal["normal", "log-normal", "uniform", "list"]
+Form = Literal["normal", "log-normal", "uniform", "list"]
 
 MOST = 32
 """Number of inputs that may be unknown."""
@@ -78,7 +78,7 @@ class Unknown:
     """
 
     path: str
-    kind: Kind
+    kind: Form
     parameters: tuple[float, ...]
     unit: str = "1"
     written: Unit | None = field(default=None, compare=False)
@@ -86,7 +86,7 @@ class Unknown:
 
     def __post_init__(self) -> None:
         terms = self.parameters
-        if self.kind not in get_args(Kind) or not all(map(math.isfinite, terms)):
+        if self.kind not in get_args(Form) or not all(map(math.isfinite, terms)):
             raise InputError(f"{self.kind} with {terms} is not a distribution; give finite numbers")
         unit, fault = self.shown, None
         first, last = (f"{unit.of(value):g}{unit.suffix}" for value in (terms[0], terms[-1]))

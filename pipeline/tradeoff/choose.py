@@ -24,9 +24,9 @@ from pipeline.tradeoff.probe import (
     OwnError,
     Target,
     Yardstick,
-    fitted,
     measured,
     near_the_boundary,
+    on_pixels,
     own_error,
     probe,
     some_places,
@@ -273,13 +273,13 @@ def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
 
 def _steps_to_probe(sweep: Sweep, places: Sequence[Target]) -> float:
     """Approximate number of steps that a probe takes on the scene's finest grid."""
-    scene = sweep.changed(fidelity=fitted(sweep, YARDSTICK)).scene
+    scene = sweep.changed(fidelity=on_pixels(sweep, YARDSTICK)).scene
     return _PASSES * sum(step_count(scene, place.load) for place in places)
 
 
 def _steps_of_sweep(sweep: Sweep) -> int:
     """Steps of a whole sweep at the reference."""
-    scene = sweep.changed(fidelity=fitted(sweep, PRESETS["reference"])).scene
+    scene = sweep.changed(fidelity=on_pixels(sweep, PRESETS["reference"])).scene
     ends = [step_count(scene, load) for load in sweep.plane.loads]
     steps = sum(ends) if sweep.plane.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
     return steps * sweep.ramps
@@ -332,4 +332,4 @@ def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
     if past:  # which needs every step on one grid
         steps = max(kept.increments, _FEWEST_STEPS)
         kept = replace(kept, history_coarsening=1, heat_model="history", increments=steps)
-    return fitted(sweep, kept)
+    return on_pixels(sweep, kept)

@@ -167,7 +167,7 @@ def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
     )
 
 
-def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
+def on_pixels(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
     """A fidelity whose elements divide the scene's pixels: as large as asked for, or less.
 
     The kernel of the heat is the scene's own.
@@ -199,7 +199,7 @@ def near_the_boundary(
     is the end that comes nearest. An error of the rise divided by the exponent is that of the
     boundary velocity.
     """
-    scene = sweep.changed(fidelity=fitted(sweep, PRESETS["standard"]))
+    scene = sweep.changed(fidelity=on_pixels(sweep, PRESETS["standard"]))
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:
@@ -320,7 +320,7 @@ def measured(
     tell: Callable[[str], None] | None = None,
 ) -> Yardstick:
     """Take readings of the yardstick at some points, and tell a line before each of them."""
-    exact, coarse = fitted(sweep, YARDSTICK), fitted(sweep, _COARSER)
+    exact, coarse = on_pixels(sweep, YARDSTICK), on_pixels(sweep, _COARSER)
     probes = [
         probe(sweep, exact, [point])
         for point in staged(points, tell, lambda point: f"nearly exact steps at {point}")
@@ -347,7 +347,7 @@ def own_error(
     matters most at the lowest and the highest load; how much hardly depends on the grid.
     """
     steps = heat_model = work = 0.0
-    exact = fitted(sweep, YARDSTICK)
+    exact = on_pixels(sweep, YARDSTICK)
     if sweep.scene.wear is not None:
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
         steps = max(map(abs, velocity_errors(readings, halved.readings, exponents)))
@@ -364,7 +364,7 @@ def own_error(
             contact_tolerance=1e-2,
             pixels_per_element=size,
         )
-        present = fitted(sweep, present)
+        present = on_pixels(sweep, present)
         one, other = (
             probe(sweep, replace(present, heat_model=model), ends)
             for model in ("elapsed", "history")

@@ -22,8 +22,8 @@ from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (
     Probe,
     Target,
-    fitted,
     near_the_boundary,
+    on_pixels,
     probe,
     some_places,
     velocity_errors,
@@ -85,7 +85,7 @@ def trade(
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
     asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
     places, exponents = near_the_boundary(sweep, [Target(load) for load in asked])
-    exact = fitted(sweep, PRESETS["reference"])
+    exact = on_pixels(sweep, PRESETS["reference"])
     candidates = _candidates(sweep, presets, base)
     stages = staged(
         [("reference", None, exact), *candidates],
@@ -114,7 +114,7 @@ def trade(
         points=places,
         base=base or "",
         choices=tuple(choices),
-        wasted=_wasted(choices, base, fitted(sweep, PRESETS[base])) if base else (),
+        wasted=_wasted(choices, base, on_pixels(sweep, PRESETS[base])) if base else (),
         not_converged=tuple(failed),
     )
 
@@ -130,23 +130,23 @@ def _candidates(
 ) -> list[tuple[str, str | None, Fidelity]]:
     """Name, varied field and fidelity of all that is to be measured, each fidelity once."""
     candidates: list[tuple[str, str | None, Fidelity]] = [
-        (name, None, fitted(sweep, PRESETS[name])) for name in presets if name != "reference"
+        (name, None, on_pixels(sweep, PRESETS[name])) for name in presets if name != "reference"
     ]
     if base and base not in presets:
-        candidates.append((base, None, fitted(sweep, PRESETS[base])))
+        candidates.append((base, None, on_pixels(sweep, PRESETS[base])))
     fidelity = sweep.scene.fidelity
     if sweep.about.preset is None:
         candidates.append(("as in the scene", None, fidelity))
     if base:
-        start = fitted(sweep, PRESETS[base])
+        start = on_pixels(sweep, PRESETS[base])
         for field, values in _variations(start, sweep.scene.unequal_bulks).items():
             for value in values:
-                changed = fitted(sweep, replace(start, **{field: value}))
+                changed = on_pixels(sweep, replace(start, **{field: value}))
                 candidates.append((f"{base}, {field} = {shown(value)}", field, changed))
     unique: dict[Fidelity, tuple[str, str | None, Fidelity]] = {}
     for candidate in candidates:
         unique.setdefault(candidate[2], candidate)
-    unique.pop(fitted(sweep, PRESETS["reference"]), None)
+    unique.pop(on_pixels(sweep, PRESETS["reference"]), None)
     return list(unique.values())
 
 

@@ -25,10 +25,12 @@ class LocalClient:
         return function(*arguments, **options)
 
     def run(self, function, *arguments, workers, **_):
-        if function is not work.report:
+        if function is not work.records_here:
             return {}
         there = SimpleNamespace(data=self.results)
-        return {worker: self.answer(worker, work.report(*arguments, there)) for worker in workers}
+        return {
+            worker: self.answer(worker, work.records_here(*arguments, there)) for worker in workers
+        }
 
     def answer(self, worker, report):
         """What a worker answers, of which tests make something else."""

@@ -99,9 +99,9 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
 
 def test_other_versions_are_told_and_noted(copy, monkeypatch):
     monkeypatch.setattr(of_run, "LocalCluster", None)
-    other = attributes.versions() | {"numpy": "99.0"}
+    other = attributes.package_versions() | {"numpy": "99.0"}
     for module in (attributes, execute):
-        monkeypatch.setattr(module, "versions", lambda: other)
+        monkeypatch.setattr(module, "package_versions", lambda: other)
     messages = []
     for _ in range(2):
         run_sweep(SWEEP, copy, tell=messages.append)
