@@ -26,8 +26,10 @@ gallery: .venv/run    ## recompute every figure and table of the paper, and thei
 	$(BIN)/python -m workflows.paper all -o workflows
 
 reference: .venv/run  ## write the references of the scene file and of the dataset anew
-	$(BIN)/python -m pipeline.scene.reference > workflows/SCENE.md
-	$(BIN)/python -m pipeline.store.reference > workflows/DATASET.md
+	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md
+	$(BIN)/python -m pipeline.scene.reference >> workflows/SCENE.md
+	sed -i '/^## Coordinates/,$$d' workflows/DATASET.md
+	$(BIN)/python -m pipeline.store.schema >> workflows/DATASET.md
 
 docs: .venv/test      ## build the site of all pages into results/docs, its notebook and figures executed
 	rm -rf results/gallery.zarr  # of the last build, perhaps by other code

@@ -21,19 +21,6 @@ from pipeline.scene.schema import Either, Entry, List, Optional, Table, Tables
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
 
-_HEAD = """# The scene file
-
-For whoever writes a scene. After it you know what each entry means, its unit and its default. This
-page is made from the format itself by `make reference`.
-[`YOUR_SYSTEM.md`](YOUR_SYSTEM.md) leads from a drawing or a measured surface to a diagram.
-
-A scene is a TOML file in UTF-8. Quantities are text with a unit, such as `"750 N"`, in any unit of
-the right dimension; decimals have a point; a bare number where a unit is due is a fault.
-A velocity may be `"600 rpm at radius 25 mm"`, or `at diameter`.
-`irg new scene.toml --full` writes a scene that holds all of this as comments, and
-`irg check scene.toml` names every fault at once.
-"""
-
 
 @dataclass(frozen=True, slots=True)
 class Section:
@@ -109,8 +96,8 @@ def meanings() -> dict[str, str]:
 
 
 def page() -> str:
-    """The reference as a page of Markdown."""
-    parts = [_HEAD]
+    """The tables of all entries, as the page of the scene file has them behind its head."""
+    parts = []
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
         need = " May be left out." if isinstance(section.entry, Optional) else ""
@@ -167,7 +154,7 @@ def _cell(kind: Kind) -> str:
 _WIDTH = 98
 _USUAL = "first_try"
 _FILES = ("disk.roughness.file", "loading.file")
-_HEAD_IN_FULL = """\
+_HEAD = """\
 # A scene to start from. Its entries are those of a steel cylinder on a ground steel disk in white
 # oil: put your own in their place. An entry such as "#hold" is not used; take the # off to use it.
 """
@@ -251,7 +238,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     source = shipped[like or _USUAL]
     entries = read_document(source, Faults()).entries()
     if like is None:
-        head = _HEAD_IN_FULL
+        head = _HEAD
         entries |= {"title": "My system", "fidelity": {"preset": USUAL_PRESET}}
         del entries["measured"]
     else:

@@ -201,3 +201,34 @@ def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
         inner = tuple(dim for dim in variable.dims if dim not in placed)
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*front, *inner))
     return table
+
+
+_WITH = {
+    "Variables of bodies that differ in bulk temperature": BULK_COLUMNS.keys() | BULK_FIELDS,
+}
+_OTHERS = "Fields at the end of each point", "Variables at each station", "Variables of each point"
+
+
+def _title(name: str) -> str:
+    """Title of the table that a variable stands in."""
+    if is_coordinate(name):
+        return "Coordinates"
+    special = (title for title, names in _WITH.items() if name in names)
+    fields, stations, points = _OTHERS
+    usual = fields if name in AT_END else stations if name in STEPPED else points
+    return next(special, usual)
+
+
+def page() -> str:
+    """Tables of every variable, as the page of the dataset has them behind its other sections."""
+    tables: dict[str, list[str]] = {}
+    for name, variable in VARIABLES.items():
+        dims, units = ", ".join(variable.dims), variable.units or ""
+        row = f"| `{name}` | {dims} | {units} | {variable.long_name} |\n"
+        tables.setdefault(_title(name), []).append(row)
+    head = "| variable | dimensions | unit | meaning |\n|---|---|---|---|\n"
+    return "\n".join(f"## {title}\n\n{head}{''.join(rows)}" for title, rows in tables.items())
+
+
+if __name__ == "__main__":
+    print(page(), end="")

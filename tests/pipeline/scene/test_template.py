@@ -16,7 +16,7 @@ KEYS = [(section, key) for section in sections() for key in section.keys()]  # n
 
 def test_the_page_is_what_the_format_says():
     text = (WORKFLOWS / "SCENE.md").read_text(encoding="utf-8")
-    assert text == page(), "write it anew with: make reference"
+    assert text.endswith(page()), "write it anew with: make reference"
 
 
 def test_every_entry_has_a_sentence():
