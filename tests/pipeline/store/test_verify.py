@@ -98,9 +98,7 @@ def test_damage_to_data_is_named_and_computed_again(copy, name, harm):
 def test_damage_to_a_field_costs_its_point_alone(copy, harm):
     harm(copy / "rise" / "c.1.1.0.0")
     verification = verify_store(copy)
-    is_lost = not (copy / "rise" / "c.1.1.0.0").exists()
-    reason = "rise cannot be read" if is_lost else "the data are not those that were computed"
-    assert reasons(verification.damaged) == {POINT: reason}
+    assert reasons(verification.damaged) == {POINT: "rise cannot be read"}
     assert verification.done == 8
     assert_repaired(copy, {POINT})
 
@@ -206,7 +204,7 @@ def test_statuses_that_cannot_be_read_are_no_clean_store(copy, name):
 def test_the_command_names_what_is_damaged(copy, irg):
     flip_in_the_middle(copy / "rise" / "c.1.1.0.0")
     document = irg("verify", copy, "--json", code=1)
-    reason = "the data are not those that were computed"
+    reason = "rise cannot be read"
     assert document["done"] == 8
     assert document["damaged"] == [
         {"load": 250.0, "velocity": 1.0, "message": reason, "place": "250 N, 1 m/s"}
@@ -224,7 +222,7 @@ def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
     cut(path / "realization" / "c.0")
     verification = verify_store(path, repair=True)
     assert list(map(str, verification.damaged)) == [
-        "150 N, 0.5 m/s, surface 2: the data are not those that were computed"
+        "150 N, 0.5 m/s, surface 2: pressure cannot be read"
     ]
     assert verification.shared == ("the coordinate realization is damaged",)
     assert verify_store(path).is_clean
