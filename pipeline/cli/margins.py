@@ -15,16 +15,17 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.boundary_tables import (
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.dataset import attributes_of, has_plane
+from pipeline.analysis.frames import (
     BOUNDARIES,
     JUDGED,
     by_friction,
+    compared,
     frames_of,
     frictions_of,
+    on_tests,
 )
-from pipeline.analysis.compared import compared, on_tests
-from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import attributes_of, has_plane
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margins import LONG, in_counts, margins_at, notes_of
 from pipeline.analysis.scenes import parts_of, words

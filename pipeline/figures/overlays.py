@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from scipy.ndimage import distance_transform_edt
 
-from pipeline.analysis.compared import own_conditions
 from pipeline.analysis.dataset import attributes_of
+from pipeline.analysis.frames import own_conditions
 from pipeline.analysis.transition import crossing
 from pipeline.figures.style import BLACK, BLUE, GREY, REGION, TINTS, VERMILION
 from pipeline.sweep.conditions import Conditions

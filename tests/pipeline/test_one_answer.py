@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.boundary_tables import frames_of
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.frames import frames_of
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, SEVERE, outcomes
 from pipeline.cli import main
 from pipeline.cli.margins import document_of

@@ -16,7 +16,6 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pipeline.analysis.compared import laboratory_tests
 from pipeline.analysis.conditions import at_wear_rate, conditions_of
 from pipeline.analysis.dataset import (
     asked,
@@ -31,6 +30,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.difference import entries_of
+from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach

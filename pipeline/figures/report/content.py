@@ -14,8 +14,6 @@ import yaml
 from matplotlib.figure import Figure
 
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.boundary_tables import JUDGED, frames_of
-from pipeline.analysis.compared import agreement, compared
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     asked,
@@ -26,6 +24,7 @@ from pipeline.analysis.dataset import (
     variant_of,
 )
 from pipeline.analysis.difference import entries_of
+from pipeline.analysis.frames import JUDGED, agreement, compared, frames_of
 from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import frame_of, html_of, short

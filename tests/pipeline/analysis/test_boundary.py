@@ -6,8 +6,8 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.boundary_tables import frames_of
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, refined
+from pipeline.analysis.frames import frames_of
 from pipeline.analysis.transition import crossing
 from pipeline.cli.margins import document_of, text_of
 from pipeline.cli.output import lines_in

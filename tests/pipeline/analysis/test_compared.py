@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.analysis.compared import agreement, compared
+from pipeline.analysis.frames import agreement, compared
 from pipeline.figures.diagram import diagram
 from tests.helpers import synthetic
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.boundary_tables import frames_of
+from pipeline.analysis.frames import frames_of
 from tests.helpers import synthetic
 
 HEADS = ["friction", "load [N]", "critical velocity [m/s]", "outcome"]
