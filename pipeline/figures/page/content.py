@@ -41,7 +41,6 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
 from pipeline.sweep.selection import Selection
-from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion
 from tribo.types import Array, Mask
