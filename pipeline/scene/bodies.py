@@ -81,6 +81,9 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
         "diameter": Optional(length("100 mm"),
             f"Diameter of the track around the {body}, whose circumference is the length of the "
             "track; in place of `track_length`."),
+        "width": Optional(length("20 mm"),
+            f"Width of the {body} across the track, which is in its middle: heat of earlier turns "
+            "does not leave by its sides. By default it is much wider than the contact."),
         "capacity": Optional(
             Either(Quantity("a heat capacity", "650 J/K"), Table({
                 "diameter": Entry(length("150 mm")),

@@ -181,6 +181,13 @@ def _of_tracks(sound: Sound) -> Misfits:
                 f"{display(length, 'mm')}; give one of them",
                 f"{body}.track_length",
             )
+        width, contact = sound(f"{body}.width", "pin.length")
+        if width and not (length or diameter):
+            problem = "no heat of earlier turns is there to flow across it; give a diameter, too"
+            yield f"{body}.width", f"{display(width, 'mm')}, but {problem}, or leave it out"
+        elif width and contact and width < contact:
+            problem = f"is narrower than the contact, {display(contact, 'mm')} of pin.length"
+            yield f"{body}.width", f"{display(width, 'mm')} {problem}; give at least that"
     motion, pin = sound("motion", "pin")
     around = track_of(pin) if pin else None
     if not around:

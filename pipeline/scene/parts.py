@@ -116,16 +116,17 @@ def corrections_of(
     elif rod:
         conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
         stem = tribo.Stem.rod(rod["length"], rod["area"], *conduction)
-    of_pin, of_disk = track_of(tables["pin"]), track_of(tables["disk"])
     corrections = tribo.Corrections(
         friction=tuple((velocity, mu / coefficient) for velocity, mu in measured),
-        track=tribo.Track.under(pin, disk, of_disk) if of_disk else None,
-        pin_track=tribo.Track.under(pin, pin.material, of_pin) if of_pin else None,
+        track=_ring_of(tables["disk"], pin, disk),
+        pin_track=_ring_of(tables["pin"], pin, pin.material),
         stem=stem,
         film_resistance=film["thickness"] / film["thermal_conductivity"] if film else 0.0,
         pin_bulk=_bulk_of(tables["pin"], pin.material),
         disk_bulk=_bulk_of(tables["disk"], disk),
-        motion=motion_of(tables) if of_disk or of_pin else None,
+        motion=motion_of(tables)
+        if any(track_of(tables[body]) for body in ("pin", "disk"))
+        else None,
     )
     return corrections if corrections != tribo.Corrections() else None
 
@@ -144,6 +145,14 @@ def track_of(body: Mapping[str, Any]) -> float | None:
     """Length of the track around a body [m]; None if its table gives none."""
     length: float | None = body["track_length"]
     return math.pi * body["diameter"] if body["diameter"] else length
+
+
+def _ring_of(
+    body: Mapping[str, Any], pin: tribo.Pin, material: tribo.Material
+) -> tribo.Track | None:
+    """The track around a body of a material; None if its table gives none."""
+    length = track_of(body)
+    return tribo.Track.under(pin, material, length, body["width"]) if length else None
 
 
 def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | None:

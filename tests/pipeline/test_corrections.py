@@ -130,6 +130,8 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
         ("disk.track_length=0 m", "above 0"),
         ("disk.track_length=2 mm", "times the width of the contact"),
         ("pin.track_length=314 mm", "the pin is at rest"),
+        ("disk.width=20 mm", "no heat of earlier turns"),
+        ("disk={diameter='9 cm', width='3 mm', material='steel'}", "narrower than the contact"),
         ("disk.loss=2 W", "cannot be converted to W/K"),
         ("disk.capacity={diameter='3 mm'}", "disk.capacity.thickness: missing"),
     ],

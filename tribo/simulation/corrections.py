@@ -55,6 +55,8 @@ class Track:
         Width of the contact across the track over that along it, of a ball or a crowned pin.
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the body.
+    body_width : float or None
+        Width of the body, with the track in its middle [m]; None for a half-space.
 
     Examples
     --------
@@ -67,10 +69,13 @@ class Track:
     aspect: float
     thermal_diffusivity: float
     heat_capacity: float
+    body_width: float | None = None
 
     @classmethod
-    def under(cls, pin: Pin, body: Material, length: float) -> Self:
-        """The track of a pin's contact around a body, of a length [m].
+    def under(
+        cls, pin: Pin, body: Material, length: float, body_width: float | None = None
+    ) -> Self:
+        """The track of a pin's contact around a body, of a length and on a width [m].
 
         Examples
         --------
@@ -81,7 +86,7 @@ class Track:
         """
         aspect = pin.hertz(1.0, 1e11).aspect if pin.length is None else 1.0
         capacity = body.density * body.specific_heat
-        return cls(length, pin.length, aspect, body.thermal_diffusivity, capacity)
+        return cls(length, pin.length, aspect, body.thermal_diffusivity, capacity, body_width)
 
     def __post_init__(self) -> None:
         require_positive(**{k: v for k, v in asdict(self).items() if v is not None})
@@ -328,17 +333,21 @@ def _of_turns(track: Track | None, moments: Sequence[_Moment], speeds: Array) ->
         return 0.0
     return np.array(
         [
-            track_warming(
-                moment.times[-1],
-                track.length / speed,
-                (moment.times, moment.loads),
-                track.width or track.aspect * moment.contact_width,
-                track.thermal_diffusivity,
-                track.heat_capacity,
-            )
-            / (moment.loads[-1] * speed)
-            if speed
-            else 0.0
+            _warming_of(track, moment, speed) / (moment.loads[-1] * speed) if speed else 0.0
             for moment, speed in zip(moments, speeds.tolist(), strict=True)
         ]
+    )
+
+
+def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
+    """Warming of a track at a moment by earlier turns, if all heat flows into its body [K]."""
+    width = track.width or track.aspect * moment.contact_width
+    return track_warming(
+        moment.times[-1],
+        track.length / speed,
+        (moment.times, moment.loads),
+        width,
+        track.thermal_diffusivity,
+        track.heat_capacity,
+        max(width, track.body_width or math.inf),
     )

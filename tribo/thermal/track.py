@@ -10,6 +10,7 @@ import scipy
 from tribo.types import Array
 
 _SINGLE = 400  # passes that are summed one by one; of all earlier ones an integral is taken
+_IMAGES, _MODES = 3, 4  # enough for 1e-11 on their side of a spread of a quarter of the body
 _PANEL, _NODES = 2.0, 5  # ratio of the ages at the ends of a panel, and nodes in each
 
 
@@ -20,6 +21,7 @@ def track_warming(
     width: float,
     diffusivity: float,
     heat_capacity: float,
+    body_width: float = math.inf,
 ) -> float:
     """Warming of the track by earlier passes, for each unit of the heat per distance [K].
 
@@ -28,6 +30,9 @@ def track_warming(
     t later, warmer by (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959, §10.3)
 
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
+
+    A body of a width W, insulated at its sides and with the track in its middle, has mirror images
+    of the strip beside it; with W = B the last factor is 1.
 
     The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round [s], with the load F
     that the pin carried then: `loads` are times [s] and loads [N], linear in between and 0 at
@@ -52,7 +57,7 @@ def track_warming(
         age = passed * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
-        strip: Array = scipy.special.erf(width / (4 * spread))
+        strip = strip_left(width, body_width, spread)
         warming: Array = load * strip / (width * heat_capacity * math.sqrt(math.pi) * spread)
         return warming
 
@@ -68,3 +73,29 @@ def track_warming(
         passed = np.minimum(ends[:-1, None] + halves * (nodes + 1), time / round_trip)
         warming += float((halves * weights * left(passed)).sum())
     return warming
+
+
+def strip_left(width: float, body_width: float, spread: Array) -> Array:
+    """Warming in the middle of a strip that has spread by √(κt), over that of an endless plane.
+
+    In a body of a width W the strip of width B has images at a distance W, or in Fourier space
+
+        B/W (1 + 2 Σ sinc(kB/W) exp(−(2πk/W)²κt)),  k = 1, 2 …
+
+    Examples
+    --------
+    >>> strip_left(2e-3, np.inf, np.array([1e-4, 1e-2])).round(4).tolist()
+    [1.0, 0.0564]
+    >>> strip_left(2e-3, 4e-3, np.array([1e-4, 1e-2])).round(4).tolist()
+    [1.0, 0.5]
+    """
+    if math.isinf(body_width):
+        alone: Array = scipy.special.erf(width / (4 * spread))
+        return alone
+    share, images = width / body_width, body_width * np.arange(-_IMAGES, _IMAGES + 1)[:, None]
+    near = scipy.special.erf((width / 2 + images) / (2 * spread.ravel())).sum(axis=0)
+    modes = np.arange(1, _MODES + 1)[:, None]
+    decay = np.exp(-((2 * math.pi * modes * spread.ravel() / body_width) ** 2))
+    far = share * (1 + 2 * (np.sinc(modes * share) * decay).sum(axis=0))
+    left: Array = np.where(4 * spread.ravel() < body_width, near, far).reshape(spread.shape)
+    return left

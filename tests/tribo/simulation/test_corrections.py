@@ -60,6 +60,20 @@ def test_both_discs_are_warmed_by_their_own_turns(load):
     assert added(of_both, columns) == pytest.approx(SHARE * pin + (1 - SHARE) * disk, rel=0.01)
 
 
+@pytest.mark.parametrize(("load", "kelvin"), [(3000.0, 25.6), (5000.0, 34.3), (8000.0, 42.3)])
+def test_a_disc_as_wide_as_the_contact_loses_no_heat_to_its_sides(load, kelvin):
+    """The table of PHYSICS.md, section 14, whose sum leaves out the factor of the strip."""
+    velocity = {3000.0: 6.6, 5000.0: 4.1, 8000.0: 2.5}[load]
+    columns = record([load / 500.0], [load], velocity, rise=1e9)
+    narrow = replace(TRACK, body_width=WIDTH)
+    of_both = tribo.Corrections(track=narrow, pin_track=narrow, motion=ROLLING)
+    assert 0.06 * added(of_both, columns) == pytest.approx(kelvin, rel=0.01)
+    wide = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=ROLLING)
+    between = replace(TRACK, body_width=1.2 * WIDTH)
+    of_some = tribo.Corrections(track=between, pin_track=between, motion=ROLLING)
+    assert added(wide, columns) < added(of_some, columns) < added(of_both, columns)
+
+
 def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
     """A disc a fifth as far around: with the share of each turn of its own 39.9 K, not 50 K."""
     track = replace(TRACK, length=0.063)

@@ -5,6 +5,7 @@ import pytest
 import scipy
 
 from tribo.thermal import track_warming
+from tribo.thermal.track import strip_left
 
 DIFFUSIVITY, CAPACITY = 1.2275e-5, 3.666e6
 STEADY = np.array([1e-9, 1e9]), np.array([100.0, 100.0])
@@ -40,6 +41,17 @@ def test_many_passes_are_summed_as_few():
     warming = track_warming(20.0, 0.01, ramp, 3.4e-3, DIFFUSIVITY, CAPACITY)
     one_by_one = sum(alone(n, 100.0 * (1 - n / 2000)) for n in range(1, 2001))
     assert warming == pytest.approx(one_by_one, rel=1e-5)
+
+
+@pytest.mark.parametrize("age", [1e-3, 0.1, 1.0, 30.0])
+@pytest.mark.parametrize("body_width", [3.4e-3, 5e-3, 20e-3])
+def test_a_body_between_insulated_sides_is_a_row_of_strips(age, body_width):
+    """Strips side by side at a distance of the body's width, summed one by one."""
+    width = 3.4e-3
+    edges = width / 2 + body_width * np.arange(-2000, 2001)
+    alike = scipy.special.erf(edges / (2 * math.sqrt(DIFFUSIVITY * age))).sum()
+    left = strip_left(width, body_width, np.array([math.sqrt(DIFFUSIVITY * age)]))
+    assert left == pytest.approx(alike, rel=1e-9)
 
 
 def test_before_the_first_round_the_track_is_cold():
