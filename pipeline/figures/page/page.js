@@ -28,7 +28,7 @@ function begin() {
     update();
   });
   update();
-  window.addEventListener("resize", update);
+  new ResizeObserver(update).observe(element("diagram"));
 }
 
 begin();

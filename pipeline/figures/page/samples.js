@@ -106,7 +106,7 @@ function beginSamples() {
   judge(NaN, NaN);
   showSigns(testSigns(samples.measured));
   offerCsv("velocities", samples.name);
-  window.addEventListener("resize", drawSamples);
+  new ResizeObserver(drawSamples).observe(element("diagram"));
 }
 
 beginSamples();
