@@ -135,6 +135,13 @@ def _of_loading(sweep: Sweep, facts: Facts) -> Iterator[str]:
 def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
     if note := note_on_turns(sweep):
         yield note
+    speeds = [sweep.scene.velocities_at(velocity) for velocity in sweep.plane.velocities]
+    for body, track in tracks_of(sweep).items():
+        if not any(getattr(speed, body) for speed in speeds):
+            yield (
+                f"the {body} is at rest, so that no earlier turn warms its track of "
+                f"{1e3 * track.length:.4g} mm: leave out the {body}'s diameter or track_length"
+            )
     turns = [
         facts.duration.low * abs(sweep.scene.velocities_at(velocity).pin) / sweep.scene.track_length
         for velocity in sweep.plane.velocities
