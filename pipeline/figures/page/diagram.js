@@ -81,17 +81,23 @@ function drawnShades(frame) {
  * @param {Frame} frame @param {number[]} low @param {number[]} high @param {"mild" | "severe"} kind
  */
 function regionName(frame, low, high, kind) {
-  const words = content.regions[kind === "mild" ? 0 : 1];
+  const name = content.regions[kind === "mild" ? 0 : 1];
   const parts = content.parts.load;
   const between = sweep.fine.load.map((_, k) => k).filter((k) => k % parts === parts >> 1);
-  const places = between.map((k) => {
-    const [left, right, y] = [frame.x(low[k]), frame.x(high[k]), frame.y(sweep.fine.load[k])];
-    const room = Math.min((right - left) / (8 * words.length), (frame.bottom - y) / 24, (y - frame.top) / 24);
-    return { x: (left + right) / 2, y: y + 4, room: room || 0 };
-  });
-  const best = places.sort((one, other) => other.room - one.room)[0];
-  if (!(best?.room > 1)) return [];
-  return [svg("text", { x: best.x, y: best.y, class: `region region-${kind}` }, words)];
+  for (const lines of [[name], name.split(/ (?=\()/)]) { // in one line, or in two
+    const [width, height] = [8 * Math.max(...lines.map((words) => words.length)), 8 + 16 * lines.length];
+    const places = between.map((k) => {
+      const [left, right, y] = [frame.x(low[k]), frame.x(high[k]), frame.y(sweep.fine.load[k])];
+      const room = Math.min((right - left) / width, (frame.bottom - y) / height, (y - frame.top) / height);
+      return { x: (left + right) / 2, y: y + 12 - 8 * lines.length, room: room || 0 };
+    });
+    const best = places.sort((one, other) => other.room - one.room)[0];
+    if (best?.room > 1) {
+      const spans = lines.map((words, k) => svg("tspan", { x: best.x, y: best.y + 16 * k }, words));
+      return [svg("text", { class: `region region-${kind}` }, ...spans)];
+    }
+  }
+  return [];
 }
 
 /**
@@ -135,15 +141,33 @@ function everyPoint() {
   return sweep.loads.flatMap((_load, i) => sweep.velocities.map((_velocity, j) => ({ i, j })));
 }
 
-/** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
+/**
+ * All points about a point have its own kind of wear.
+ * @param {string[][]} kinds @param {number} i @param {number} j
+ */
+function isFar(kinds, i, j) {
+  const about = kinds.slice(Math.max(i - 1, 0), i + 2).flatMap((row) => row.slice(Math.max(j - 1, 0), j + 2));
+  const isJudged = kinds[i][j] === "mild" || kinds[i][j] === "severe";
+  return isJudged && about.every((kind) => kind === kinds[i][j]);
+}
+
+/**
+ * Marks of the points: faint far from the boundary, ringed where they carry a warning.
+ * @param {Frame} frame
+ */
 function drawnMarks(frame) {
   const r = sweep.loads.length * sweep.velocities.length < 1500 ? 3.4 : 2;
+  const kinds = sweep.loads.map((_load, i) => sweep.velocities.map((_velocity, j) => kindOf(i, j)));
+  const all = kinds.flat();
+  const isCrossed = all.includes("mild") && all.includes("severe");
   return everyPoint().flatMap(({ i, j }) => {
-    const kind = kindOf(i, j);
+    const kind = kinds[i][j];
     if (!kind) return [];
     const [x, y] = [frame.x(sweep.velocities[j]), frame.y(sweep.loads[i])];
     const rings = hasWarning(i, j) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
-    return [...rings, mark(kind, x, y, r)];
+    const drawn = mark(kind, x, y, r);
+    drawn.classList.toggle("is-far", isCrossed && isFar(kinds, i, j));
+    return [...rings, drawn];
   });
 }
 

@@ -20,7 +20,7 @@ POINT = ("realization", "load", "velocity")
 """Dimensions of the points of a page, as far as its sweep has them."""
 _SIDE = 120  # elements along each axis, at most
 _LEVELS = 255
-_COLOURS = "viridis_r", "inferno", "cividis"  # of pressure, temperature and wear, as in figures
+_COLOURS = "viridis_r", "inferno", "cividis_r"  # of pressure, temperature and wear, as in figures
 
 
 def packed_fields(
@@ -57,7 +57,7 @@ def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
     elements = _summed(np.ones_like(pressure), block)
     p, h = (_summed(field, block) / elements for field in (pressure, wear_depth))
     low, high, warmth = _over_contact(rise, contact, touching, block)
-    levels = _levels(p, 0.0, p.max(), 0), warmth, _levels(h, 0.0, h.max(), 1)
+    levels = _levels(p, 0.0, p.max(), 0), warmth, _levels(h, 0.0, h.max(), 0)
     pictures = map(_picture, levels, _COLOURS)
     return [float(p.max()), low, high, float(h.max()), *pictures]
 
