@@ -64,7 +64,7 @@ def fig5(study: Study) -> Report:
         data={
             name: {"time": time, "max_celsius": celsius} for name, (time, celsius) in curves.items()
         },
-        figure=_draw(curves, full, heating(sweep.conditions)),
+        figure=_draw(curves, full, f"{load:g} N, {velocity:g} m/s\n{heating(sweep.conditions)}"),
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, in_house_style
 from tribo import InputError, Ramp, Wear, rig_heating, specific_wear_rate
 from tribo.types import Array
 from workflows.paper.publication import (
@@ -214,22 +214,26 @@ def _draw(critical: dict[str, Array], printed: float, rates: dict[float, list[fl
             places, mean(values), spread(values),
             color=colour, marker="o", ls="none", capsize=3, label=name,
         )  # fmt: skip
-        left.hlines(values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
+        left.hlines(
+            values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9,
+            label=f"{name}, mean",
+        )  # fmt: skip
         start += len(values)
     label = f"white oil on the rig, {printed:g} °C"
     left.axhline(printed, color=GREY, ls=":", lw=1.4, label=label)
-    ticks = [f"{row.normal_load:g} N" for row in TABLE_4]
+    ticks = [f"{row.normal_load:g} N\n{ROOM_CELSIUS:g} °C" for row in TABLE_4]
     ticks += [f"{row.normal_load:g} N\n{row.bulk_celsius:g} °C" for row in TABLE_6]
     left.set_xticks(range(start), ticks[:start], fontsize=8)
     bottom, top = left.get_ylim()
-    left.set(ylim=(bottom, top + 0.25 * (top - bottom)), ylabel="critical temperature [°C]")
+    left.set(ylim=(bottom, top + 0.4 * (top - bottom)), ylabel="critical temperature [°C]")
     left.set_title("from each measured transition", loc="left")
     left.legend(loc="upper left")
-    for (load, row), colour in zip(rates.items(), (BLACK, BLUE, VERMILION, GREEN), strict=True):
-        right.plot(_DURATIONS, _UNIT * np.array(row), "o-", color=colour, label=f"{load:g} N")
+    for (load, row), marker in zip(rates.items(), "os^D", strict=True):
+        rate = _UNIT * np.array(row)
+        right.plot(_DURATIONS, rate, marker=marker, color=BLUE, label=f"{load:g} N")
     right.axhline(_UNIT * SPECIFIC_WEAR_RATE, color=GREY, ls=":", lw=1.4, label="printed")
     right.set(xlabel="duration of the test [s]", ylim=(0, None))
     right.set_ylabel("specific wear rate [10$^{-6}$ mm³/(N m)]")
-    right.set_title("from each measured contact width", loc="left")
+    right.set_title("white oil, from each measured contact width", loc="left")
     right.legend(loc="lower left", ncols=2)
     return figure

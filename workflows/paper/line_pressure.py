@@ -133,9 +133,9 @@ def _draw(sweep: Sweep, fields: Mapping[str, Array], peak: float, half_width: fl
     hertz = hertz_pressure(x, half_width, peak) / 1e9
     across.plot(1e6 * x, hertz, color=GREY, ls=":", lw=2.6, label="Hertz")
     along.axhline(peak / 1e9, color=GREY, ls=":", lw=2.6)
-    across.set_title("across the contact, in the middle", loc="left")
-    across.set(xlabel="x [µm]", ylabel="pressure [GPa]", ylim=(0, 1.45))
+    across.set_title("c  across the contact, in the middle", loc="left")
+    across.set(xlabel="x, along sliding [µm]", ylabel="pressure [GPa]", ylim=(0, 1.45))
     across.legend(loc="upper center", ncols=2)
-    along.set_title("along the cylinder, at x = 0", loc="left")
-    along.set(xlabel="y [µm]", ylim=(0.8, 1.6))
+    along.set_title("d  along the cylinder, at x = 0", loc="left")
+    along.set(xlabel="y [µm]", ylabel="pressure [GPa]", ylim=(0.8, 1.6))
     return figure

@@ -234,11 +234,11 @@ def _draw(
         if row:
             _curve(right, row, name, *look)
     right.set_xlabel("increments of the ramp")
-    right.axvline(_PUBLISHED, color=GREY, lw=0.9)
+    right.axvline(_PUBLISHED, color=GREY, lw=0.9, label="as in c and d" if fields else None)
     bottom, top = left.get_ylim()
-    left.set_ylim(bottom, top + 0.3 * (top - bottom))
-    for letter, axes in (("a", left), ("b", right)):
-        axes.set_title(letter, loc="left")
+    left.set_ylim(bottom, top + 0.4 * (top - bottom))
+    for words, axes in (("a  with smaller elements", left), ("b  with shorter steps", right)):
+        axes.set_title(words, loc="left")
         axes.legend(loc="upper right")
     return figure
 
@@ -273,7 +273,7 @@ def _patches(figure: SubFigure, sweep: Sweep, fields: Mapping[str, Array], incre
             extent=(0, dx * part.shape[0], 0, dy * part.shape[1]),
         )  # fmt: skip
         axes.set_title(f"{letter}  {name}, {increments} increments", loc="left")
-        axes.set_xlabel("x [µm]")
+        axes.set_xlabel("x, along sliding [µm]")
         axes.grid(visible=False)
     row[0].set_ylabel("y [µm], a part of the contact")
     figure.colorbar(image, ax=list(row), label="pressure [GPa]", pad=0.02)

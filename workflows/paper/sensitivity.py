@@ -192,32 +192,38 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
             np.array([mean(outcome[name]) for outcome in variants.values()])
             for name in ("max_celsius", "exceeded_celsius", _OFF)
         )
-        _line(upper, highest, BLUE, "highest")
-        _line(upper, exceeded, GREEN, "exceeded on 10 %")
+        joined = sum(", length" not in name for name in variants)
+        _line(upper, highest, BLUE, "highest", joined)
+        _line(upper, exceeded, GREEN, "exceeded on 10 %", joined)
         upper.axhline(printed, color=BLACK, ls="--", lw=1.2, label="printed, highest")
-        upper.axhline(critical, color=GREY, ls=":", lw=1.2, label="critical")
+        upper.axhline(critical, color=GREY, ls=":", lw=1.2, label=f"critical, {critical:g} °C")
         upper.set_title({"lay": "lay, along × across sliding"}.get(kind, kind))
-        _line(lower, 100 * off, VERMILION, "")
+        _line(lower, 100 * off, VERMILION, "critical velocity", joined)
         lower.axhline(0, color=BLACK, lw=1.0)
-        lower.axhspan(-100 * _GOOD, 100 * _GOOD, color="#EEEEEE", zorder=0)
+        good = f"within {100 * _GOOD:g} %"
+        lower.axhspan(-100 * _GOOD, 100 * _GOOD, color="#E4E4E4", zorder=0, label=good)
         lower.tick_params(axis="x", labelsize=9)
-        names = [name.replace(", length ", "\n") for name in variants]
+        names = [name.replace(", length ", ",\nlength ") for name in variants]
         lower.set_xticks(range(len(variants)), names)
         lower.set_xlim(-0.4, len(variants) - 0.6)
     rows[0][0].set_ylabel("at the measured\ntransitions [°C]")
     rows[1][0].set_ylabel("critical velocity against\nthe measured one [%]")
-    shared = rows[0][0].get_legend_handles_labels()
-    figure.legend(*shared, loc="outside lower center", ncols=4)
+    parts = zip(*(axes.get_legend_handles_labels() for axes in rows[:, 0]), strict=True)
+    title = "mean over transitions and surfaces; bars from the lowest transition to the highest"
+    handles, labels = (first + second for first, second in parts)
+    figure.legend(handles, labels, loc="outside lower center", ncols=6, title=title)
     return figure
 
 
-def _line(axes: Axes, values: Array, colour: str, label: str) -> None:
+def _line(axes: Axes, values: Array, colour: str, label: str, joined: int) -> None:
     """Mean over transitions and surfaces, with the range of the transitions' own means.
 
-    The values have the shape (variants, transitions).
+    The values have the shape (variants, transitions); so many variants, that differ in one thing,
+    are joined.
     """
     middle, low, high = values.mean(axis=1), values.min(axis=1), values.max(axis=1)
     axes.errorbar(
         range(len(values)), middle, (middle - low, high - middle),
-        color=colour, marker="o", capsize=3, label=label,
+        color=colour, marker="o", ls="none", capsize=3, label=label,
     )  # fmt: skip
+    axes.plot(range(joined), middle[:joined], color=colour)

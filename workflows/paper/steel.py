@@ -150,9 +150,11 @@ def _draw(by_oil: Mapping[str, Array], printed: float) -> Figure:
         axes.axvline(K, color=GREY, ls=":", lw=1.2)
         axes.annotate(
             text, (K, 1.0), (3, -3), xycoords=("data", "axes fraction"), va="top", fontsize=8,
-            textcoords="offset points", color=GREY, rotation=90,
+            textcoords="offset points", color=GREY,
         )  # fmt: skip
     axes.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, top + 0.12 * (top - bottom))  # room for the words at the lines
     axes.set_title("from each measured transition", loc="left")
     axes.legend(loc="upper right", fontsize=7.5)
     return figure

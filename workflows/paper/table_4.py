@@ -18,6 +18,7 @@ from workflows.paper.report import Report, agree, line, mean, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import (
     HIGHEST,
+    SPREAD,
     beside,
     celsius_of,
     ensemble,
@@ -171,9 +172,11 @@ def _draw(data: dict[str, Any], critical: float) -> Figure:
     beside(fourth, ticks, None, data["exceeded_celsius"], exceeded)
     first.set_ylim(0, None)
     for axes in (third, fourth):
-        axes.axhline(critical, color=GREY, ls=":", lw=1.2)
+        axes.axhline(critical, color=GREY, ls=":", lw=1.2, label=f"critical, {critical:g} °C")
     lows, highs = zip(third.get_ylim(), fourth.get_ylim(), strict=True)
     for axes in (third, fourth):
         axes.set_ylim(min(lows), max(highs))
-    figure.legend(*third.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(
+        *third.get_legend_handles_labels(), loc="outside lower center", ncols=5, title=SPREAD
+    )
     return figure

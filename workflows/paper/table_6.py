@@ -15,7 +15,15 @@ from tribo.types import Array
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import Report, agree, line, mean, spread, texts
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, beside, celsius_of, ensemble, name_of, oil_a
+from workflows.paper.transitions import (
+    HIGHEST,
+    SPREAD,
+    beside,
+    celsius_of,
+    ensemble,
+    name_of,
+    oil_a,
+)
 
 _LIKE = 0.15  # relative, of rises that are said to be alike
 _DECISIVE = 3.0  # times as large a misfit, from which one reading is taken for the other
@@ -144,5 +152,6 @@ def _draw(data: dict[str, Any], names: Sequence[str], share: str) -> Figure:
     beside(right, ticks, None, data["exceeded_celsius"], title)
     for axes in (left, right):
         axes.tick_params(axis="x", labelsize=8)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    shared = left.get_legend_handles_labels()
+    figure.legend(*shared, loc="outside lower center", ncols=4, title=SPREAD)
     return figure

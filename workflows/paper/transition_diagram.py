@@ -74,6 +74,8 @@ def fig10(study: Study) -> Report:
 
 def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
     """Draw the transition by the paper's Eq. (26), wear by the local pressure, into a diagram."""
+    swept = figure.legends[0].get_texts()[0]
+    swept.set_text(f"{swept.get_text()}, swept wear")
     axes, loads = figure.axes[0], crossings["load"].values
     velocities = crossings["critical_velocity"].values
     known = np.isfinite(velocities)

@@ -44,6 +44,9 @@ _LOOKS = {
     "swept, bulk 25 °C": (GREEN, "o"),
 }
 
+SPREAD = "computed: mean and standard deviation over the surfaces"
+"""Title of the legend of what `beside` draws."""
+
 
 def white_oil(study: Study) -> list[Tested]:
     """The transitions of Table 4, in their scene."""
