@@ -24,6 +24,8 @@ MOST = 32
 """Number of inputs that may be unknown."""
 MOST_SAMPLES = 1_000_000
 """Number of samples that may be drawn."""
+OF_90 = 1.645
+"""Normal score within which 90 % lie, on either side."""
 _OUTERMOST = 7.0  # normal score beyond which nothing is drawn
 _OFF_FACES = 2.0**-40  # of the unit cube, on which a normal score is infinite
 

@@ -14,12 +14,12 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.emulator import Keeper, factor, outer
 from tribo.types import Array
 
 COUNT = 25
 """Boundaries of a certificate, and runs of each kind."""
-_SCORE = 1.645  # standard errors within which 90 % lie
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class Certificate:
     @property
     def held(self) -> int:
         """Number of boundaries that the emulator's bands of 90 % hold."""
-        return int(np.sum(np.abs(self.off) <= _SCORE * np.array(self.errors)))
+        return int(np.sum(np.abs(self.off) <= OF_90 * np.array(self.errors)))
 
     def factors(self, along: Array) -> Array:
         """Factors on the emulator's errors by velocity, with which 90 % bands hold 90 % of runs.

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeline.scene.along import Place
-from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.unknown import OF_90, Unknown
 from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.certify import SceneWith, as_in_a_scene, log_rise
 from pipeline.uncertain.ensemble import Ensemble, Excess
@@ -26,7 +26,6 @@ RISK_OF_MARGIN = 0.05
 _VALUES = 17  # of the input, among which a limit is sought
 _DRAWS, _FRESH = 2**13, 2**11  # of the inputs; of those that are drawn anew for a direct check
 _LEAST = 1e-9  # probability
-_SCORE = 1.645  # standard errors within which 90 % lie
 _NEAR, _MOST = 4.0, 400  # errors of the emulator from the limit, within which draws are simulated
 _AGREES = 2.0  # standard errors of the direct check
 
@@ -191,7 +190,7 @@ def design(
         binding = goal.places[number]
         step = (high - low) / (8 * _VALUES)
         slope = (off(min(value + step, high)) - off(max(value - step, low))) / (2 * step)
-        apart = _SCORE * error / max(chance, _LEAST) / max(abs(slope), 1e-300)
+        apart = OF_90 * error / max(chance, _LEAST) / max(abs(slope), 1e-300)
         interval = max(value - apart, low), min(value + apart, high)
     return Limit(
         entry, goal, side, value, interval, ends, (float(values[best]), float(chances[best])),

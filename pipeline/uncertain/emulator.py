@@ -29,6 +29,7 @@ from scipy.special import ndtr
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.samples import WEAR_RATE, Design
+from pipeline.sweep.unknown import OF_90
 from tribo.types import Array, Mask
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
@@ -42,7 +43,7 @@ Groups = NDArray[np.intp]
 
 END = 0.15
 """Share of the logarithm of the velocities at either end, in which the band widens."""
-_SHARE, _SCORE = 0.9, 1.645  # of places that a band is to hold, and its standard errors
+_SHARE = 0.9  # of places that a band is to hold
 _LEAST_SCORE = 1e-3  # where outputs are known exactly, or no row is left
 
 
@@ -244,7 +245,7 @@ def factor(scores: Array, count: int) -> float:
     if count < 1:
         return 1.0
     share = min(1.0, math.ceil(_SHARE * (count + 1)) / count)
-    return float(np.quantile(np.abs(scores), share)) / _SCORE
+    return float(np.quantile(np.abs(scores), share)) / OF_90
 
 
 def outer(along: Array) -> Array:
@@ -264,7 +265,7 @@ def _check(inverse: Array, velocities: Array, contacts: Groups, weights: Array) 
     spread = np.maximum(np.sqrt(np.mean(scores**2, axis=0)), _LEAST_SCORE)
     together = np.mean((scores / spread)[:, :, None] * (scores / spread)[:, None], axis=0)
     # Each contact is judged by the factors of the others.
-    limits = [_SCORE * _factors(scores[groups != one], len(numbers) - 1) for one in numbers]
+    limits = [OF_90 * _factors(scores[groups != one], len(numbers) - 1) for one in numbers]
     held = np.abs(scores) <= np.array(limits)[place]
     along = velocities / (2 * math.sqrt(3.0)) + 0.5
     ends = [one for one in (along < END, along > 1 - END) if one.any()]

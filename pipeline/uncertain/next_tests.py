@@ -19,6 +19,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from pipeline.scene.units import UnitError, in_si, to_si
+from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.evidence import distances_of
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION
@@ -33,7 +34,7 @@ WIDTH_SCATTER = 0.03
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
 _TRUTHS = 128
 _LEAST_FRICTION = 1e-3
-_SCORES_APART = 2 * 1.645  # normal scores between 5 and 95 %
+_SCORES_APART = 2 * OF_90  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
 _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
 

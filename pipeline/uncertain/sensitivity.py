@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.sweep.unknown import Unknown, at_scores
+from pipeline.sweep.unknown import OF_90, Unknown, at_scores
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import Draws
@@ -22,7 +22,6 @@ from tribo.types import Array
 
 _POINTS = 2**10
 _SCRAMBLES = 4  # of the points, whose scatter tells their error
-_SCORE = 1.645  # standard deviations within which 90 % lie
 _BINS = 24
 
 
@@ -122,7 +121,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
             ensemble.unknown, _POINTS, ensemble.design.seed,
         )  # fmt: skip
     # An error of the share e of the spread moves an index S by 2e√S + e² at most.
-    share = (_SCORE * missed / np.sqrt(np.maximum(variance, 1e-30)))[:, None]
+    share = (OF_90 * missed / np.sqrt(np.maximum(variance, 1e-30)))[:, None]
     by_samples = np.minimum(2 * share * np.sqrt(np.maximum(both, 0.0)) + share**2, 1.0)
     off = np.hypot(by_points, by_samples)
     ends = np.clip([both - off, both + off], 0.0, 1.0)
@@ -160,7 +159,7 @@ def indices(
     ]
     both = np.array([[one.first_order, one.total_order] for one in estimates])
     both = both.reshape(_SCRAMBLES, 2, -1, len(unknown))
-    return both.mean(axis=0), _SCORE * both.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
+    return both.mean(axis=0), OF_90 * both.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
 
 
 def _first_of(draws: Draws, values: Array) -> Array:

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import logsumexp, ndtr, ndtri, softmax
 
-from pipeline.sweep.unknown import Unknown, at_scores, sequence
+from pipeline.sweep.unknown import OF_90, Unknown, at_scores, sequence
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Joint, Judgement, Test
 from pipeline.uncertain.inputs import Draws, prior
@@ -74,7 +74,7 @@ def posterior(
     model = Joint.of(ensembles, scatter, discrepancy)
     before = prior(model.unknown, _seed(model), _FIRST)
     if not model.tests:
-        middle = tuple(scatter * 2.0**score for score in (-1.645, 0.0, 1.645))
+        middle = tuple(scatter * 2.0**score for score in (-OF_90, 0.0, OF_90))
         return Posterior(
             ensembles, model.unknown, model.columns, before, before, (), scatter, middle
         )
