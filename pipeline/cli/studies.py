@@ -190,8 +190,8 @@ def _checked(
     return check, ""
 
 
-def _worded(entry: Unknown, value: float, digits: int = 4) -> str:
-    return f"{entry.shown.of(value):.{digits}g}{entry.shown.suffix}"
+def _worded(entry: Unknown, value: float) -> str:
+    return f"{entry.shown.of(value):.4g}{entry.shown.suffix}"
 
 
 def _wanted(goal: Goal) -> str:

@@ -361,7 +361,6 @@ def placed_rows(
 def rows(
     name: str,
     changes: Mapping[Label, Mapping[str, Any]],
-    columns: Sequence[Column] = (),
     velocities: Sequence[float] | None = None,
     loads: Sequence[float] | None = None,
 ) -> Variants:
@@ -374,8 +373,6 @@ def rows(
     changes : mapping
         For each row, by its label, values of fields of a sweep's parts, such as ``pin``, or of
         theirs, such as ``pin.radius`` or ``conditions.friction`` [SI].
-    columns : sequence of Column
-        Further labels of the rows, along that dimension.
     velocities, loads : sequence of float, optional
         Velocity [m/s], and load [N], at which each row alone is simulated.
 
@@ -397,4 +394,4 @@ def rows(
     given: dict[Variant, Part] = {
         ((name, label),): part for label, part in zip(labels, parts, strict=True)
     }
-    return Variants((key, *columns, *own), parts, given)
+    return Variants((key, *own), parts, given)
