@@ -595,7 +595,7 @@ def test_sources_that_pass_at_once_heat_in_one_dimension_and_cost_no_more(
 
 # Stability of the wear schemes in time.
 
-STIFFNESSES = (0.01, 0.1, 0.5, 1.0, 1.9, 3.0, 10.0, 100.0, 1e3, 1e4)
+STIFFNESSES = (0.01, 0.5, 1.0, 1.9, 3.0, 10.0, 1e3)
 
 
 def wavy(pressure):
