@@ -171,7 +171,6 @@ def decisive_temperature(
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
     criterion: str | None = None,
-    resolution: int | None = None,
     own_laws: bool = False,
 ) -> xr.DataArray:
     """Deciding temperature of the contact at each point, the highest while its load is held.
@@ -182,8 +181,6 @@ def decisive_temperature(
     ----------
     ds, friction, bulk_temperature, critical_temperature, share, criterion, own_laws
         See `boundary`.
-    resolution : int, optional
-        Interpolate onto so many loads and velocities, evenly spaced.
 
     Returns
     -------
@@ -203,8 +200,6 @@ def decisive_temperature(
         ds, friction, bulk_temperature, critical_temperature, share, criterion, own_laws
     )
     rise = decisive_rise(ds, conditions)
-    if resolution is not None:
-        rise = refined(rise, resolution)
     temperature = contact_temperature(rise, conditions)
     temperature.attrs = {
         "units": "K",

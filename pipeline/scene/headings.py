@@ -275,18 +275,18 @@ def read_sheet(
     path: Path,
     wanted: Collection[str],
     needed: Collection[str],
-    chosen: Mapping[str, str] | None = None,
+    named: Mapping[str, str] | None = None,
     decimal: str | None = None,
 ) -> Sheet:
     """Read the rows of a file below headings of a load and a velocity; see `columns_for`."""
 
     def is_heading(cells: list[str]) -> bool:
-        places, faults = columns_for(cells, wanted, chosen)
+        places, faults = columns_for(cells, wanted, named)
         return not faults and {"load", "velocity"} <= places.keys()
 
     read = with_velocity_of_turns(read_rows(path, is_heading, decimal))
     labelled, rows = with_units_below(read.heads, read.rows)
-    places, faults = columns_for(read.heads if chosen else labelled, wanted, chosen)
+    places, faults = columns_for(read.heads if named else labelled, wanted, named)
     if (missing := [name for name in needed if name not in places]) and read.heads and not faults:
         faults = [missing_columns(labelled, missing)]
     form = read.decimal, read.form

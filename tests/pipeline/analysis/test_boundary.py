@@ -184,13 +184,14 @@ def test_decisive_temperature_is_that_of_the_closed_form(sweep):
 
 def test_the_plane_passes_through_the_boundary():
     ds = synthetic.sweep(rise=curved)
-    fine = decisive_temperature(ds, resolution=12 * 14 + 1)  # its velocities hold the sweep's own
-    crossings = boundary(ds)
+    rise = decisive_rise(ds, synthetic.conditions())
+    fine = refined(rise, 12 * 14 + 1)  # its velocities hold the sweep's own
+    crossings, limit = boundary(ds), synthetic.limit()
     at_sweep = fine.sel(velocity=VELOCITIES, method="nearest", tolerance=1e-9)
     for velocity, load in zip(VELOCITIES, crossings["critical_load"].values, strict=True):
         if np.isfinite(load):
             column = at_sweep.sel(velocity=velocity, method="nearest").values
-            assert crossing(fine["load"].values, column, 418.15) == pytest.approx(load, rel=1e-6)
+            assert crossing(fine["load"].values, column, limit) == pytest.approx(load, rel=1e-6)
 
 
 def test_the_plane_ends_with_the_known_points():
