@@ -50,7 +50,7 @@ def wavy(load, velocity, quantile=1.0):
 def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
     ds = synthetic.sweep(rise=wavy)
     rng = np.random.default_rng(5)
-    places = zip(rng.uniform(210, 740, 60), rng.uniform(0.6, 3.9, 60), strict=True)
+    places = zip(rng.uniform(210, 740, 30), rng.uniform(0.6, 3.9, 30), strict=True)
     covered = []
     for load, velocity in places:
         result = margin(ds, load, velocity)

@@ -32,7 +32,10 @@ def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
     for name in ("pipeline", "tribo", "numpy"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('not this one')")
     done = subprocess.run(
-        [Path(sys.executable).with_name("irg"), "run", "scene.toml", "-o", "out.zarr"],
+        [
+            Path(sys.executable).with_name("irg"),
+            *("run", "scene.toml", "-o", "out.zarr", "--set", 'sweep.loads=["200 N"]'),
+        ],
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -68,13 +68,13 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
 
 def test_points_are_asked_for_on_their_own_surface():
     axis = "realization"
-    ds = sweeps.over_surfaces(axis)
+    ds = sweeps.over_surfaces(axis).isel({axis: slice(2)})
     wanted = (ds[axis] == 1) & (ds["load"] == 200.0) & (ds["velocity"] == 1.8)
     ds = ds.assign(asked=wanted.astype(np.int8))
     page = content(ds)
-    asked = unpacked(page["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
+    asked = unpacked(page["asked"], "u1").reshape(2, ds.sizes["load"], ds.sizes["velocity"])
     assert np.argwhere(asked).tolist() == [[1, 1, 4]]
-    assert page["surfaces"] == [0, 1, 2, 3, 4]
+    assert page["surfaces"] == [0, 1]
 
 
 def test_fields_count_what_is_in_contact_alone():
