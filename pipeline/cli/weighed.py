@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import math
 from argparse import ArgumentTypeError as Refused
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
+from scipy.special import ndtr
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
@@ -19,8 +21,10 @@ from pipeline.cli.output import Result, counted, working
 from pipeline.cli.scenes import at_in, criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
+from pipeline.scene.units import difference_in_si
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.inputs import QUANTILES
+from pipeline.uncertain.next_tests import load_of_target
 from pipeline.uncertain.posterior import differences
 from pipeline.uncertain.programme import MOST, programme
 from tribo import InputError
@@ -205,10 +209,14 @@ def measurements_to_make(
 ) -> tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame]:
     """Measurements ranked for a target, or tests in their order: plain data, text and a frame."""
     about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
-    unknown = {one.path: one for one in weighed.unknown}.get(options.target or "")
+    inputs = {one.path: one for one in weighed.unknown if one.kind != "list"}
+    unknown = inputs.get(options.target or "")
+    if options.target and unknown is None:
+        load_of_target(weighed, options.target)
     if options.until is not None:
         most = options.next if options.next > 1 else MOST
-        planned = programme(weighed, _goal(options.until, unknown), most=most, **about)
+        goal = goal_of(options.until, options.target, unknown)
+        planned = programme(weighed, goal, most=most, **about)
         document = {**_plan(options, planned.tests, planned.tests), **_reached(planned)}
         frame = _measurements((*planned.tests, *planned.others), unknown)
         return document, list(_on_programme(options, planned, unknown)), frame
@@ -268,19 +276,27 @@ def _plan(
     }
 
 
-def _goal(text: str, unknown: Unknown | None) -> float:
+def goal_of(text: str, target: str | None, unknown: Unknown | None) -> float:
     """Spread of a target until which to test, in SI or as a share."""
+    read: Callable[[str], float] = share
+    what, like, other = unknown.path if unknown else "the boundary", "5 %", ""
+    if unknown is None:
+        what += f"{f' at {target}' if target else ''}, in velocity"
+        other = ", or name an input by --for"
+    elif not unknown.is_relative:
+        low, high = unknown.quantile(ndtr(np.array([-0.5, 0.5])))
+        like = f"{unknown.spread.of(float(high - low)) / 2:.1g}{unknown.spread.suffix}"
+        read = float if unknown.unit == "1" else partial(difference_in_si, like=like)
     try:
-        if unknown is None or unknown.is_relative:
-            return share(text)
-        if unknown.unit == "1":
-            return float(text)
-        return pipeline.to_si(text, f"1 {unknown.spread.name}")
-    except (ValueError, Refused) as error:
-        like = "5 %" if unknown is None or unknown.is_relative else f"1{unknown.spread.suffix}"
-        raise InputError(
-            f'--until is "{text}"; give the spread of the target, like "{like}"'
-        ) from error
+        goal = read(text)
+    except (ValueError, Refused):
+        goal = math.nan
+    if 0 < goal < math.inf:
+        return goal
+    raise InputError(
+        f'--until is "{text}"; it is the standard deviation of {what}: give one such as "{like}"'
+        f"{other}"
+    )
 
 
 def _reached(planned: Programme) -> dict[str, Any]:

@@ -167,6 +167,25 @@ def to_si(text: str, like: str) -> float:
     return float(exact_si(text, like))
 
 
+def difference_in_si(text: str, like: str) -> float:
+    """Value in SI of a difference of quantities, which is in K for temperatures.
+
+    Examples
+    --------
+    >>> difference_in_si("8 K", like="145 degC")
+    8.0
+    >>> difference_in_si("8 degC", like="145 degC")
+    Traceback (most recent call last):
+        ...
+    pipeline.scene.units.UnitError: "8 degC" is a temperature; give a difference, such as "8 K"
+    """
+    difference = to_si(text, like)
+    unit = text.strip().partition(" ")[2]
+    if unit and to_si(f"0 {unit}", like) != 0:
+        raise UnitError(f'"{text}" is a temperature; give a difference, such as "8 K"')
+    return difference
+
+
 def si_unit(text: str) -> str:
     """SI unit of the dimension of a quantity, as CF writes units.
 

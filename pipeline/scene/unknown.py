@@ -21,7 +21,7 @@ from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
 from pipeline.scene.schema import flat
-from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import (
@@ -283,7 +283,7 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> _Input:
     if not unit:
         problem = f"{quoted(first)} is not a number with its unit; only numbers can be unknown"
         raise UnitError(f'{problem}: give one such as "2 mm", with a space')
-    in_si = {"log-normal": float, "normal": lambda text: _spread(text, first)}
+    in_si = {"log-normal": float, "normal": lambda text: difference_in_si(text, first)}
     convert = in_si.get(kind, lambda text: to_si(text, first))
     values = to_si(first, first), *map(convert, others)
     unknown = Unknown(path, kind, values, si_unit(first), _written(first, unit))
@@ -298,15 +298,6 @@ def _written(text: str, unit: str) -> Unit:
         problem = f"{quoted(text)} is on a scale of uneven steps; give it in HV, or as a pressure"
         raise UnitError(problem) from error
     return Unit(_SIGNS.get(unit, unit), one - zero, zero)
-
-
-def _spread(text: str, like: str) -> float:
-    """A standard deviation, which is a difference [SI]."""
-    spread = to_si(text, like)
-    unit = text.strip().partition(" ")[2]
-    if unit and to_si(f"0 {unit}", like) != 0:
-        raise UnitError(f'sd is {quoted(text)}, a temperature; give a difference, such as "8 K"')
-    return spread
 
 
 def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:

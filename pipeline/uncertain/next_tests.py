@@ -73,6 +73,22 @@ class Candidate:
         return round(1 - self.spread / self.before, 12)
 
 
+def load_of_target(posterior: Posterior, target: str) -> float:
+    """Load of the boundary that is a target [N]; raises if it is no load of the sweep."""
+    loads = posterior.ensemble.loads
+    try:
+        load = to_si(target, "400 N")
+    except UnitError:
+        load = math.nan
+    if not loads[0] <= load <= loads[-1]:
+        paths = ", ".join(one.path for one in posterior.unknown if one.kind != "list")
+        raise InputError(
+            f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
+            f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
+        )
+    return load
+
+
 def candidates(
     posterior: Posterior,
     target: str | None = None,
@@ -175,20 +191,7 @@ class Plan:
         for number, quantity in enumerate(self._posterior.unknown):
             if quantity.path == target and quantity.kind != "list":
                 return self._features.of_input(number)[None]
-        load = math.nan
-        if target is not None:
-            try:
-                load = to_si(target, "400 N")
-            except UnitError:
-                load = math.nan
-            if not loads[0] <= load <= loads[-1]:
-                unknown = self._posterior.unknown
-                paths = ", ".join(quantity.path for quantity in unknown if quantity.kind != "list")
-                raise InputError(
-                    f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
-                    f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
-                )
-        wanted = loads if target is None else np.array([load])
+        wanted = loads if target is None else np.array([load_of_target(self._posterior, target)])
         return self._features.slopes(
             lambda inputs: (
                 log_boundary(self._ensemble, self._of_sweep(inputs), wanted, with_error=False)[0].T
