@@ -19,6 +19,7 @@ from pipeline.cli.datasets import opened, scene_with_of
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
 from pipeline.cli.scenes import at_in, beside, criterion_in, flags_of, values_in, weighing
+from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import frame_of_lines
 from pipeline.uncertain.certify import certify
 from pipeline.uncertain.inputs import QUANTILES
@@ -243,6 +244,7 @@ def about(ensemble: Ensemble) -> dict[str, Any]:
         "fixed": _fixed(ensemble),
         "certificate": certificate and certificate.as_dict(),
         "left_out_held": ensemble.left_out.held,
+        "left_out_contacts": ensemble.left_out.contacts,
     }
 
 
@@ -270,13 +272,18 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
 
 def _on_left_out(ensemble: Ensemble) -> str:
     """How samples that are left out lie in the bands of the others, in words."""
-    held = f"of places left out the 90 % bands hold {100 * ensemble.left_out.held:.0f} %"
-    count = len(ensemble.inputs)
-    if count != ensemble.design.sufficient:
-        return f"{count} samples: {held}"
-    if ensemble.left_out.is_right:
-        return f"{count} samples suffice: {held}"
-    return f"{count} samples may not suffice: {held}, not 85 to 95 %"
+    left_out, count = ensemble.left_out, len(ensemble.inputs)
+    held = (
+        f"of places left out the 90 % bands hold {100 * left_out.held:.0f} ± "
+        f"{100 * left_out.error:.0f} %"
+    )
+    if not left_out.is_known:
+        contacts = counted(left_out.contacts, "contact", "contacts")
+        return f"{count} samples may not suffice: {held}, by {contacts} where {JUDGED} tell enough"
+    if not left_out.is_right:
+        return f"{count} samples may not suffice: {held}, not 85 to 95 %"
+    suffice = " suffice" if count == ensemble.design.sufficient else ""
+    return f"{count} samples{suffice}: {held}"
 
 
 def draws_in_words(weighed: Posterior) -> str:

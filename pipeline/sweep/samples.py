@@ -35,6 +35,8 @@ _RATES = 2.6  # normal scores between which the wear rates of one contact lie
 _DRAWN, _PLANNED, _WITHOUT_WEAR = 4, 2, 64  # samples of a contact
 _FOR_VELOCITY = 16  # samples that suffice for velocity and wear number; each input doubles them
 _OF_A_SURFACE = 2  # contacts that suffice of each value of a list, with one smooth trend for all
+JUDGED = 32
+"""Contacts that are to be left out, to know the share that a band of 90 % holds to 5 %."""
 
 
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
@@ -66,7 +68,7 @@ class Design:
         --------
         >>> rate = Unknown(WEAR_RATE, "log-normal", (1.2e-15, 1.5))
         >>> Design((rate,), ("wear rate",), (0.5, 5.0), seed=0, per_contact=2).sufficient
-        16
+        64
         """
         if self.per_contact == 1:
             return None
@@ -76,9 +78,10 @@ class Design:
         if any(one.kind != "list" for one in of_contact):
             return None
         surfaces = math.prod(len(one.parameters) for one in of_contact)
-        least = _OF_A_SURFACE * self.per_contact * surfaces if of_contact else 0
+        contacts = max(_OF_A_SURFACE * surfaces if of_contact else 0, JUDGED)
         others = sum(layer != "wear rate" for layer in self.layers)
-        return max(_FOR_VELOCITY << others, least)
+        is_single = self.per_contact == _WITHOUT_WEAR  # of which each row is left out alone
+        return max(_FOR_VELOCITY << others, contacts * (1 if is_single else self.per_contact))
 
     def draw(self, count: int) -> tuple[Array, Array]:
         """Inputs [SI], shape (count, n_input), and velocities [m/s], shape (count,).

@@ -45,7 +45,7 @@ class Certificate:
     >>> print(certificate)
     2 boundaries were found directly: the emulator's are 1.4 % off, its 90 % bands hold 1
     >>> print(certificate.factors(np.array([0.5, 1.0])))
-    [0.9118541 2.       ]
+    [1. 2.]
     """
 
     loads: tuple[float, ...]

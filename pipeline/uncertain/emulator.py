@@ -6,15 +6,18 @@ mean (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006, Eqs. 
     k(u, u') = a² (1 + u·u') + b² (u·u')² + c² exp(−Σ (uᵢ − uᵢ')²/2ℓᵢ²) + s² [same contact] + n²,
 
 a plane and a quadric with a smooth departure, and an effect of each contact and of each row. All
-loads share one kernel. Its constants are those of the greatest likelihood (their Eq. 5.9).
+loads share one kernel. Its constants are those of the greatest likelihood (their Eq. 5.9). What is
+left out of the rows is judged by constants that were found without it: those that saw a place claim
+to know it better than they do, the more so the fewer the contacts.
 """
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
@@ -28,11 +31,15 @@ from scipy.special import ndtr
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import worst_rises
-from pipeline.sweep.samples import WEAR_RATE, Design
+from pipeline.sweep.samples import JUDGED, WEAR_RATE, Design
 from pipeline.sweep.unknown import OF_90
 from tribo.types import Array, Mask
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
+_MOST_TO_LEAVE = (
+    128  # rows of which each fold has constants of its own; it moves those of more little
+)
+_FOLDS = 16
 _BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
 _LENGTH = np.log(4.0)  # of features whose spread is 1
 _LEAST = np.log(1e-5)
@@ -86,10 +93,7 @@ class Emulator:
         explained = np.sum((smooth @ self.whitener.T) ** 2, axis=1)
         shared = np.maximum(prior - explained, 0.0)[:, None]
         spread = np.sqrt(np.sum(between @ self.check.covariance * between, axis=1))
-        # A run between two outputs has something of its own, too, of which they tell nothing.
-        anew = np.maximum(1 - np.sum(between**2, axis=1), 0.0) * (between @ self.check.factors) ** 2
-        error = np.sqrt((shared + s + n) * spread**2 + (s + n) * anew)
-        return outputs, error, np.sqrt(shared) * spread
+        return outputs, np.sqrt(shared + s + n) * spread, np.sqrt(shared) * spread
 
 
 class LeftOut(NamedTuple):
@@ -98,18 +102,30 @@ class LeftOut(NamedTuple):
     ``factors`` (n_output,) on the errors predicted are those by which 90 % bands hold 90 % of what
     is left out; ``covariance`` (n_output, n_output) has their squares, and how outputs miss
     together. ``ends`` is a further factor at the ends, where rows are left out all at once.
-    ``held`` is the share of left-out places that bands hold whose factors other contacts gave.
+    ``held`` is the share of left-out places that bands hold whose factors other contacts gave, and
+    ``contacts`` the number of these.
     """
 
     factors: Array
     covariance: Array
     ends: float
     held: float
+    contacts: int
+
+    @property
+    def error(self) -> float:
+        """Standard error of the share that is held, if bands hold 90 % of contacts."""
+        return math.sqrt(_SHARE * (1 - _SHARE) / self.contacts)
+
+    @property
+    def is_known(self) -> bool:
+        """True if contacts are enough to tell the share that is held."""
+        return self.contacts >= JUDGED
 
     @property
     def is_right(self) -> bool:
-        """True if bands of 90 % hold 85 to 95 %, as it is printed."""
-        return 0.85 <= round(self.held, 2) <= 0.95
+        """True if bands of 90 % are known to hold 85 to 95 %, as it is printed."""
+        return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 
 def fitted(
@@ -135,15 +151,30 @@ def fitted(
     0.1380 True
     """
     mean = outputs.mean(axis=0)
+    groups, parts = _parts(features[:, 0], contacts)
     part = slice(0, _MOST_TO_FIT)
     data = features[part], dimensions, contacts[part], (outputs - mean)[part]
-    constants = kept_or_found(keeper, data, lambda: _constants(*data))
+
+    def with_and_without() -> Array:
+        rests = [~rows for rows in parts] if len(outputs) <= _MOST_TO_LEAVE else []
+        fits = [data, *((features[one], dimensions, contacts[one], data[3][one]) for one in rests)]
+        return np.array([_constants(*fit) for fit in fits])
+
+    constants, *without = kept_or_found(keeper, data, with_and_without)
+    solve = functools.partial(_solved, features, dimensions, contacts, outputs - mean)
+    whitener, weights = solve(constants)
+    check = _check(groups, parts, map(solve, without or [constants] * len(parts)))
+    return Emulator(features, dimensions, mean, weights, constants, whitener, check)
+
+
+def _solved(
+    features: Array, dimensions: Groups, contacts: Groups, outputs: Array, constants: Array
+) -> tuple[Array, Array]:
+    """Inverse of the factor of the kernel between rows, and what solves its equations."""
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
-    weights = cho_solve(factor, outputs - mean)
     whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
-    check = _check(whitener.T @ whitener, features[:, 0], contacts, weights)
-    return Emulator(features, dimensions, mean, weights, constants, whitener, check)
+    return whitener, cho_solve(factor, outputs)
 
 
 def features_of(
@@ -233,19 +264,22 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
 def factor(scores: Array, count: int) -> float:
     """Factor on standard errors by which 90 % bands hold the next of scores like these.
 
-    The quantile is that of so many independent scores which the next one stays below with 90 %
-    probability (Vovk, Gammerman & Shafer, Algorithmic learning in a random world, 2005, Sec. 2.2);
-    the largest where they are too few.
+    Of scores in so many independent groups it is the quantile that the next group stays below with
+    90 % probability (Dunn, Wasserman & Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). Groups too few
+    for one have the largest, and do not make the band narrower.
 
     Examples
     --------
     >>> print(round(factor(np.linspace(-3.29, 3.29, 201), count=201), 2))
     1.82
+    >>> print(factor(np.array([0.1, -0.3]), count=2))
+    1.0
     """
     if count < 1:
         return 1.0
-    share = min(1.0, math.ceil(_SHARE * (count + 1)) / count)
-    return float(np.quantile(np.abs(scores), share)) / OF_90
+    share = _SHARE * (count + 1) / count
+    found = float(np.quantile(np.abs(scores), min(share, 1.0))) / OF_90
+    return max(found, 1.0) if share > 1 else found
 
 
 def outer(along: Array) -> Array:
@@ -253,28 +287,47 @@ def outer(along: Array) -> Array:
     return np.asarray(np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0))
 
 
-def _check(inverse: Array, velocities: Array, contacts: Groups, weights: Array) -> LeftOut:
-    """What is left out tells, by the inverse of the kernel and features of the velocities."""
+def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
+    """Groups of rows to leave out in turn, and the rows without which constants are found.
+
+    These are folds of the groups, and the rows at either end of the velocities, whose feature is
+    given.
+    """
     is_single = (contacts == contacts[0]).all()
-    groups = np.arange(len(contacts)) if is_single else contacts
-    scores = np.empty_like(weights)
-    numbers, place = np.unique(groups, return_inverse=True)
-    for one in numbers:
-        scores[groups == one] = _missed(inverse, weights, groups == one)
-    factors = _factors(scores, len(numbers))
+    _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
+    folds = groups % _FOLDS
+    along = velocities / (2 * math.sqrt(3.0)) + 0.5
+    parts = [folds == one for one in range(int(folds.max()) + 1)]
+    return groups, [*parts, along < END, along > 1 - END]
+
+
+def _check(
+    groups: Groups, parts: Sequence[Mask], solutions: Iterable[tuple[Array, Array]]
+) -> LeftOut:
+    """What is left out tells, by the equations solved with the constants without each part."""
+    *folds, low, high = zip(parts, solutions, strict=True)
+    count = int(groups.max()) + 1
+    scores = np.empty_like(low[1][1])
+    for rows, (whitener, weights) in folds:
+        inverse = whitener.T @ whitener
+        for one in np.unique(groups[rows]):
+            scores[groups == one] = _missed(inverse, weights, groups == one)
+    factors = _factors(scores, count)
     spread = np.maximum(np.sqrt(np.mean(scores**2, axis=0)), _LEAST_SCORE)
     together = np.mean((scores / spread)[:, :, None] * (scores / spread)[:, None], axis=0)
     # Each contact is judged by the factors of the others.
-    limits = [OF_90 * _factors(scores[groups != one], len(numbers) - 1) for one in numbers]
-    held = np.abs(scores) <= np.array(limits)[place]
-    along = velocities / (2 * math.sqrt(3.0)) + 0.5
-    ends = [one for one in (along < END, along > 1 - END) if one.any()]
-    at_ends = [_missed(inverse, weights, one) / factors for one in ends]
+    limits = OF_90 * np.array([_factors(scores[groups != one], count - 1) for one in range(count)])
+    held = np.abs(scores) <= limits[groups]
+    at_ends = [
+        _missed(whitener.T @ whitener, weights, rows) / factors
+        for rows, (whitener, weights) in (low, high)
+        if rows.any()
+    ]
     widening = 1.0
     if at_ends:
         widening = max(1.0, factor(np.concatenate(at_ends), sum(map(len, at_ends))))
     covariance = np.outer(factors, factors) * together
-    return LeftOut(factors, covariance, widening, float(np.mean(held)))
+    return LeftOut(factors, covariance, widening, float(np.mean(held)), count)
 
 
 def _factors(scores: Array, count: int) -> Array:
@@ -304,13 +357,27 @@ def between_loads(loads: Array, rises: Array, load: float) -> tuple[Array, float
     if len(x) == 2:
         weights = _spline(x, place, 1)
         return weights, _BEND * 4 * float(weights[0] * weights[1])
-    weights, rough = _spline(x, place, min(3, len(x) - 1)), _spline(x, place, 1)
+    weights, linear = _spline(x, place, min(3, len(x) - 1)), _spline(x, place, 1)
+    rough = linear
     if len(x) > 3:
         near = np.sort(np.argsort(np.abs(x - place))[:3])
         rough = np.zeros(len(x))
         rough[near] = _spline(x[near], place, 2)
     off = np.log(rises) @ (weights - rough)
-    return weights, float(np.sqrt(np.mean(off**2)))
+    # A run between two loads also has something of its own, of which they tell nothing.
+    own = _own_of_a_load(x, np.log(rises)) * math.sqrt(2 * max(1 - np.sum(linear**2), 0.0))
+    return weights, float(np.hypot(np.sqrt(np.mean(off**2)), own))
+
+
+def _own_of_a_load(x: Array, values: Array) -> float:
+    """Standard deviation of what the values at a load have of their own, by loads left out."""
+    found = []
+    for number in range(1, len(x) - 1):
+        beside = [number - 1, number + 1]
+        weights = _spline(x[beside], x[number], 1)
+        missed = values[:, number] - values[:, beside] @ weights
+        found.append(np.var(missed) / (1 + np.sum(weights**2)))
+    return math.sqrt(np.mean(found))
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:
@@ -318,7 +385,7 @@ def _spline(x: Array, place: float, degree: int) -> Array:
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 
-_RULE = b"1"  # by which the numbers are found; another one finds others
+_RULE = b"2"  # by which the numbers are found; another one finds others
 
 
 class Keeper(Protocol):

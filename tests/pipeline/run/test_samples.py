@@ -185,16 +185,17 @@ def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
         pipeline.follow_boundary(load(tmp_path), tmp_path / "out.zarr")
 
 
-def test_the_risk_is_that_of_direct_simulations(sampled):
+def test_the_risk_is_that_of_direct_simulations(sampled, tmp_path, irg):
     folder, _, _ = sampled
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(folder / "out.zarr"))
     _, lines = risk_lines(pipeline.probabilities(ensemble, loads=[200.0]))
     verdict = risk.judged(ensemble, folder / "scene.toml", 32, {}, (200.0, float(lines[0, 1])))
     assert 0.2 < verdict["direct"] < 0.8  # where chance tells most
     assert abs(verdict["standard_errors_apart"]) < risk.LIMIT
-    # Of the rise, on 48 × 16 pixels. The band claims less than it misses here: its constants are
-    # found by the 16 contacts that then judge it.
-    assert max(abs(verdict["bias"]), verdict["spread"], verdict["rise_error"]) < 0.02
+    assert verdict["within_90_percent"] > 0.7  # as 8 contacts tell; half of it otherwise
+    assert max(abs(verdict["bias"]), verdict["spread"]) < 2 * verdict["rise_error"] < 0.04
+    said = irg("risk", folder / "out.zarr", "-o", tmp_path / "risk.png")
+    assert "16 samples may not suffice" in said
 
 
 def test_a_store_whose_draw_differs_by_a_fixed_input_is_another_store(sampled):
