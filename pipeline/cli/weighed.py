@@ -23,7 +23,7 @@ from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
 from pipeline.scene.units import difference_in_si
 from pipeline.sweep.warned import NO_WARNING
-from pipeline.uncertain.inputs import QUANTILES
+from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import load_of_target
 from pipeline.uncertain.posterior import differences
 from pipeline.uncertain.programme import MOST, programme
@@ -107,6 +107,11 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         yield short(_beside_tests(weighed))
     if weighed.evidence_gain is not None:
         yield _on_discrepancy(weighed.evidence_gain)
+    if weighed.fits and weighed.judged and any(CRITICAL in one.path for one in weighed.unknown):
+        yield (
+            "the model fits; velocities that are all read too high would look like a better oil, "
+            "and fit as well: check the speed, or test a reference oil"
+        )
     if not weighed.fits:
         yield (
             f"warning: the model does not fit: {'; '.join(weighed.faults)}; look at the scene and "
