@@ -356,7 +356,7 @@ def between_loads(loads: Array, rises: Array, load: float) -> tuple[Array, float
         return np.ones(1), 0.0
     if len(x) == 2:
         weights = _spline(x, place, 1)
-        return weights, _BEND * 4 * float(weights[0] * weights[1])
+        return weights, _BEND * 2 * math.sqrt(max(float(weights[0] * weights[1]), 0.0))
     weights, linear = _spline(x, place, min(3, len(x) - 1)), _spline(x, place, 1)
     rough = linear
     if len(x) > 3:
