@@ -56,7 +56,7 @@ lowest:               ## install the lowest versions that are declared, and run 
 	OMP_NUM_THREADS=1 .venv-lowest/bin/python -m pytest -W ignore::DeprecationWarning \
 	    --numprocesses 2 --dist loadfile --durations=10
 
-slow: .venv/test      ## the long checks: random scenes, large capped contacts, promised accuracies
+slow: .venv/test      ## the long checks: random scenes, workers that die, promised accuracies
 	$(BIN)/python -m pytest tests -m slow
 
 promises: .venv/test  ## judge --accuracy and the presets on random scenes, for an hour at most
