@@ -34,10 +34,13 @@ parser.add_argument("--dry-run", action="store_true", help="print the script of 
 def cluster_of(options):
     """A scheduler here, whose workers are jobs; all connections have certificates (TLS)."""
     seconds = round(pipeline.to_si(options.walltime, "2 h"))
+    if seconds < 60:
+        raise TriboError(f"--walltime {options.walltime}: a job takes at least 1 min")
     logs = Path(f"{options.store}.jobs").absolute()  # certificates, too: nodes have to see it
     logs.mkdir(mode=0o700, parents=True, exist_ok=True)
     # Workers retire before their job ends, each at another time, and hand on what they hold.
-    lifetime = ["--lifetime", f"{0.8 * seconds}s", "--lifetime-stagger", f"{0.1 * seconds}s"]
+    working = seconds - 30  # [s], as a worker takes long to start on a busy node
+    lifetime = ["--lifetime", f"{0.8 * working}s", "--lifetime-stagger", f"{0.1 * working}s"]
     return SLURMCluster(
         queue=options.queue, account=options.account, memory=options.memory,
         cores=options.cores, processes=options.cores,
