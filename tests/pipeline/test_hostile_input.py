@@ -2,6 +2,7 @@
 
 import io
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import tracemalloc
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import tribo
@@ -21,6 +23,7 @@ from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes
 from pipeline.store.verify import verify_store
+from pipeline.sweep.stages import duration
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.stores import commit
@@ -49,6 +52,11 @@ def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     assert "not a file" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("file", ["/dev/zero", "/dev/null"])
+def test_a_device_is_no_scene(file):
+    assert main(["check", file]) == 2
+
+
 def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path, monkeypatch):
     monkeypatch.setattr(surfaces, "_MOST_BYTES", 2**20)
     with zipfile.ZipFile(tmp_path / "a.x3p", "w", zipfile.ZIP_DEFLATED) as archive:
@@ -70,6 +78,12 @@ def test_a_fifo_in_place_of_a_chunk_is_damage(alone, tmp_path):
         summary(path)
 
 
+def test_a_fifo_in_place_of_a_chunk_of_pending_points_keeps_nobody_waiting(tmp_path):
+    commit(tmp_path / "a.zarr", tiny.sweep(fields=False), ())
+    os.mkfifo(tmp_path / "a.zarr" / "max_rise" / "c.0.0.0")
+    assert open_sweep(tmp_path / "a.zarr")["max_rise"].isnull().all()
+
+
 TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless": "long " * 10**6}
 
 
@@ -87,9 +101,19 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys, title):
     assert read_attributes(path)["title"] == title
 
 
+def test_a_scene_is_checked_without_a_word_to_the_terminal(tmp_path, capsys):
+    scene = tmp_path / "a.toml"
+    title = "\\u001b[31m red" + "A" * 5_000_000
+    scene.write_text(f'extends = "{ROOT}/workflows/first_try.toml"\ntitle = "{title}"\n')
+    assert main(["check", str(scene)]) == 0
+    output = capsys.readouterr().out
+    assert "\x1b" not in output
+    assert len(output) < 10_000
+
+
 def test_of_thousands_of_faults_some_are_shown(tmp_path, capsys):
     scene = tmp_path / "a.toml"
-    scene.write_text("".join(f'k{number} = "1 N"\n' for number in range(1000)))
+    scene.write_text("".join(f'k{number} = "1 N"\n' for number in range(10_000)))
     assert main(["check", str(scene)]) == 2
     output = capsys.readouterr().err
     assert output.startswith(f"irg: {scene}: 10")
@@ -162,3 +186,32 @@ def test_an_ascii_terminal_gets_what_it_can_show(alone, monkeypatch):
     assert main(["boundary", str(alone)]) == 0
     stream.flush()
     assert rb"\xb0C" in stream.buffer.getvalue()
+
+
+@pytest.mark.parametrize("seconds", [1e13, 1e280, np.inf, np.nan])
+def test_a_time_to_go_has_an_end(seconds):
+    assert duration(seconds) == "more than 100 years"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="addresses are limited so on Linux")
+@pytest.mark.parametrize(
+    ("command", "megabytes"),
+    [
+        (["plot", "-o", "a.png"], 300),
+        (["explore", "-o", "a.html"], 460),
+        (["plot", "-o", "a.png"], 690),
+    ],
+)
+def test_where_memory_is_short_a_line_says_so(alone, tmp_path, command, megabytes):
+    """Up to 650 MB OpenBLAS or a thread that cannot start may wait for ever: refused before."""
+    done = python(
+        *("-m", "pipeline", command[0], alone, *command[1:]),
+        variables={"OPENBLAS_NUM_THREADS": "2"},
+        cwd=tmp_path,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes * 2**20,) * 2),
+    )
+    assert "Traceback" not in done.stderr
+    assert done.returncode == (0 if (tmp_path / command[-1]).exists() else 2)
+    if done.returncode:
+        assert "of memory" in done.stderr
+        assert done.stderr.count("\n") == 1

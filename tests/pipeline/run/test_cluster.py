@@ -184,10 +184,11 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
         client_of(cluster.address, patience=4.0)
 
 
-def test_a_scheduler_that_freezes_on_the_way_is_an_error(cluster, tmp_path):
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_path, how):
     def lose(progress):
         if progress.done:
-            cluster.scheduler.send_signal(signal.SIGSTOP)
+            cluster.scheduler.send_signal(how)
 
     path = tmp_path / "tiny.zarr"
     lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe")
@@ -255,6 +256,27 @@ def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
         assert shared.result(timeout=30) == bytes(100_000)
 
 
+@pytest.mark.parametrize(
+    "error", [TimeoutError(), AssertionError("can only join a started process")]
+)
+def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch, error):
+    def failing(self, timeout):
+        raise error
+
+    with connected(None, 2) as link:
+        workers = [psutil.Process(number) for number in link.client.run(os.getpid).values()]
+        monkeypatch.setattr(LocalCluster, "close", failing)
+    assert psutil.wait_procs(workers, timeout=30)[1] == []
+    monkeypatch.undo()
+    link.source.cluster.close(timeout=30)
+
+
+def test_a_worker_that_its_nanny_gives_up_is_replaced():
+    with connected(None, 1) as link:
+        link.client.sync(link.source.cluster.workers[0].close)
+        assert threads_of(link).total() > 0
+
+
 def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     forkserver.start()
     monkeypatch.setattr(of_run, "_START", 0.5)
@@ -270,6 +292,19 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
             pass
     finally:
         server.resume()
+
+
+def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
+    outcomes = iter([RuntimeError("Nanny failed to start worker process"), None])
+
+    def start(**options):
+        if error := next(outcomes):
+            raise error
+        return LocalCluster(**options)
+
+    monkeypatch.setattr(of_run, "LocalCluster", start)
+    with connected(None, 1) as link:
+        assert len(link.client.nthreads()) == 1
 
 
 def test_where_no_scheduler_answers_no_store_is_made(tmp_path, capsys):

@@ -180,6 +180,11 @@ def test_wrong_use_is_answered_in_a_line(sampled, irg, arguments, words):
     assert words in irg(command, folder / "out.zarr", *options, code=2)
 
 
+def test_a_store_without_samples_says_how_to_get_them(alone, irg):
+    for command in (["risk"], ["boundary", "--given-measured"]):
+        assert "give [unknown] and sweep.samples" in irg(*command, alone, code=2)
+
+
 def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
     with pytest.raises(InputError, match="leave out the search"):
         pipeline.follow_boundary(load(tmp_path), tmp_path / "out.zarr")

@@ -7,12 +7,13 @@ import pytest
 
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError, Source
-from pipeline.run.tally import Tally
+from pipeline.run.tally import Tally, _weights
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, chains, points
 from tests.helpers import tiny
+from tribo import MeasuredLoad
 
 START, COUNT = 10.0, 100
 
@@ -48,11 +49,20 @@ def test_the_first_point_tells_a_time_and_nothing_of_the_start_of_the_workers(ta
     assert tallied([60.0], workers=2) == pytest.approx((COUNT - 1) / 2)
 
 
+def test_more_workers_than_chains_do_not_shorten_the_last_of_them(tallied):
+    assert tallied([60.0], workers=1000) == pytest.approx(1.0)
+
+
 def test_points_that_cost_the_schedule_more_than_themselves_tell_the_pace(tallied):
     """A worker finishes a point of 1 s in every 2 s."""
     assert tallied([START + 2.0 * number for number in range(20)]) == pytest.approx(
         2 * (COUNT - 20)
     )
+
+
+def test_the_wait_in_the_queue_is_not_taken_for_the_pace_of_points(tallied):
+    """The first worker comes after an hour, and finishes a point in each second."""
+    assert tallied([3601.0, 3602.0], absent=3600.0) == pytest.approx(COUNT - 2)
 
 
 def test_workers_that_come_later_count_with_the_time_to_go(tallied):
@@ -75,3 +85,10 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
         done = Tally(store, None, time.monotonic())
         done.begin(sweep, store, Connection(None, Source()), ())
         done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
+
+
+def test_points_of_a_recorded_load_take_all_their_steps():
+    """They share no trunk, which an expected duration may not ask for."""
+    record = MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 300.0, 600.0]))
+    first, second = _weights(tiny.sweep(loading=record), (300.0, 600.0)) / np.sqrt((300.0, 600.0))
+    assert first == second  # as each begins at no load

@@ -1,6 +1,7 @@
 """Versions of workers (pipeline/run/cluster.py and cluster.py)."""
 
 import shutil
+from types import SimpleNamespace
 
 import pytest
 
@@ -59,3 +60,19 @@ def test_other_packages_are_told_once_and_each_worker_is_asked_once():
     assert "b has python 3.2.1 (here " in messages[0]
     assert "numpy 1.0 (here " in messages[0]
     assert client.asked == list("abcde")
+
+
+def test_a_worker_without_this_program_is_refused():
+    client = Answering(a=ModuleNotFoundError("No module named 'pipeline'"))
+    with pytest.raises(ExecutionError, match="a cannot run this program: No module named"):
+        threads_of(Connection(client, Source()))
+
+
+def test_one_that_does_not_answer_holds_nobody_up():
+    client = Answering(a=SimpleNamespace())
+
+    def late(*_, **__):
+        raise TimeoutError
+
+    client.run = late
+    assert set(threads_of(Connection(client, Source()))) == {"a"}

@@ -3,6 +3,56 @@
 import pytest
 
 import pipeline
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import FORMAT
+from pipeline.scene.kinds import Number, Quantity
+from pipeline.scene.schema import Either, List, Range, Table, Tables
+from pipeline.scene.units import RANGES, si_unit
+
+
+def numbers(kind, path=""):
+    """Kinds of all quantities and numbers of the format, by their paths."""
+    match kind:
+        case Either():
+            yield from numbers(kind.usual, path)
+            yield from numbers(kind.other, path)
+        case List() | Range() | Tables():
+            yield from numbers(kind.of, path)
+        case Table():
+            for key, entry in kind.keys.items():
+                yield from numbers(entry.kind, f"{path}.{key}".lstrip("."))
+        case Quantity():
+            yield path, kind
+        case Number() if type(kind) is Number:
+            yield path, kind
+
+
+KINDS = list(dict.fromkeys(numbers(FORMAT)))
+
+
+def test_the_format_has_many_numbers():
+    assert len(KINDS) > 60
+
+
+@pytest.mark.parametrize("text", ["1e-320", "1e-31", "1e300", "1e309"])
+@pytest.mark.parametrize(("path", "kind"), KINDS)
+def test_every_number_has_a_smallest_and_a_largest_value(path, kind, text):
+    faults = Faults()
+    is_quantity = isinstance(kind, Quantity)
+    value = f"{text} {kind.example.partition(' ')[2]}" if is_quantity else float(text)
+    if is_quantity and "degC" in kind.example and "-" in text:
+        value = value.replace("degC", "K")
+    assert kind.read(value, path, faults) is None
+    assert [fault.key for fault in faults] == [path]
+    assert "out of range" in faults[0].problem
+
+
+@pytest.mark.parametrize("kind", [kind for _, kind in KINDS if isinstance(kind, Quantity)])
+def test_the_ends_of_a_range_are_allowed(kind):
+    for end in RANGES[si_unit(kind.example)]:
+        faults = Faults()
+        assert kind.read(end, "entry", faults) > 0, faults
+
 
 MANY_STEPS = {
     "loading.hold": "1e9 s",

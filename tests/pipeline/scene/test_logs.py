@@ -71,6 +71,14 @@ def test_all_faults_of_a_log_come_at_once(lab):
     assert len(caught.value.faults) == 3
 
 
+def test_a_log_without_a_sound_row_is_one_fault(tmp_path):
+    scene = tmp_path / "lab.toml"
+    scene.write_text('extends = "first_try"\n[[tested]]\nfile = "log.csv"\n', encoding="utf-8")
+    with pytest.raises(pipeline.SceneFileError, match="cannot be read") as caught:
+        pipeline.load_scene(scene)
+    assert len(caught.value.faults) == 1
+
+
 def test_a_transition_counts_with_its_own_bulk_and_hold():
     sweep = tiny.sweep(wear=None)  # so that it gets warmer in the hold
     plain, warm, held = (
@@ -164,6 +172,14 @@ def test_columns_words_and_decimals_of_the_user_come_first(tmp_path):
     assert tested[1] == Measurement(400.0, 1.75, outcome="severe")
 
 
+def test_faults_of_one_kind_stand_in_one_line(lab):
+    rows = "".join(f"400,{velocity},kaputt\n" for velocity in range(1, 9))
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        lab(f"load [N],velocity [m/s],outcome\n{rows}")
+    (fault,) = caught.value.faults
+    assert "rows 2, 3, 4, 5, 6, 7 and 2 more, outcome" in fault
+
+
 def test_columns_that_are_missing_are_said_once_with_those_found(lab):
     with pytest.raises(pipeline.SceneFileError) as caught:
         lab("Kraft [N],speed [rpm],result\n400,500,ok\n600,500,ok\n")
@@ -171,6 +187,11 @@ def test_columns_that_are_missing_are_said_once_with_those_found(lab):
     assert 'no column "velocity [m/s]" in "Kraft [N]", "speed [rpm]", "result"' in fault
     assert '"speed [rpm]" is in rpm' in fault
     assert "irg tests" in how
+
+
+def test_a_number_that_may_be_thousands_is_refused(lab):
+    with pytest.raises(pipeline.SceneFileError, match=r'"1.250" .* 1.25 or 1250'):
+        lab("load [N];velocity [m/s];outcome\n1.250;1,5;mild\n")
 
 
 def test_an_entry_that_no_test_has_is_named(tmp_path):

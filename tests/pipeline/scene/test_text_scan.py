@@ -69,6 +69,12 @@ def test_places_beside_and_above_a_matrix_are_no_heights(corner, tmp_path):
     assert surface.pixel_size == (pytest.approx((1e-6, 1.2e-6)) if corner != "0" else None)
 
 
+def test_the_word_of_a_file_for_a_hole_is_taken(tmp_path):
+    (tmp_path / "scan.asc").write_text("ncols 3\nNODATA_value -9999\n1 2 3\n4 -9999 6\n7 8 9\n")
+    heights = read_surface(tmp_path / "scan.asc", 1.0).heights
+    assert np.argwhere(np.isnan(heights)).tolist() == [[1, 1]]
+
+
 @pytest.mark.parametrize(
     "text", ["1;2;3\n4;;6\n7;8;\n", "1,2,3\n4,NaN,6\n7,8,nan\n", "1 2 3\n4 *** 6\n7 8 BAD\n"]
 )
@@ -76,6 +82,11 @@ def test_holes_stay_holes(text, tmp_path):
     (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
     heights = read_surface(tmp_path / "scan.txt", 1.0).heights
     np.testing.assert_array_equal(np.isnan(heights), [[0, 0, 0], [0, 1, 0], [0, 0, 1]])
+
+
+def test_a_column_of_holes_is_kept(tmp_path):
+    (tmp_path / "scan.csv").write_text("1,,3\n4,,6\n", encoding="utf-8")
+    assert read_surface(tmp_path / "scan.csv", 1.0).heights.shape == (2, 3)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Creation and growth of stores, also of ones that were cut short, and refusals."""
 
+import errno
 import os
 import shutil
 import subprocess
@@ -18,6 +19,7 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
+from pipeline.scene.scenefile import load_scene
 from pipeline.store import create, schema
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
@@ -36,6 +38,7 @@ from pipeline.sweep.variants import drawn_rows, surfaces
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
+    Killed,
     assert_is_as_computed,
     commit,
     contents,
@@ -125,12 +128,44 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
+def test_a_creation_cut_short_goes_on_whatever_the_names_of_its_axes(path, monkeypatch):
+    sweep = over_oils()
+    with killed_after(monkeypatch, 10**6), monkeypatch.context() as patch:
+        patch.setattr(create, "root_document", lambda *_: exit_as_killed())
+        make(path, sweep)
+    assert (path / "oil" / "c.0").exists()
+    make(path, sweep)
+    assert open_sweep(path)["oil"].values.tolist() == ["oil A", "Shell Ondina 32"]
+
+
+def over_oils():
+    oils = ["oil A", "Shell Ondina 32"]
+    return load_scene("first_try", overrides={"sweep.over": {"oil": oils}})
+
+
+def exit_as_killed():
+    raise Killed
+
+
 def test_a_store_is_made_onto_an_empty_folder_and_where_a_link_leads(path):
     (path.parent / "real.zarr").mkdir()
     path.symlink_to("real.zarr")
     commit(path, SWEEP, [POINT])
     assert path.is_symlink()
     assert_is_as_computed(path.parent / "real.zarr", [POINT])
+
+
+def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, monkeypatch):
+    sync = os.fsync
+
+    def refused(descriptor):
+        if os.path.isdir(f"/proc/self/fd/{descriptor}"):  # noqa: PTH112
+            raise OSError(errno.EINVAL, "Invalid argument")
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", refused)
+    commit(path, SWEEP, [POINT])
+    assert_is_as_computed(path, [POINT])
 
 
 # Growth
@@ -280,6 +315,7 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     assert contents(alone) == before
 
 
+ONE = surfaces((1,))
 MISMATCHES = {
     "fields later": (several(), several(fields=True), "has no fields"),
     "surfaces later": (
@@ -374,7 +410,7 @@ def of_another_format(path):
         (without_root, "has lost its zarr.json; irg run with the scene that made it"),
         (without_root_and_status, "is not a store: there is no zarr.json"),
         (with_half_a_root, "is damaged"),
-        (of_another_format, "has format 99, and this program reads format 3; make it anew"),
+        (of_another_format, "has format 99, and this program reads format 4; make it anew"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):
@@ -387,6 +423,11 @@ def test_nothing_is_written_over(path, make, complaint):
         with pytest.raises(StoreError, match=complaint):
             summary(path)
     assert contents(path.parent) == before
+
+
+def test_a_path_that_cannot_be_looked_at_is_an_error_in_a_line(path):
+    with pytest.raises(StoreError, match="cannot be read: File name too long"):
+        summary(path.with_name("a" * 300))
 
 
 def test_a_store_that_is_not_there_and_a_url_are_refused(path, capsys):

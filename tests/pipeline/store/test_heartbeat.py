@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -83,6 +85,16 @@ def test_a_process_of_this_machine_that_was_killed_holds_nothing(path):
     commit(path, SWEEP, ())
 
 
+def test_the_lock_of_a_long_run_stays_fresh(path, monkeypatch):
+    monkeypatch.setattr(lock, "BEAT", 0.02)
+    with writing(path, SWEEP):
+        left_behind(path, 2 * lock.STALE, (path / LOCK).read_text())
+        deadline = time.monotonic() + 10
+        while time.time() - (path / LOCK).stat().st_mtime > lock.STALE:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+
+
 def test_a_run_that_slept_while_another_took_its_store_stops_and_loses_nothing(path):
     with writing(path, SWEEP) as store:
         left_behind(path, 2 * lock.STALE, (path / LOCK).read_text().replace("/", "0/", 1))
@@ -99,3 +111,36 @@ def test_of_two_that_take_a_lock_at_once_one_gives_way(path, monkeypatch):
     monkeypatch.setattr(time, "sleep", lambda _: (path / LOCK).write_text(ELSEWHERE))
     with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
         commit(path, SWEEP, ())
+
+
+def test_the_server_of_a_disk_heeds_the_heartbeat_of_its_clients(path, monkeypatch):
+    monkeypatch.setattr(lock, "is_local", lambda folder: True)
+    left_behind(path, 0.9 * lock.STALE)
+    with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
+        commit(path, SWEEP, ())
+    left_behind(path, 1.1 * lock.STALE)
+    commit(path, SWEEP, ())
+
+
+MOUNTS = [("/", "ext4"), ("/home", "ext4"), ("/home", "nfs"), ("/mnt", "9p"), ("/tmp", "tmpfs")]
+
+
+@pytest.mark.parametrize(
+    ("folder", "is_local"),
+    [
+        ("/homes/a", True),
+        ("/home/a", False),
+        ("/mnt", False),
+        ("/mnt2/mnt", True),
+        ("/tmp/a", True),
+    ],
+)
+def test_the_last_mount_above_a_folder_tells_whether_its_disk_is_here(
+    monkeypatch, folder, is_local
+):
+    def partitions(all=False):  # as psutil calls it
+        named = [SimpleNamespace(mountpoint=place, fstype=kind) for place, kind in MOUNTS]
+        return named if all else named[:2]
+
+    monkeypatch.setattr("psutil.disk_partitions", partitions)
+    assert lock.is_local(Path(folder)) is is_local

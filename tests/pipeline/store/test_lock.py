@@ -6,9 +6,11 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 
 import pytest
 
+from pipeline.cli import main
 from pipeline.store import lock
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, StoreError
@@ -18,7 +20,7 @@ from pipeline.store.verify import verify_store
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
-from tests.helpers.stores import HOLDER, assert_is_as_computed, commit, record
+from tests.helpers.stores import HOLDER, assert_is_as_computed, commit, contents, record
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
 HERE = f"process {os.getpid()} on {os.uname().nodename}"
@@ -112,6 +114,13 @@ def test_on_a_disk_of_this_machine_what_a_killed_process_of_any_host_wrote_stops
     assert_is_as_computed(path, [POINT, OTHER])
 
 
+def test_one_who_asks_for_the_holder_at_that_moment_does_not_stop_a_run(path):
+    with (path / LOCK).open("rb") as asking:
+        fcntl.flock(asking, fcntl.LOCK_SH)
+        threading.Timer(0.2, asking.close).start()
+        commit(path, SWEEP, ())
+
+
 @pytest.mark.parametrize("umask", [0o002, 0o077])
 def test_all_files_of_a_store_follow_the_umask(tmp_path, umask):
     before = os.umask(umask)
@@ -122,6 +131,34 @@ def test_all_files_of_a_store_follow_the_umask(tmp_path, umask):
     for file in (tmp_path / "new.zarr").rglob("*"):
         expected = (0o777 if file.is_dir() else 0o666) & ~umask
         assert file.stat().st_mode & 0o777 == expected, file
+
+
+def a_link(file, target):
+    file.symlink_to(target)
+
+
+def a_pipe(file, _):
+    os.mkfifo(file)
+
+
+def a_folder(file, _):
+    file.mkdir()
+
+
+@pytest.mark.parametrize("make", [a_link, a_pipe, a_folder])
+def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make):
+    (path / LOCK).unlink()
+    (tmp_path / "mine").write_text("years of work")
+    make(path / LOCK, tmp_path / "mine")
+    before = contents(tmp_path)
+    with pytest.raises(
+        StoreError,
+        match=f"{path} cannot be written: {path}/{LOCK} is not a file; move it elsewhere",
+    ):
+        commit(path, SWEEP, ())
+    assert contents(tmp_path) == before
+    assert summary(path).running is None
+    assert main(["status", str(path)]) == 0
 
 
 @pytest.mark.parametrize("replaced", [False, True])

@@ -2,7 +2,9 @@
 
 import json
 import math
+import os
 import shutil
+import time
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -11,6 +13,7 @@ from hypothesis import strategies as st
 import pipeline
 from pipeline.cli import main
 from pipeline.store.place import ROOT, StoreError
+from pipeline.store.root import root_document
 from pipeline.store.schema import FORMAT
 from tests.helpers import tiny
 from tests.helpers.stores import commit, contents
@@ -130,6 +133,77 @@ def test_a_root_that_another_program_writes_in_another_form_is_read(forged, alon
     (forged / ROOT).write_text(json.dumps(json.loads((alone / ROOT).read_text()), indent=1))
     assert pipeline.summary(forged).done == 9
     assert contents(forged).keys() == contents(alone).keys()
+
+
+def forge(forged, alone, change):
+    """Let the root be another one whose hash is right."""
+    document = json.loads((alone / ROOT).read_text())
+    attributes, arrays = document["attributes"], document["consolidated_metadata"]["metadata"]
+    del attributes["root_hash"], attributes["conditions_hash"]
+    change(attributes, arrays)
+    (forged / ROOT).write_bytes(root_document(attributes, arrays))
+
+
+def with_a_billion_loads(attributes, arrays):
+    for array in arrays.values():
+        for axis, dim in enumerate(array["dimension_names"]):
+            array["shape"][axis] = 10**9 if dim == "load" else array["shape"][axis]
+
+
+def with_axes_of_a_hundred_million_points(attributes, arrays):
+    attributes["axes"] |= {name: list(range(10_000)) for name in ("load", "velocity")}
+    for array in arrays.values():
+        array["shape"] = [len(attributes["axes"][dim]) for dim in array["dimension_names"]]
+
+
+@pytest.mark.parametrize("size", [with_a_billion_loads, with_axes_of_a_hundred_million_points])
+def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone, size):
+    forge(forged, alone, size)
+    began = time.process_time()
+    for function in (pipeline.summary, pipeline.open_sweep, pipeline.verify_store):
+        with pytest.raises(StoreError, match=r"sizes of its axes|a store has at most"):
+            function(forged)
+    assert time.process_time() - began < 2.0
+
+
+@pytest.mark.parametrize(
+    ("path", "new"),
+    [
+        (("loads",), {"a": [1.0]}),
+        (("loads", 0), []),
+        (("library",), [{"key": "disk.material"}]),
+        (("measured", 0, "velocity"), ""),
+        (("measured", 0, "colour"), 1.0),
+        (("scene", "fidelity", "increments"), True),
+        (("stations", "loads"), None),
+        (("later_versions",), [[1, 2]]),
+        (("axes", "step", 1), -1.5),
+        (("same_rig",), None),
+    ],
+)
+def test_a_forged_attribute_of_another_kind_is_named(forged, alone, path, new):
+    def change(attributes, arrays):
+        for key in path[:-1]:
+            attributes = attributes[key]
+        attributes[path[-1]] = new
+
+    forge(forged, alone, change)
+    with pytest.raises(StoreError, match=rf"attribute {path[0]}.* is missing, or not of the kind"):
+        pipeline.summary(forged)
+
+
+def test_a_forged_root_with_a_scene_of_no_value_is_refused(forged, alone):
+    row = {"values": [0.008], "written": ["8 mm"], "scene": {}, "attributes": {}}
+    forge(forged, alone, lambda attributes, _: attributes.update(over=["load"], scenes=[row]))
+    with pytest.raises(StoreError, match="over and scenes are not those of its axes"):
+        pipeline.summary(forged)
+
+
+def test_a_root_of_terabytes_is_not_read(forged):
+    os.truncate(forged / ROOT, 2**42)
+    with pytest.raises(StoreError, match=r"4.4e\+12 bytes"):
+        pipeline.summary(forged)
+    (forged / ROOT).unlink()
 
 
 def test_a_scene_of_more_points_than_a_store_has_is_refused(tmp_path):

@@ -9,11 +9,13 @@ import boto3
 import pytest
 import s3fs
 from aiobotocore.endpoint import AioEndpoint
+from botocore.exceptions import ClientError
+from s3fs.errors import translate_boto_error
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store import lock
+from pipeline.store import lock, place
 from pipeline.store.create import writing
 from pipeline.store.place import Bucket, StoreError, StoreMismatchError
 from pipeline.store.progress import summary
@@ -192,6 +194,38 @@ def test_another_driver_of_this_machine_counts_as_long_as_it_lives(address):
     commit(address, SWEEP, ())
 
 
+def refusal(status, code):
+    error = {"Error": {"Code": code, "Message": "no"}}
+    return ClientError(error | {"ResponseMetadata": {"HTTPStatusCode": status}}, "PutObject")
+
+
+REFUSALS = {
+    "AWS": translate_boto_error(refusal(412, "PreconditionFailed")),
+    "AWS, two at once": translate_boto_error(refusal(409, "ConditionalRequestConflict")),
+    "MinIO": refusal(412, "PreconditionFailed"),
+    "Ceph": OSError(22, None),
+}
+
+
+@pytest.mark.parametrize("error", REFUSALS.values(), ids=REFUSALS)
+def test_a_server_refuses_in_its_own_way_to_create_what_is_there(address, monkeypatch, error):
+    commit(address, SWEEP, ())
+    put(f"{address}/status/lock", b"process 7 on elsewhere\n")
+    call = s3fs.S3FileSystem._call_s3
+
+    async def refused(self, method, *arguments, **options):
+        if "IfNoneMatch" in options:
+            raise error
+        return await call(self, method, *arguments, **options)
+
+    monkeypatch.setattr(s3fs.S3FileSystem, "_call_s3", refused)
+    with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
+        commit(address, SWEEP, ())
+    delete(f"{address}/status/lock")
+    with pytest.raises(StoreError, match="cannot be written"):  # it can make no object like that
+        commit(address, SWEEP, ())
+
+
 def test_what_is_no_store_is_refused(address):
     with pytest.raises(StoreError, match="does not exist"):
         summary(address)
@@ -211,6 +245,12 @@ def test_a_store_that_lost_its_root_is_not_written_over(address):
     with pytest.raises(StoreError, match=r"has lost its zarr\.json"):
         commit(address, SWEEP, ())
     assert keys(address) == before
+
+
+def test_without_s3fs_it_says_what_to_install(monkeypatch, capsys):
+    monkeypatch.setattr(place, "find_spec", lambda name: None)
+    assert main(["status", "s3://irg/tiny.zarr"]) == 2
+    assert "pip install s3fs" in capsys.readouterr().err
 
 
 def test_a_server_that_is_gone_is_an_error_in_a_line(address, monkeypatch, server):

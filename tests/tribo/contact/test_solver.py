@@ -6,8 +6,10 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import brentq, lsq_linear
 
 from tribo import (
+    ConvergenceError,
     ElasticHalfSpace,
     Grid,
+    InputError,
     self_affine,
     solve_contact,
 )
@@ -218,6 +220,14 @@ def test_a_spike_is_a_contact_of_one_element():
     assert contact.approach == pytest.approx(solid.self_influence * 1e-3 / grid.element_area)
 
 
+def rough_line(n, tolerance, criterion="gap", guess=None, load=80.0):
+    """The paper's patch on n × n elements."""
+    grid = Grid((n, n), (391.68e-6 / n, 456e-6 / n))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.27e-6, 0.8, 4e-6, 0)
+    return solve_contact(solid, z, load, 6.6e9, tolerance, guess, criterion=criterion)
+
+
 @pytest.mark.parametrize(
     ("tolerance", "scale", "single"), [(0.03, 1.0, True), (0.009, 1.0, False), (0.03, 1e40, False)]
 )
@@ -233,3 +243,32 @@ def test_loose_contacts_are_solved_in_single_precision_where_it_holds_them(
     exact = solid(contact.pressure) + z - contact.approach
     rounding = np.abs(contact.gap - exact).max() / (solid.self_influence * contact.pressure.max())
     assert (rounding > 1e-9) == single
+
+
+def test_a_small_change_of_pressure_is_no_convergence():
+    near, exact = rough_line(240, 1e-8, load=76.0).pressure, rough_line(240, 1e-8).pressure
+    by_change, by_gap = (rough_line(240, 0.03, c, near) for c in ("pressure-change", "gap"))
+    # Near a solution already, the iteration's first change is small; the error is not.
+    assert by_change.residual > 3 * 0.03
+    errors = [np.abs(contact.pressure - exact).max() / 6.6e9 for contact in (by_change, by_gap)]
+    assert errors[0] > 2 * 0.03 > 4 * errors[1]
+    assert by_change.iterations < by_gap.iterations
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-10, 1e-14])
+def test_a_tiny_change_of_pressure_comes_with_the_solution(tolerance):
+    contact, exact = rough_line(48, tolerance, "pressure-change"), rough_line(48, 1e-11)
+    # 1e-14 is the paper's; rounding of the pressures alone leaves about 1e-16 a node.
+    assert contact.pressure == pytest.approx(exact.pressure, abs=(1e2 * tolerance + 1e-9) * 6.6e9)
+    assert contact.residual < 1e2 * tolerance + 1e-9
+
+
+def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out():
+    grid = Grid((24, 20), (1e-6, 1e-6))
+    z = -self_affine(grid, 0.3e-6, 0.8, 3e-6, 1)
+    with pytest.raises(ConvergenceError, match="did not converge"):
+        solve_contact(
+            ElasticHalfSpace(grid, E_STAR), z, 1.0, 6.6e9, 1e-12, None, 5, "pressure-change"
+        )
+    with pytest.raises(InputError, match="allowed are gap, pressure-change"):
+        rough_line(48, 1e-3, "epsilon")

@@ -93,3 +93,24 @@ def test_steps_of_a_hold_are_no_longer_than_those_of_the_trunk(hold, steps):
     stations = list(Ramp(150.0, 750.0, hold).stations(600.0, 100))
     assert len(stations) - 80 == steps
     assert stations[-1].time == pytest.approx(4.0 + hold)
+
+
+@pytest.mark.parametrize(
+    ("hold", "steps", "said"),
+    [(-1.0, None, "hold is -1"), (float("nan"), None, "hold is nan"), (1.0, 0, "hold_steps is 0")],
+)
+def test_holds_that_are_no_holds_are_refused(hold, steps, said):
+    with pytest.raises(InputError, match=said):
+        Ramp(150.0, 750.0, hold, steps)
+
+
+@pytest.mark.parametrize(
+    ("ramp", "load"),
+    [
+        (Ramp(150.0, 750.0, hold=1e6), 600.0),
+        (Ramp(1e300, 1e-30, hold=1.0), 1e-30),  # steps of the trunk that are too short for a number
+    ],
+)
+def test_more_steps_than_anyone_means_are_refused(ramp, load):
+    with pytest.raises(InputError, match="at most 1000000 are allowed"):
+        list(ramp.stations(load, 100))

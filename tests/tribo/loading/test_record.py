@@ -118,6 +118,23 @@ def test_a_record_is_known_by_its_numbers():
     assert smooth_record() != MeasuredLoad(TIMES, smooth_record().loads)
 
 
+@pytest.mark.parametrize(
+    ("times", "loads", "said"),
+    [
+        ([0.0], [1.0], "at least two rows"),
+        ([0.0, 1.0], [1.0, 2.0, 3.0], "equal length"),
+        ([0.0, 1.0, np.nan], [0.0, 1.0, 2.0], "row 2 .*finite"),
+        ([0.0, np.inf, 2.0], [0.0, 1.0, 2.0], "row 1 .*finite"),
+        ([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], "row 2 .*increase"),
+        ([0.0, 1.0], [5.0, 5.0], "begins at 5 N"),
+        ([0.0, 1.0], [-5.0, 0.0], "positive"),
+    ],
+)
+def test_what_is_no_record_is_refused(times, loads, said):
+    with pytest.raises(InputError, match=said):
+        MeasuredLoad(np.array(times), np.array(loads))
+
+
 def test_a_reference_load_beyond_the_record_is_refused():
     with pytest.raises(InputError, match="reaches 750 N; its reference load is 800 N"):
         MeasuredLoad(TIMES, np.linspace(0.0, 750.0, TIMES.size), reference_load=800.0)
@@ -178,6 +195,18 @@ def test_what_is_wrong_with_a_file_is_said_with_its_line(tmp_path, content, said
     with pytest.raises(InputError, match=said) as caught:
         read_load(path)
     assert str(path) in str(caught.value)
+
+
+def test_records_that_cannot_be_read_are_named(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match="cannot be read"):
+        read_load(tmp_path / "missing.csv")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_load(tmp_path)
+    path = tmp_path / "long.csv"
+    path.write_text("time [s],load [N]\n" + "".join(f"{n},{n}\n" for n in range(12)))
+    monkeypatch.setattr("tribo.loading.record._MOST_ROWS", 10)
+    with pytest.raises(InputError, match="line 12: more than 10 rows"):
+        read_load(path)
 
 
 def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():

@@ -6,6 +6,7 @@ The table of all cases is EXTREMES.md; ``python -m tests.tribo.simulation.test_e
 import itertools
 import math
 import re
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -30,6 +31,7 @@ from tribo import (
     WarningKind,
     Wear,
     measures,
+    read_heights,
     self_affine,
     simulate,
     solve_contact,
@@ -37,6 +39,7 @@ from tribo import (
 )
 from tribo.analytic import uniform_flux_rise
 from tribo.contact import elastic_influence
+from tribo.loading import MeasuredLoad
 from tribo.simulation import heat
 from tribo.thermal import conduction
 from tribo.thermal.quadrature import panels
@@ -465,7 +468,7 @@ def violation(contact, solid, z, hardness):
 
 
 @pytest.mark.parametrize("periodic", list(itertools.product((False, True), repeat=2)))
-@pytest.mark.parametrize("shape", [(1, 1), (1, 12), (13, 1), (11, 8)])
+@pytest.mark.parametrize("shape", [(1, 1), (1, 12), (13, 1), (17, 12)])
 @pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3)])
 def test_every_shape_on_every_window_at_every_load(periodic, shape, spacing):
     grid = Grid(shape, spacing, periodic)
@@ -482,7 +485,7 @@ def test_every_shape_on_every_window_at_every_load(periodic, shape, spacing):
 
 
 @pytest.mark.parametrize("periodic", [(False, True), (True, True), (False, False)])
-@pytest.mark.parametrize("saturation", [0.3, 0.9, 1 - 1e-13])
+@pytest.mark.parametrize("saturation", [0.05, 0.3, 0.7, 0.9, 0.999, 1 - 1e-6, 1 - 1e-13])
 def test_mostly_saturated_contacts_certify_themselves(saturation, periodic):
     grid = Grid((64, 60), (1e-6, 1.1e-6), periodic)
     solid = ElasticHalfSpace(grid, 115e9)
@@ -494,8 +497,25 @@ def test_mostly_saturated_contacts_certify_themselves(saturation, periodic):
     assert contact.penetration <= 1.001e-9 * solid.self_influence * 6.6e9
 
 
-@pytest.mark.parametrize("tolerance", [1e-12, 1e-13, 1e-14, 1e-16, 1e-300])
-@pytest.mark.parametrize("saturation", [0.02, 0.9])
+@pytest.mark.slow
+@pytest.mark.parametrize("hardness", [6.6e9, 1e9, 1e8])
+@pytest.mark.parametrize("saturation", [0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1 - 1e-9])
+def test_512_by_512_rough_periodic_capped(hardness, saturation, say):
+    grid = Grid((512, 512), (1e-6, 1.1e-6), (True, True))
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
+    began = time.perf_counter()
+    contact = solve_contact(solid, z, saturation * hardness * grid.area, hardness, tolerance=1e-8)
+    say(
+        f"\n512², H {hardness:g} Pa, F/(HA) {saturation:.10g}: {contact.iterations} iterations,"
+        f" {time.perf_counter() - began:.2f} s, residual {contact.residual:.1e}"
+    )
+    assert contact.iterations < 1000
+    assert violation(contact, solid, z, hardness) <= 1.001e-8
+
+
+@pytest.mark.parametrize("tolerance", [1e-10, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16, 1e-300])
+@pytest.mark.parametrize("saturation", [0.02, 0.3, 0.9])
 def test_tolerances_near_rounding_are_kept_or_refused_soon(tolerance, saturation):
     grid = Grid((100, 96), (1e-6, 1e-6))
     solid = ElasticHalfSpace(grid, 115e9)
@@ -551,6 +571,16 @@ def test_impossible_arguments_of_the_solver_are_named(change, said):
     arguments = {"separation": np.zeros((6, 5)), "normal_load": 1e-3, "hardness": 1e9} | change
     with pytest.raises(InputError, match=said):
         solve_contact(solid, **arguments)
+
+
+@pytest.mark.parametrize("guess", [0.0, -1.0, 1e-300, 1e300])
+def test_a_guess_without_sense_is_none(guess):
+    grid = Grid((12, 10), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = 1e-7 * np.random.default_rng(0).uniform(size=grid.shape)
+    initial = np.full(grid.shape, guess)
+    contact = solve_contact(solid, z, 1e-2, 6.6e9, initial_pressure=initial)
+    assert contact.pressure == pytest.approx(solve_contact(solid, z, 1e-2, 6.6e9).pressure)
 
 
 # Kernels.
@@ -644,6 +674,49 @@ def test_temperature_of_a_state_at_any_peclet_number_grows_with_the_velocity():
 
 
 # Bad input: each says where it is.
+
+
+def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_size(
+    tmp_path, monkeypatch
+):
+    text, array = tmp_path / "a.csv", tmp_path / "a.npy"
+    text.write_bytes(b"\xef\xbb\xbf1,2\n3,4\n5,6\n")
+    np.save(array, np.ones((3, 2)))
+    assert read_heights(text).shape == (3, 2)
+    monkeypatch.setattr("tribo.surface.heights._MOST_HEIGHTS", 5)
+    with pytest.raises(InputError, match=r"more than 5 heights up to .*line 3"):
+        read_heights(text)
+    with pytest.raises(InputError, match="at most 5 heights"):
+        read_heights(array)
+    (tmp_path / "folder.csv").mkdir()
+    with pytest.raises(InputError, match="cannot be read: it is not a file"):
+        read_heights(tmp_path / "folder.csv")
+    for unit in (math.nan, 0.0, -1.0):
+        with pytest.raises(InputError, match="unit is"):
+            read_heights(text, unit)
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: Grid((math.nan, 4), (1.0, 1.0)), "nx is nan"),
+        (lambda: Grid((4, 4, 4), (1.0, 1.0)), "shape is .* two values"),
+        (lambda: Grid((4, 4), (1e-200, 1e-200)), "element_area is 0.0"),
+        (lambda: Fidelity(increments=math.inf), "increments is inf"),
+        (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
+        (lambda: list(Ramp(1.0, 1.0).stations(1.0, math.nan)), "increments is nan"),
+        (lambda: list(Ramp(1.0, 1e-9).stations(1.0, 10)), "at most 1000000"),
+        (lambda: list(Ramp(1.0, 1.0, hold=1e9).stations(1.0, 10)), "at most 1000000"),
+        (lambda: MeasuredRoughness(np.zeros((0, 4))), r"shape \(0, 4\)"),
+        (lambda: MeasuredRoughness(np.array([["a"]])), "must hold real numbers"),
+        (lambda: MeasuredRoughness([[1.0], [math.inf]]), r"1 of 2 places, the first at \(1, 0\)"),
+        (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
+        (lambda: MeasuredLoad([0.0, 1.0], [0.0, math.nan]), "row 1"),
+    ],
+)
+def test_what_is_no_number_shape_or_size_is_named(build, said):
+    with pytest.raises(InputError, match=said):
+        build()
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear
-from tribo.simulation import start
+from tribo.simulation import heat, start
 from tribo.simulation.present_heat import _late_warming, excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
@@ -95,6 +95,12 @@ def test_without_heat_there_is_none():
     assert excess_of_present_heat(cold, last(cold, 100.0, 0.1)) == 0.0
     assert excess_of_present_heat(WORN, last(WORN, 100.0, 0.0)) == 0.0
     assert excess_of_present_heat(WORN, start(WORN)) == 0.0
+
+
+def test_the_direction_of_sliding_does_not_matter():
+    forwards, backwards = (excess_of_present_heat(WORN, last(WORN, 300.0, v)) for v in (0.1, -0.1))
+    assert backwards == pytest.approx(forwards, rel=0.1)
+    assert np.isfinite(heat(WORN, last(WORN, 300.0, -0.1), -0.1).max_rise)
 
 
 @pytest.mark.parametrize("time", [1e-3, 5.0])

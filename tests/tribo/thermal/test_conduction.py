@@ -19,6 +19,7 @@ from tribo.errors import InputError
 from tribo.material import Material
 from tribo.numerics import Grid, wrapped_offsets
 from tribo.thermal import ConductingHalfSpace, settling_time
+from tribo.thermal.conduction import flux_history_spectrum
 
 REFERENCES = json.loads(
     (Path(__file__).parent / "references" / "thermal_influence.json").read_text()
@@ -209,6 +210,16 @@ def test_the_nearest_image_is_added_as_it_leaks(ny, velocity, time):
     y = np.abs(wrapped_offsets(grid, 1) / ELEMENT[1]).round().astype(int)
     expected = free[:, y] + free[:, ny - y]
     np.testing.assert_allclose(kernel, expected, rtol=0, atol=1e-10 * kernel.max())
+
+
+def test_impossible_lengths_are_named():
+    grid = Grid((4, 4), ELEMENT)
+    for length in (0.0, -1.0, math.nan, "pin"):
+        with pytest.raises(InputError, match=r"length is .*; it must be positive"):
+            flux_history_spectrum(grid, STEEL, 0.0, (0.0, 1.0), (1.0, 1.0), length=length)
+    free = Grid((4, 4), ELEMENT, (False, False))
+    with pytest.raises(InputError, match="periodic along y"):
+        thermal_influence(free, STEEL, 0.0, 1.0, length="nearest-image")
 
 
 @pytest.mark.parametrize("periodic", [(False, True), (True, True), (True, False)])
