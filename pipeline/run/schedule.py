@@ -144,7 +144,7 @@ class _Run:
         self._learn = learn
         with_fields, store = "pressure" in writer.store.arrays, writer.store
         asked = sweep.changed(chosen=None, stations=store.attributes["stations"])
-        self._pickled = pickle.dumps((asked, with_fields))
+        self._pickled = pickle.dumps((asked, with_fields, store.simulated))
         self._parcel = sent_once(connection, self._pickled)
         self._numbers = itertools.count()
         self._label = uuid.uuid4().hex[:8]  # a scheduler may know tasks of other runs

@@ -17,6 +17,8 @@ from distributed import Worker
 
 from pipeline.run.cluster import Versions, versions
 from pipeline.run.source import SAFE, ExecutionError
+from pipeline.store.attributes import Simulated
+from pipeline.store.packing import packed
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_points
 from tribo import InputError
@@ -61,16 +63,16 @@ def compute_points(
     """Compute a point, or points at one load that share a contact, on from the load below.
 
     One that fails is recorded, and the next load continues the same trunk. The name is that of the
-    task, the parcel a pickled sweep and whether fields are stored. Points at lower loads that are
-    known to have failed are no stations.
+    task, the parcel a pickled sweep, whether fields are stored, and hashes of what is simulated.
+    Points at lower loads that are known to have failed are no stations.
     """
     global _now
-    sweep, with_fields = _unpacked(parcel)
+    sweep, with_fields, simulated = _unpacked(parcel)
     with _one_at_a_time:
         _now = name
         try:
             trunk = below.trunk if below else None
-            records, trunk = _computed(sweep, points, trunk, failed, with_fields)
+            records, trunk = _computed(sweep, points, trunk, failed, with_fields, simulated)
         finally:
             _now = None
     return Computed(tuple(records), trunk)
@@ -82,17 +84,19 @@ def _computed(
     trunk: Trunk | None,
     failed: Collection[Point],
     with_fields: bool,
+    simulated: Simulated,
 ) -> tuple[list[PointRecord], Trunk | None]:
     """Records of points of one contact, and the trunk after them."""
     try:
         results = run_points(sweep, points, trunk, failed=failed)
     except Exception as error:
         if len(points) > 1:  # the others may have a solution
-            alone = [_computed(sweep, (point,), None, failed, with_fields)[0] for point in points]
+            parts = failed, with_fields, simulated
+            alone = [_computed(sweep, (point,), None, *parts)[0] for point in points]
             return [record for records in alone for record in records], None
         record = PointRecord(points[0], None, f"{type(error).__name__}: {error}")
-        return [record], trunk.without(points) if trunk else None
-    return [result.record(with_fields) for result in results], results[0].trunk
+        return [packed(record, simulated)], trunk.without(points) if trunk else None
+    return [packed(result.record(with_fields), simulated) for result in results], results[0].trunk
 
 
 def records_here(keys: Collection[str], dask_worker: Worker) -> Report:
@@ -105,9 +109,9 @@ def records_here(keys: Collection[str], dask_worker: Worker) -> Report:
 
 
 @functools.lru_cache(maxsize=1)
-def _unpacked(parcel: bytes) -> tuple[Sweep, bool]:
+def _unpacked(parcel: bytes) -> tuple[Sweep, bool, Simulated]:
     try:
-        contents: tuple[Sweep, bool] = pickle.loads(parcel)
+        contents: tuple[Sweep, bool, Simulated] = pickle.loads(parcel)
     except InputError as error:  # of a law whose text is another one here
         raise ExecutionError(f"a worker cannot take the scene: {error}; {SAFE}") from error
     return contents

@@ -135,3 +135,8 @@ def chunk_key(name: str, numbers: Sequence[int]) -> str:
     'time/c.0.2.0'
     """
     return f"{name}/" + ".".join(map(str, ("c", *numbers)))
+
+
+def field_key(name: str, index: Sequence[int]) -> str:
+    """Key of the one chunk of a field at a point, by its place."""
+    return chunk_key(name, (*index, 0, 0))

@@ -9,7 +9,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column
 from tribo import InputError, WarningKind
 
-FORMAT = 4
+FORMAT = 3
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline.store.attributes import checksum
 from pipeline.store.files import THREADS
-from pipeline.store.layout import Slices, blocks, chunk_key, slices_of
+from pipeline.store.layout import Slices, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
     ROOT,
@@ -223,7 +223,15 @@ def _entries(
         name: None if entries is None else entries[within] for name, entries in values.items()
     }
     fields = store.arrays.keys() & AT_END.keys()
-    return of_block | {name: _read(store, name, index, keys) for name in fields}
+    return of_block | {name: _read_or_none(store.place, field_key(name, index)) for name in fields}
+
+
+def _read_or_none(place: Place, key: str) -> bytes | None:
+    """Content of a key; None where it is lost, or cannot be read."""
+    try:
+        return place.read(key)
+    except OSError:
+        return None
 
 
 def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool) -> str:

@@ -21,10 +21,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.attributes import Simulated, checksum
+from pipeline.store.attributes import Simulated
 from pipeline.store.files import THREADS
-from pipeline.store.layout import arrays_of, blocks, chunk_key, slices_of
+from pipeline.store.layout import arrays_of, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import Lock
+from pipeline.store.packing import packed
 from pipeline.store.place import (
     LOCK,
     ROOT,
@@ -37,14 +38,14 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.root import Root, read_root, root_document
-from pipeline.store.schema import AT_END, DONE, FAILED, PENDING, PLANE, STEPPED, VARIABLES
+from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
 from tribo.types import Indices, Mask
 
 _ADVICE = "; what is finished is safe, go on when there is room and permission to write"
-_LONGEST = 2000  # characters of a message, which somebody is to read
+_ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # what is told about a point
 
 _Index = tuple[int, ...]
 
@@ -165,19 +166,12 @@ class Store:
         """Put points on the disk: data first, then statuses."""
         values, statuses = {}, {}
         for record in records:
+            record = packed(record, self.simulated)
             index = self.index(record.point)
-            stored: dict[str, Any] = {**(record.data or {}), "warning_flags": record.warning_flags}
-            data = {name: np.asarray(v, VARIABLES[name].dtype) for name, v in stored.items()}
-            values[index] = {
-                **data,
-                # Names of files in a message may be no text.
-                "message": record.message[:_LONGEST].encode(errors="backslashreplace").decode(),
-                "wall_time": record.wall_time,
-                "checksum": checksum(self.simulated.at(record.point), record.point, data),
-            }
+            values[index] = {name: getattr(record, name) for name in _ABOUT}
             statuses[index] = FAILED
             if record.data is not None:
-                values[index]["steps"] = len(record.data["time"])
+                values[index] |= {**record.data, "steps": len(record.data["time"])}
                 statuses[index] = DONE
         self.write(values, statuses)
 
@@ -211,14 +205,19 @@ class Store:
         self, values: Mapping[_Index, Mapping[str, Any]], statuses: Mapping[_Index, int]
     ) -> None:
         """Write values of points by name, and once they are on the disk statuses."""
+        encoded: dict[str, bytes] = {}
         chunks: dict[tuple[str, _Index], dict[_Index, Any]] = {}
         for index, of_point in values.items():
             chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
-                own = index if name in AT_END else chunk
-                chunks.setdefault((name, own), {})[index] = value
-        with self._writes(), ThreadPoolExecutor(THREADS) as threads:  # which ends when all have
-            list(threads.map(lambda chunk: self._put(*chunk), chunks.items()))
+                if isinstance(value, bytes):
+                    encoded[field_key(name, index)] = value
+                else:
+                    chunks.setdefault((name, chunk), {})[index] = value
+        with self._writes():
+            self.place.put(encoded)
+            with ThreadPoolExecutor(THREADS) as threads:  # which ends when all have
+                list(threads.map(lambda chunk: self._put(*chunk), chunks.items()))
         flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
         for index, status in statuses.items():
             flags[index], changed[index] = status, True
@@ -230,9 +229,6 @@ class Store:
         """Write values into points of one chunk of a variable, and leave the others as they are."""
         name, chunk = place
         array = self.arrays[name]
-        if name in AT_END:  # which has a chunk for each point
-            array[chunk] = values[chunk]
-            return
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():

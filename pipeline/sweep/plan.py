@@ -163,13 +163,17 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Stored result of a point: variables of the dataset, or None of one that failed."""
+    """Stored result of a point: variables of the dataset, or None of one that failed.
+
+    Fields of a packed record are bytes, and it has a checksum; see `pipeline.store.layout`.
+    """
 
     point: Point
-    data: Mapping[str, Array] | None
+    data: Mapping[str, Array | bytes] | None
     message: str = ""  # its warnings, or the reason of its failure
     warning_flags: int = 0
     wall_time: float = math.nan  # [s]
+    checksum: np.uint64 | None = field(default=None, kw_only=True)
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:

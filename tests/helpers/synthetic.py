@@ -134,7 +134,7 @@ def sweep(
         "conditions": dict(CONDITIONS),
         "friction_band": [0.09, 0.103],
         "measured": [dict(point) for point in MEASURED],
-        "format": 4,
+        "format": 3,
         "preset": "fine",
     }
     return xr.Dataset(data, coords, attrs | attributes)

@@ -18,6 +18,7 @@ from pipeline.run.cluster import Connection
 from pipeline.run.schedule import compute
 from pipeline.run.source import ExecutionError, Source, unheard
 from pipeline.run.tally import STARTS, TRIALS
+from pipeline.store.attributes import Simulated, describe
 from pipeline.store.create import writing
 from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
@@ -27,6 +28,7 @@ from tests.helpers import tiny
 from tests.helpers.local_client import Ended, LocalClient
 
 SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 8).tolist()))
+SIMULATED = Simulated.of({"scene": describe(SWEEP)})
 
 
 @pytest.fixture
@@ -89,7 +91,7 @@ def test_a_point_that_fails_costs_no_other_of_its_ramp(compute_sweep, monkeypatc
 @pytest.mark.parametrize("number", [0, 1, 2])
 def test_a_trunk_from_any_lower_load_gives_the_same_numbers(number):
     """As when Dask computes a trunk again that was lost, or none is left."""
-    parcel, (first, second, third) = pickle.dumps((SWEEP, False)), points(SWEEP)[:3]
+    parcel, (first, second, third) = pickle.dumps((SWEEP, False, SIMULATED)), points(SWEEP)[:3]
     below = None
     for place in (first, second)[:number]:
         below = pickle.loads(pickle.dumps(work.compute_points("", parcel, (place,), below)))

@@ -410,7 +410,7 @@ def of_another_format(path):
         (without_root, "has lost its zarr.json; irg run with the scene that made it"),
         (without_root_and_status, "is not a store: there is no zarr.json"),
         (with_half_a_root, "is damaged"),
-        (of_another_format, "has format 99, and this program reads format 4; make it anew"),
+        (of_another_format, "has format 99, and this program reads format 3; make it anew"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):

@@ -111,7 +111,7 @@ def test_damage_is_named_and_repaired(address, capsys):
     put(f"{address}/load/c.0", b"nonsense")
     assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
     assert main(["verify", address, "--repair"]) == 1
-    assert "600 N, 1 m/s: pressure cannot be read" in capsys.readouterr().out
+    assert "600 N, 1 m/s: the data are not those that were computed" in capsys.readouterr().out
     assert main(["verify", address]) == 0
     assert set(done_points(address)) == {POINT}
     delete(f"{address}/time/c.0.0.0")
