@@ -65,6 +65,7 @@ promises: .venv/test  ## judge --accuracy and the presets on random scenes, for 
 
 samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its next tests by truths
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.bands
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage
 	for case in known unknown; do for tests in 4 10 20 40; do \
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --promise --case $$case \
