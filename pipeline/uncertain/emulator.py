@@ -36,9 +36,8 @@ from pipeline.sweep.unknown import OF_90
 from tribo.types import Array, Mask
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
-_MOST_TO_LEAVE = (
-    128  # rows of which each fold has constants of its own; it moves those of more little
-)
+# Rows up to which each fold has constants of its own; it moves those of more little.
+_MOST_TO_LEAVE = 128
 _FOLDS = 16
 _BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
 _LENGTH = np.log(4.0)  # of features whose spread is 1

@@ -63,8 +63,8 @@ def bulk_warming(
 
         C₁ dT₁/dt = h₁/(h₁ + h₂) Q + h₁h₂/(h₁ + h₂) (T₂ − T₁) − G₁ T₁,
 
-    body 2 likewise. With constant conductances that is two
-    exponentials, each summed in closed form.
+    body 2 likewise. With constant conductances that is two exponentials, each summed in closed
+    form.
 
     Parameters
     ----------
