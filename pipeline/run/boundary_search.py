@@ -27,8 +27,8 @@ from pipeline.run.source import PATIENCE
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import sweep_of
+from pipeline.store.create import restore_root
 from pipeline.store.place import PathLike, place_of
-from pipeline.store.restore import restore_root
 from pipeline.store.root import find_root
 from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store

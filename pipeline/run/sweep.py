@@ -28,13 +28,12 @@ from pipeline.run.tally import Progress, Tally, reported
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.attributes import differences, package_versions
-from pipeline.store.create import grown, writing
+from pipeline.store.create import grown, restore_root, writing
 from pipeline.store.place import Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
-from pipeline.store.restore import changed_chunks, note_files, restore_root
 from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED, require_free_names
-from pipeline.store.verify import examined
+from pipeline.store.verify import changed_chunks, examined, note_files
 from pipeline.store.write import Store, Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains

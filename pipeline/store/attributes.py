@@ -53,14 +53,7 @@ def scene_hash(description: Mapping[str, Any]) -> str:
 
 
 def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:
-    """Say in which entries two descriptions differ.
-
-    Examples
-    --------
-    >>> stored, wanted = {"pin": {"radius": 0.004}}, {"pin": {"radius": 0.005}, "wear": None}
-    >>> list(differences(stored, wanted))
-    ['scene.pin.radius: 0.004 in the store, 0.005 in the scene']
-    """
+    """Say in which entries two descriptions differ."""
     if isinstance(stored, Mapping) and isinstance(wanted, Mapping):
         for name in {**stored, **wanted}:
             yield from differences(stored.get(name), wanted.get(name), f"{key}.{name}")
@@ -70,18 +63,10 @@ def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class Simulated:
-    """Hash of what was simulated at each point of a store.
+    """Hash of what was simulated at each point of a store."""
 
-    Attributes
-    ----------
-    hashes : mapping of tuple to str
-        SHA-256 of the scene by the values of the entries that have several, in order.
-    entries : tuple of str
-        Their names.
-    """
-
-    hashes: Mapping[tuple[Any, ...], str]
-    entries: tuple[str, ...] = ()
+    hashes: Mapping[tuple[Any, ...], str]  # by the values of the entries that have several
+    entries: tuple[str, ...]  # their names
 
     @classmethod
     def of(cls, attributes: Mapping[str, Any]) -> Self:

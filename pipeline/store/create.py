@@ -1,12 +1,12 @@
 """Creation of a store, its growth, and its opening by the one process that writes to it.
 
-A new store is no store until its root is there, which is written last.
+A new store is no store until its root is there, which is written last. A root that was lost is made
+again from its scene and from what lies beside it.
 
-Growth of a store whose axes no longer ascend if values are put at their ends.
-
-The larger store is made beside the old one, in order, and then put in its place by two renames.
-Whoever opens the name between them finishes the second (`pipeline.store.place.place_of`). The file
-of the lock is linked into the larger store, so that the lock stays held throughout.
+Where values come between those of an axis, a larger store is made beside the old one and then put
+in its place by two renames. Whoever opens the name between them finishes the second
+(`pipeline.store.place.place_of`). The file of the lock is linked into the larger store, so that the
+lock stays held throughout.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import os
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,8 @@ from pipeline.store.layout import (
     block_of,
     blocks,
     bytes_of_a_point,
+    chunk_key,
+    chunk_numbers,
     documents,
 )
 from pipeline.store.lock import Lock, held
@@ -44,10 +46,19 @@ from pipeline.store.place import (
     StoreMismatchError,
     larger,
     place_of,
+    reads,
     smaller,
     writes,
 )
-from pipeline.store.root import MOST_POINTS, Root, find_root, read_root, root_document
+from pipeline.store.root import (
+    MOST_POINTS,
+    LostRootError,
+    Root,
+    find_root,
+    read_root,
+    require_likely,
+    root_document,
+)
 from pipeline.store.schema import AT_END, PENDING, PLANE, STEPPED, is_coordinate, variables_of
 from pipeline.store.verify import examined
 from pipeline.store.write import Store
@@ -55,6 +66,8 @@ from pipeline.sweep.model import Sweep, named
 from pipeline.sweep.stations import Stations
 from tribo import QUANTILES
 from tribo.types import Indices
+
+_T = TypeVar("_T")
 
 
 @contextmanager
@@ -74,10 +87,11 @@ def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
     place = place_of(path)
     find_root(place)  # before a lock is laid in what is no store
     with held(place) as lock:
-        with writes(place):
-            _remove_partial(place)
-            if isinstance(place, Folder):
-                remove_unfinished(place.path)
+        if isinstance(place, Folder):
+            with writes(place):
+                for file in (place.path / (ROOT + PARTIAL), *place.path.glob(f"*/*{PARTIAL}")):
+                    file.unlink(missing_ok=True)
+                _remove_unfinished(place.path)
         yield grown(place, sweep, lock)
 
 
@@ -90,13 +104,20 @@ def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
         raise StoreMismatchError(f"{place} {fault}")
     with writes(place):
         root = _with_room(place, root, sweep, lock)
-    try:
-        store = Store(place, root, lock)
-    except StoreError:  # statuses, or marks of what was asked for, are damaged
-        examined(Store(place, root, lock, is_damaged=True), repair=True)
-        store = Store(place, root, lock)
+    store = _repaired_if_need_be(place, root, lock, lambda store: store)
     store.ask(store.asked_by(sweep))
     return store
+
+
+def _repaired_if_need_be(
+    place: Place, root: Root, lock: Lock | None, use: Callable[[Store], _T]
+) -> _T:
+    """What a function makes of an open store, which is repaired first if it cannot be read."""
+    try:
+        return use(Store(place, root, lock))
+    except StoreError:
+        examined(Store(place, root, lock, is_damaged=True), repair=True)
+        return use(Store(place, root, lock))
 
 
 def _with_room(place: Place, before: Root | None, sweep: Sweep, lock: Lock | None) -> Root:
@@ -119,13 +140,22 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep, lock: Lock | Non
     attributes = root_attributes(sweep, before.attributes if before else None) | {"axes": axes}
     if before and attributes == before.attributes:
         return before
-    if not before or not goes_on(before.axes, axes):
+    is_inserted = before and any(axes[name][: len(old)] != old for name, old in before.axes.items())
+    if not before or is_inserted:
         sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
         attributes["points_per_chunk"] = block_of(sizes, bytes_of_a_point(wanted, axes))
         attributes["generation"] = before.attributes["generation"] + 1 if before else 0
     contents, metadata = documents(wanted, axes, attributes["points_per_chunk"])
-    if before and not goes_on(before.axes, axes):
-        _replace_by_larger(place, before, lock, (attributes, contents, metadata))
+    if before and is_inserted:
+        if isinstance(place, Bucket):
+            raise StoreError(
+                f"{place} cannot take values between its own, or stations before them, since "
+                "objects cannot be renamed; write to another store"
+            )
+        root, path = Root(attributes, metadata), place.path
+        _repaired_if_need_be(
+            place, before, lock, lambda store: _replace_by_larger(store, path, root, contents)
+        )
         return read_root(place)
     place.put({k: new for k, new in contents.items() if not before or new != place.read(k)})
     place.put({ROOT: root_document(attributes, metadata)})
@@ -135,20 +165,6 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep, lock: Lock | Non
             with suppress(PermissionError):
                 sync(folder)
     return read_root(place)
-
-
-def _replace_by_larger(place: Place, before: Root, lock: Lock | None, larger: Any) -> None:
-    """Put a larger store in the place of one; first repair this if it cannot be read."""
-    if not isinstance(place, Folder):
-        raise StoreError(
-            f"{place} cannot take values between its own, or stations before them, since objects "
-            "cannot be renamed; write to another store"
-        )
-    try:
-        replace_by_larger(Store(place, before, lock), *larger)
-    except StoreError:
-        examined(Store(place, before, lock, is_damaged=True), repair=True)
-        replace_by_larger(Store(place, before, lock), *larger)
 
 
 def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
@@ -221,45 +237,15 @@ def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
             yield from differences(known, describe(sweep, name), key)
 
 
-def _remove_partial(place: Place) -> None:
-    """Remove what a killed writer was writing."""
-    if isinstance(place, Folder):
-        for file in (place.path / (ROOT + PARTIAL), *place.path.glob(f"*/*{PARTIAL}")):
-            file.unlink(missing_ok=True)
-
-
-_ABSENT = -1
-
-
-def goes_on(before: Mapping[str, Sequence[Any]], after: Mapping[str, Sequence[Any]]) -> bool:
-    """True if values are added to axes at their ends alone.
-
-    Examples
-    --------
-    >>> goes_on({"load": [1.0, 2.0]}, {"load": [1.0, 2.0, 3.0]})
-    True
-    >>> goes_on({"step": [-1, 0]}, {"step": [-2, -1, 0]})
-    False
-    """
-    return all(list(after[name][: len(values)]) == list(values) for name, values in before.items())
-
-
-def replace_by_larger(
-    store: Store,
-    attributes: Mapping[str, Any],
-    contents: Mapping[str, bytes],
-    metadata: Mapping[str, Any],
-) -> None:
-    """Replace a store by a larger one with these attributes, documents and metadata of arrays."""
-    assert isinstance(store.place, Folder)
-    path = store.place.path
-    remove_unfinished(path)
+def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[str, bytes]) -> None:
+    """Replace a store by a larger one with this root, and these documents and coordinates."""
+    _remove_unfinished(path)
     beside = Folder(larger(path))
     (beside.path / LOCK).parent.mkdir(parents=True)
     (beside.path / LOCK).hardlink_to(path / LOCK)
     beside.put(contents)
-    _copy(store, arrays_of(beside, metadata, read_only=False), attributes["axes"], beside.path)
-    beside.put({ROOT: root_document(attributes, metadata)})
+    _copy(store, path, root, beside)
+    beside.put({ROOT: root_document(*root)})
     sync(path.parent)
     store.require_lock()  # whoever holds another one has removed some of what was made beside
     path.rename(smaller(path))
@@ -269,68 +255,105 @@ def replace_by_larger(
         if not (path / ROOT).exists():  # unless a reader has finished it
             raise
     sync(path.parent)
-    remove_unfinished(path)
+    _remove_unfinished(path)
 
 
-def remove_unfinished(path: Path) -> None:
+def _remove_unfinished(path: Path) -> None:
     """Remove what a growth that was killed has left beside a store, whose lock is held."""
     for folder in (larger(path), smaller(path)):
         if folder.exists():
             shutil.rmtree(folder)
 
 
-def _copy(
-    store: Store, arrays: Mapping[str, Any], axes: Mapping[str, Sequence[Any]], folder: Path
-) -> None:
-    """Copy what is stored of points to their places in larger arrays."""
-    places = [_places(store.axes[dim], axes[dim]) for dim in store.dims]
-    begun = store.flags != PENDING
-    shape = arrays["status"].shape
-    where = np.zeros(shape, bool)
-    inverse = [{int(old): new for new, old in enumerate(along)} for along in places]
-    for index in np.argwhere(begun | (store.asked != 0)):
-        where[tuple(along[int(i)] for along, i in zip(inverse, index, strict=True))] = True
-    size = arrays["status"].chunks
-    for name, array in arrays.items():
-        if name in AT_END:
-            _link(store, name, inverse, folder)
-        elif not is_coordinate(name):
-            for _, block in blocks(where, size):
-                array[block] = _part(store, name, array, block, places)
+def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
+    """Copy what is stored of points to their places in the arrays of a larger store."""
+    arrays = arrays_of(beside, root.arrays, read_only=False)
+    moved = [*_moved(store, root.axes)]
+    where = np.zeros(arrays["status"].shape, bool)
+    where[np.ix_(*moved)] = (store.flags != PENDING) | (store.asked != 0)
+    shared = [name for name in arrays if not (name in AT_END or is_coordinate(name))]
+    for _, block in blocks(where, arrays["status"].chunks):
+        old = tuple(
+            np.flatnonzero((of_dim >= part.start) & (of_dim < part.stop))
+            for of_dim, part in zip(moved, block, strict=True)
+        )
+        new = [of_dim[numbers] for of_dim, numbers in zip(moved, old, strict=True)]
+        for name in shared:
+            values = store.read_at(name, old)
+            # Stations are counted back from the end.
+            last = [slice(-values.shape[len(old)], None)] if name in STEPPED else []
+            arrays[name].oindex[(*new, *last)] = values
+    for name in arrays.keys() & AT_END.keys():  # a file for each point, which takes its new name
+        for file in (path / name).glob("c.*"):
+            if numbers := chunk_numbers(file.name):
+                index = [of_dim[i] for of_dim, i in zip(moved, numbers, strict=False)]
+                key = chunk_key(name, (*index, *numbers[len(index) :]))
+                (beside.path / key).hardlink_to(file)
 
 
-def _places(before: Sequence[Any], after: Sequence[Any]) -> Indices:
-    """Place in the old axis of each value of the new one, where it has one."""
-    numbers = {value: number for number, value in enumerate(before)}
-    return np.array([numbers.get(value, _ABSENT) for value in after])
+def _moved(store: Store, axes: Mapping[str, Sequence[Any]]) -> Iterator[Indices]:
+    """Places of the values of a store along each of its dimensions in those of a larger one."""
+    for dim in store.dims:
+        numbers = {value: number for number, value in enumerate(axes[dim])}
+        yield np.array([numbers[value] for value in store.axes[dim]])
 
 
-def _part(
-    store: Store, name: str, array: Any, block: tuple[slice, ...], places: Sequence[Indices]
-) -> Any:
-    """A chunk of a larger array, with what the store has of it."""
-    part = array[block]
-    along = [of_dim[one] for of_dim, one in zip(places, block, strict=True)]
-    present = [np.flatnonzero(one != _ABSENT) for one in along]
-    if not all(one.size for one in present):
-        return part
-    old = tuple(one[at] for one, at in zip(along, present, strict=True))
-    values = store.read_at(name, old)
-    if name in STEPPED:  # which are counted back from the end
-        part[(*np.ix_(*present), slice(-values.shape[len(old)], None))] = values
-    else:
-        part[np.ix_(*present)] = values
-    return part
+def restore_root(path: PathLike, sweep: Sweep) -> bool:
+    """Make a root that is lost again, and return whether it was.
+
+    The coordinates and the metadata of each array have files of their own. The rest is the scene's,
+    and whether that scene made the store is told by the checksums of its points, of which each
+    includes the hash of what was simulated. Raise a `StoreMismatchError`, and write nothing, if the
+    sweep did not make the store.
+    """
+    place = place_of(path)
+    try:
+        find_root(place)
+    except LostRootError as error:
+        with held(place):
+            root = _remade(place, sweep, error)
+            with writes(place):
+                place.put({ROOT: root_document(*root)})
+        return True
+    return False
 
 
-def _link(store: Store, name: str, inverse: Sequence[Mapping[int, int]], folder: Path) -> None:
-    """Link the files of a field, one for each point, to their new names."""
-    assert isinstance(store.place, Folder)
-    with suppress(FileNotFoundError), os.scandir(store.place.path / name) as entries:
-        for entry in entries:
-            first, *numbers = entry.name.split(".")
-            if first != "c" or not all(number.isdigit() for number in numbers):
-                continue
-            index, rest = numbers[: len(inverse)], numbers[len(inverse) :]
-            new = [str(of_dim[int(i)]) for of_dim, i in zip(inverse, index, strict=True)]
-            (folder / name / ".".join(["c", *new, *rest])).hardlink_to(entry.path)
+def _remade(place: Place, sweep: Sweep, lost: StoreError) -> Root:
+    """The root as the sweep says, if the points of the store agree."""
+    with_fields = place.read(f"pressure/{ROOT}") is not None
+    try:
+        metadata = {name: _metadata(place, name) for name in variables_of(sweep, with_fields)}
+        arrays, axes = arrays_of(place, metadata, read_only=True), {}
+        for name in filter(is_coordinate, metadata):
+            with reads(place, name):
+                axes[name] = arrays[name][:].tolist()
+        stations = json.loads(metadata["step"]["attributes"]["stations"])
+    except (ValueError, KeyError, TypeError, StoreError) as error:
+        raise StoreError(f"{lost}; it cannot be made again: {error}") from error
+    status = arrays["status"]
+    attributes = root_attributes(sweep.changed(stations=stations), None) | {
+        "axes": axes,
+        "stations": stations,
+        "points_per_chunk": dict(zip(status.metadata.dimension_names, status.chunks, strict=True)),
+        "generation": int(time.time()),  # whoever opened it before opens it again
+    }
+    root = Root(json.loads(json.dumps(attributes)), metadata)
+    require_likely(place, root)
+    try:
+        verification = examined(Store(place, root, is_damaged=True), repair=False)
+        agrees = verification.done > 0 or not verification.damaged
+    except KeyError:  # of values that the sweep does not have
+        agrees = False
+    if not agrees:
+        raise StoreMismatchError(
+            f"{place} has lost its {ROOT}, and its points are not those of this scene; give the "
+            "scene that made it, with all its values, or write to another store"
+        )
+    return root
+
+
+def _metadata(place: Place, name: str) -> Any:
+    content = place.read(f"{name}/{ROOT}")
+    if content is None:
+        raise KeyError(f"{name}/{ROOT} is lost")
+    return json.loads(content)

@@ -16,6 +16,7 @@ from pipeline.store.place import ROOT, Place
 from pipeline.store.schema import (
     AT_END,
     COMPRESSION,
+    PLANE,
     STEPPED,
     Variable,
     is_coordinate,
@@ -33,17 +34,8 @@ _GROWING = 4096  # entries in a chunk of a coordinate that grows
 def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     """Points in a chunk along each dimension that tells points apart, by their numbers of points.
 
-    These are some hundred points, fewer where they are large: all loads, which one task computes
-    after the other, then neighbouring velocities, then surfaces or samples.
-
-    Examples
-    --------
-    >>> block_of({"load": 12, "velocity": 30}, 6000)
-    {'load': 12, 'velocity': 30}
-    >>> block_of({"load": 12, "velocity": 8334}, 2880)
-    {'load': 12, 'velocity': 85}
-    >>> block_of({"variant": 1000, "load": 4}, 1200)
-    {'variant': 256, 'load': 4}
+    These are some hundred points, fewer where they are large: all loads, which one ramp computes
+    one after the other, then neighbouring velocities, then surfaces or samples.
     """
     room = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST)
     block = dict.fromkeys(sizes, 1)
@@ -51,8 +43,9 @@ def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
         block["load"] = min(sizes["load"], room)
     if "velocity" in sizes:  # to which a search adds others later
         block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block.get("load", 1)))
-    for name in set(sizes) - {"load", "velocity"}:
-        block[name] = max(1, min(sizes[name], room // math.prod(block.values())))
+    for name in sizes:
+        if name not in PLANE:
+            block[name] = max(1, min(sizes[name], room // math.prod(block.values())))
     return block
 
 
@@ -127,14 +120,15 @@ def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
 
 
 def chunk_key(name: str, numbers: Sequence[int]) -> str:
-    """Key of a chunk of an array.
-
-    Examples
-    --------
-    >>> chunk_key("time", (0, 2, 0))
-    'time/c.0.2.0'
-    """
+    """Key of a chunk of an array, such as ``time/c.0.2.0``."""
     return f"{name}/" + ".".join(map(str, ("c", *numbers)))
+
+
+def chunk_numbers(file: str) -> tuple[int, ...]:
+    """Numbers of a chunk by the name of its file; none if it is no chunk."""
+    first, *numbers = file.split(".")
+    is_chunk = first == "c" and all(number.isdigit() for number in numbers)
+    return tuple(map(int, numbers)) if is_chunk else ()
 
 
 def field_key(name: str, index: Sequence[int]) -> str:

@@ -2,12 +2,9 @@
 
 On a disk of this machine it is a `flock` on a file of the store, which the kernel releases when its
 process dies. Nothing else decides there; what the file says is for people. On disks that other
-machines see, and in an object store, it is a heartbeat.
-
-The lock of a store that several machines see: a file that its holder renews.
-
-It is made by exclusive creation. A killed process leaves it behind; where nobody has renewed it for
-some minutes, by the clock of the disk or the object store, the next process takes it.
+machines see, and in an object store, it is a heartbeat: a file that its holder renews, made by
+exclusive creation. A killed process leaves it behind; where nobody has renewed it for some minutes,
+by the clock of the disk or the object store, the next process takes it.
 """
 
 from __future__ import annotations
@@ -29,6 +26,11 @@ import psutil
 from pipeline.store.files import PARTIAL, make_folder
 from pipeline.store.place import LOCK, Folder, Place, StoreError, writes
 
+try:
+    import fcntl
+except ImportError:  # not a POSIX system: stores can be read, but not written
+    fcntl = None  # type: ignore[assignment]
+
 BEAT = 20.0
 """Time between two renewals [s]."""
 STALE = 180.0
@@ -37,155 +39,11 @@ SETTLE = 2.0
 """Time [s] in which of two processes that take a lock at once the later one wins."""
 
 _CONTENT = re.compile(r"(process (\d+) on \S+)\n(?:(\S+) [0-9a-f]{32}\n)?")
-
-
-class Heartbeat:
-    """A lock that this process holds as long as its content is in the file of the lock."""
-
-    def __init__(self, place: Place) -> None:
-        self._place = place
-        self._content = this_process() + f"{_machine()} {uuid.uuid4().hex}\n".encode()
-
-    def is_in_place(self) -> bool:
-        """True if the lock is that of this process; raises an `OSError` if it cannot be read."""
-        return self._place.read(LOCK) == self._content
-
-    def take(self) -> None:
-        """Create the lock, or take one that is free; raise a `StoreError` if there is another."""
-        place = self._place
-        if place.create(LOCK, self._content):
-            return
-        if not place.read(LOCK):  # let go of, or just being made
-            time.sleep(SETTLE)
-        there = place.read(LOCK) or b""
-        if there and not _is_dead(there) and (age := _age(place)) < STALE:
-            raise in_use(
-                str(place),
-                process_in(there),
-                f"; it was last heard of {max(age, 0):.0f} s ago, and {STALE:.0f} s after the last "
-                "sign of it the store is free",
-            )
-        with suppress(FileNotFoundError):  # another one that takes it was faster
-            if (place.read(LOCK) or b"") == there:
-                place.put({LOCK: self._content})
-        time.sleep(SETTLE)
-        if not self.is_in_place():
-            raise in_use(str(place), process_in(place.read(LOCK) or b""))
-
-    def renew(self) -> None:
-        """Write the lock anew, unless another process has taken it."""
-        if self.is_in_place():
-            self._place.put({LOCK: self._content})
-
-    def let_go(self) -> None:
-        """Remove the lock, unless another process has taken it."""
-        with suppress(OSError):  # then it is free after a while
-            if self.is_in_place():
-                self._place.remove(LOCK)
-
-
-@contextmanager
-def beating(place: Place) -> Iterator[Heartbeat]:
-    """Hold the lock of a store by a heartbeat, at once or not at all."""
-    heart = Heartbeat(place)
-    heart.take()
-    try:
-        with repeated(heart.renew):
-            yield heart
-    finally:
-        heart.let_go()
-
-
-@contextmanager
-def repeated(action: Callable[[], None]) -> Iterator[None]:
-    """Call a function at every beat, in a thread of its own."""
-    is_over = threading.Event()
-
-    def repeat() -> None:
-        while not is_over.wait(BEAT):
-            with suppress(OSError):  # the next time may go well
-                action()
-
-    thread = threading.Thread(target=repeat, name="heartbeat", daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        is_over.set()
-        thread.join()
-
-
-def beats(place: Place) -> str | None:
-    """Name of the process that holds a store by a heartbeat; None if none does, by our clock."""
-    content = place.read(LOCK) or b""
-    match = _CONTENT.fullmatch(content.decode(errors="replace"))
-    is_of_heart = match and match[3]  # and not of a `flock`
-    if not is_of_heart or _is_dead(content) or time.time() - place.written_at(LOCK) >= STALE:
-        return None
-    return process_in(content)
-
-
-def in_use(store: str, holder: str, more: str = "") -> StoreError:
-    """Error for a store that another process writes to."""
-    return StoreError(
-        f"{store} is in use by {holder}; wait for it, or write to another store{more}"
-    )
-
-
-def this_process() -> bytes:
-    """Line that names this process to people."""
-    return f"process {os.getpid()} on {socket.gethostname()}\n".encode()
-
-
-def process_in(content: bytes) -> str:
-    """Process that a lock names, if it names one in full."""
-    match = _CONTENT.fullmatch(content.decode(errors="replace"))
-    return match[1] if match else "another process"
-
-
-def _age(place: Place) -> float:
-    """Time since the lock was renewed [s], by the clock that its disk or object store has."""
-    probe = f"{LOCK}.{uuid.uuid4().hex}{PARTIAL}"
-    place.put({probe: b""})
-    now = place.written_at(probe)
-    place.remove(probe)
-    return now - place.written_at(LOCK)
-
-
-def _machine() -> str:
-    """Boot and space of processes, within which the number of a process tells whether it lives."""
-    try:
-        boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
-        return f"{boot}/{Path('/proc/self/ns/pid').stat().st_ino}"
-    except OSError:
-        return "unknown"
-
-
-def _is_dead(content: bytes) -> bool:
-    """True for the lock of a process of this machine that has ended."""
-    match = _CONTENT.fullmatch(content.decode(errors="replace"))
-    if not match or match[3] != _machine() or match[3] == "unknown":
-        return False
-    try:
-        os.kill(int(match[2]), 0)
-    except ProcessLookupError:
-        return True
-    except PermissionError:  # another user's
-        pass
-    return False
-
-
-try:
-    import fcntl
-except ImportError:  # not a POSIX system: stores can be read, but not written
-    fcntl = None  # type: ignore[assignment]
-
 # A pipe in place of the file must not wait for a reader, nor a link lead to a file of others.
 _AS_IT_IS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 _LOCAL = {"tmpfs", "ramfs", "overlay", "zfs", "bcachefs"}
 """File systems without a device of blocks of which no other machine writes the files."""
-
 _TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
 
 
@@ -208,6 +66,51 @@ class FileLock:
         os.utime(self.descriptor)
 
 
+class Heartbeat:
+    """A lock that this process holds as long as its content is in the file of the lock."""
+
+    def __init__(self, place: Place) -> None:
+        self._place = place
+        self._content = _this_process() + f"{_machine()} {uuid.uuid4().hex}\n".encode()
+
+    def is_in_place(self) -> bool:
+        """True if the lock is that of this process; raises an `OSError` if it cannot be read."""
+        return self._place.read(LOCK) == self._content
+
+    def take(self) -> None:
+        """Create the lock, or take one that is free; raise a `StoreError` if there is another."""
+        place = self._place
+        if place.create(LOCK, self._content):
+            return
+        if not place.read(LOCK):  # let go of, or just being made
+            time.sleep(SETTLE)
+        there = place.read(LOCK) or b""
+        if there and not _is_dead(there) and (age := _age(place)) < STALE:
+            raise _in_use(
+                place,
+                there,
+                f"; it was last heard of {max(age, 0):.0f} s ago, and {STALE:.0f} s after the last "
+                "sign of it the store is free",
+            )
+        with suppress(FileNotFoundError):  # another one that takes it was faster
+            if (place.read(LOCK) or b"") == there:
+                place.put({LOCK: self._content})
+        time.sleep(SETTLE)
+        if not self.is_in_place():
+            raise _in_use(place, place.read(LOCK))
+
+    def renew(self) -> None:
+        """Write the lock anew, unless another process has taken it."""
+        if self.is_in_place():
+            self._place.put({LOCK: self._content})
+
+    def let_go(self) -> None:
+        """Remove the lock, unless another process has taken it."""
+        with suppress(OSError):  # then it is free after a while
+            if self.is_in_place():
+                self._place.remove(LOCK)
+
+
 Lock = FileLock | Heartbeat
 """A lock that this process holds."""
 
@@ -227,50 +130,32 @@ def held(place: Place) -> Iterator[Lock]:
         with writes(place):
             lock: Lock | None = None
             if isinstance(place, Folder):
-                _require_file(place.path / LOCK)
+                file = place.path / LOCK
+                make_folder(file.parent)
+                if os.path.lexists(file) and (file.is_symlink() or not file.is_file()):
+                    raise OSError(f"{file} is not a file; move it elsewhere")
                 if is_local(place.path):
-                    lock = stack.enter_context(_flocked(place))
-            lock = lock or stack.enter_context(beating(place))
+                    lock = stack.enter_context(_flocked(place, file))
+            lock = lock or stack.enter_context(_beating(place))
         yield lock
 
 
-def holder_of(place: Place) -> str | None:
-    """Name the process that writes to a store; None if there is none."""
-    if fcntl is None:
-        return None
-    try:
-        if name := beats(place):
-            return name
-        if isinstance(place, Folder) and _is_locked(place.path / LOCK):
-            return process_in(place.read(LOCK) or b"")
-    except OSError:
-        pass
-    return None
-
-
-def _require_file(file: Path) -> None:
-    make_folder(file.parent)
-    if os.path.lexists(file) and (file.is_symlink() or not file.is_file()):
-        raise OSError(f"{file} is not a file; move it elsewhere")
-
-
 @contextmanager
-def _flocked(folder: Folder) -> Iterator[FileLock | None]:
+def _flocked(folder: Folder, file: Path) -> Iterator[FileLock | None]:
     """Hold a `flock`; None if the disk has none."""
-    file, store = folder.path / LOCK, str(folder)
     descriptor = os.open(file, os.O_RDWR | os.O_CREAT | _AS_IT_IS, 0o666)
     try:
-        if not _has_locks(descriptor, store):
+        if not _is_flocked(folder, descriptor):
             yield None
             return
         # Another machine to which this disk is a server's goes by the heartbeat.
-        if name := beats(folder):
-            raise in_use(store, name)
+        if content := _beats(folder):
+            raise _in_use(folder, content)
         os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, this_process(), 0)
+        os.pwrite(descriptor, _this_process(), 0)
         lock = FileLock(file, descriptor)
         try:
-            with repeated(lock.touch):
+            with _repeated(lock.touch):
                 yield lock
         finally:
             os.ftruncate(descriptor, 0)
@@ -278,14 +163,12 @@ def _flocked(folder: Folder) -> Iterator[FileLock | None]:
         os.close(descriptor)
 
 
-def _has_locks(descriptor: int, store: str) -> bool:
+def _is_flocked(folder: Folder, descriptor: int) -> bool:
     """Lock a file; False if its disk cannot."""
-    for left in reversed(range(_TRIES)):
+    for _ in range(_TRIES):
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            if not left:
-                raise in_use(store, process_in(os.pread(descriptor, 1000, 0))) from None
             time.sleep(_PAUSE)
         except OSError as error:
             if error.errno in _NO_LOCKS:
@@ -293,7 +176,50 @@ def _has_locks(descriptor: int, store: str) -> bool:
             raise
         else:
             return True
-    return True
+    raise _in_use(folder, os.pread(descriptor, 1000, 0))
+
+
+@contextmanager
+def _beating(place: Place) -> Iterator[Heartbeat]:
+    """Hold the lock of a store by a heartbeat, at once or not at all."""
+    heart = Heartbeat(place)
+    heart.take()
+    try:
+        with _repeated(heart.renew):
+            yield heart
+    finally:
+        heart.let_go()
+
+
+@contextmanager
+def _repeated(action: Callable[[], None]) -> Iterator[None]:
+    """Call a function at every beat, in a thread of its own."""
+    is_over = threading.Event()
+
+    def repeat() -> None:
+        while not is_over.wait(BEAT):
+            with suppress(OSError):  # the next time may go well
+                action()
+
+    thread = threading.Thread(target=repeat, name="heartbeat", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
+
+
+def holder_of(place: Place) -> str | None:
+    """Name the process that writes to a store; None if there is none."""
+    if fcntl is None:
+        return None
+    with suppress(OSError):
+        if content := _beats(place):
+            return _named(content)[0]
+        if isinstance(place, Folder) and _is_locked(place.path / LOCK):
+            return _named(place.read(LOCK))[0]
+    return None
 
 
 def _is_locked(file: Path) -> bool:
@@ -305,16 +231,64 @@ def _is_locked(file: Path) -> bool:
     return False
 
 
+def _beats(place: Place) -> bytes | None:
+    """Content of the lock of a process that holds a store by a heartbeat, by our clock, if any."""
+    content = place.read(LOCK) or b""
+    is_of_heart = _named(content)[2]  # and not of a `flock`
+    if not is_of_heart or _is_dead(content) or time.time() - place.written_at(LOCK) >= STALE:
+        return None
+    return content
+
+
+def _in_use(place: Place, content: bytes | None, more: str = "") -> StoreError:
+    """Error for a store to which another process writes, whose lock has this content."""
+    return StoreError(
+        f"{place} is in use by {_named(content)[0]}; wait for it, or write to another store{more}"
+    )
+
+
+def _this_process() -> bytes:
+    """Line that names this process to people."""
+    return f"process {os.getpid()} on {socket.gethostname()}\n".encode()
+
+
+def _named(content: bytes | None) -> tuple[str, str | None, str | None]:
+    """Process that a lock names in full, its number, and of a heartbeat its machine."""
+    match = _CONTENT.fullmatch((content or b"").decode(errors="replace"))
+    return (match[1], match[2], match[3]) if match else ("another process", None, None)
+
+
+def _machine() -> str:
+    """Boot and space of processes, within which the number of a process tells whether it lives."""
+    try:
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+        return f"{boot}/{Path('/proc/self/ns/pid').stat().st_ino}"
+    except OSError:
+        return "unknown"
+
+
+def _is_dead(content: bytes) -> bool:
+    """True for the lock of a process of this machine that has ended."""
+    _, number, machine = _named(content)
+    if number is None or machine != _machine() or machine == "unknown":
+        return False
+    return not psutil.pid_exists(int(number))
+
+
+def _age(place: Place) -> float:
+    """Time since the lock was renewed [s], by the clock that its disk or object store has."""
+    probe = f"{LOCK}.{uuid.uuid4().hex}{PARTIAL}"
+    place.put({probe: b""})
+    now = place.written_at(probe)
+    place.remove(probe)
+    return now - place.written_at(LOCK)
+
+
 def is_local(folder: Path) -> bool:
     """True for a folder on a disk of this machine, where a `flock` reaches all who write to it.
 
     Elsewhere, as on NFS, FUSE or the folders of a virtual machine's host, locks may reach one
     machine alone, or nobody. Where no mounts are known the folder is taken for local.
-
-    Examples
-    --------
-    >>> is_local(Path("/"))
-    True
     """
     mounts = psutil.disk_partitions(all=True)
     above = [mount for mount in mounts if folder.is_relative_to(mount.mountpoint)]

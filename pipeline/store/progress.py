@@ -20,11 +20,6 @@ class FailedPoint:
     """A point that could not be computed, or is damaged: load [N], velocity [m/s], why, variant.
 
     The place is the point in words, where the scene writes values of the variant in units.
-
-    Examples
-    --------
-    >>> print(FailedPoint(400.0, 2.2, "the contact leaves the window"))
-    400 N, 2.2 m/s: the contact leaves the window
     """
 
     load: float
@@ -55,12 +50,6 @@ class Summary:
         Points that are done and carry a warning, also those that only an earlier run asked for.
     running : str or None
         Process that computes points now; None if there is none.
-
-    Examples
-    --------
-    >>> half_done = Summary("a_scene", "A scene", 24, 12, 12, failed=())
-    >>> half_done.pending
-    12
     """
 
     name: str
@@ -109,14 +98,12 @@ def summary(path: PathLike) -> Summary:
     >>> summary.done, summary.pending, summary.failed
     (24, 0, ())
     """
-    return steadily(path, _summary)
 
+    def read(place: Place) -> Summary:
+        store = Store(place, read_root(place))
+        warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
+        return replace(
+            summarized(store), warned=int(np.count_nonzero(warned)), running=holder_of(place)
+        )
 
-def _summary(place: Place) -> Summary:
-    store = Store(place, read_root(place))
-    warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
-    return replace(
-        summarized(store),
-        warned=int(np.count_nonzero(warned)),
-        running=holder_of(place),
-    )
+    return steadily(path, read)

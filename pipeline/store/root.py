@@ -45,31 +45,30 @@ _GREATEST = {float: sys.float_info.max, int: 2**63 - 1}
 def misfits(value: Any, kind: Any, path: str = "") -> Iterator[str]:
     """Paths of the values within plain data that are not of their kind.
 
-    Numbers are finite, and a whole one is a real one, too.
-
-    Examples
-    --------
-    >>> kind = {"loads": list[float], "title?": str | None}
-    >>> [*misfits({"loads": [200, "x"], "title": 3}, kind)], [*misfits({"title": None}, kind)]
-    (['.loads.1', '.title'], ['.loads'])
+    A kind is a type, a tuple of kinds that a value may have, a list of the kind of its entries, or
+    a record of kinds by name: a name that ends in "?" may be missing, and with an ellipsis there
+    may be others. Numbers are finite, and a whole one is a real one, too.
     """
     origin, inner = get_origin(kind), get_args(kind)
+    if isinstance(kind, list | tuple):
+        origin, inner = (list if isinstance(kind, list) else Union), tuple(kind)
     if is_dataclass(kind):
         kind = _record_of(kind)
     if kind is Any or (origin is Literal and value in inner):
         return
-    if isinstance(kind, dict):
-        yield from _misfits_of_record(value, kind, path)
-    elif origin is dict:
-        others = dict.fromkeys(value, inner[1]) if isinstance(value, dict) else {}
-        yield from _misfits_of_record(value, others, path)
-    elif isinstance(kind, tuple) or origin in (Union, UnionType):
-        kinds = kind if isinstance(kind, tuple) else inner
-        found = [[*misfits(value, one, path)] for one in kinds]
+    if origin in (Union, UnionType):
+        found = [[*misfits(value, one, path)] for one in inner]
         if all(found):
             yield max((paths[0] for paths in found), key=len)
-    elif isinstance(kind, list) or origin in (list, tuple):
-        yield from _misfits_of_list(value, inner or kind, path)
+    elif origin in (list, tuple) and isinstance(value, list):
+        kinds = inner if origin is tuple and ... not in inner else inner[:1] * len(value)
+        if len(kinds) != len(value):
+            yield path
+        for number, (entry, one) in enumerate(zip(value, kinds, strict=False)):
+            yield from misfits(entry, one, f"{path}.{number}")
+    elif (isinstance(kind, dict) or origin is dict) and isinstance(value, dict):
+        record = dict.fromkeys(value, inner[1]) if origin is dict else kind
+        yield from _misfits_of_record(value, record, path)
     elif not _is_one(value, kind):
         yield path
 
@@ -84,10 +83,9 @@ def _record_of(kind: Any) -> dict[Any, Any]:
     }
 
 
-def _misfits_of_record(value: Any, record: Mapping[Any, Any], path: str) -> Iterator[str]:
-    if not isinstance(value, dict):
-        yield path
-        return
+def _misfits_of_record(
+    value: Mapping[str, Any], record: Mapping[Any, Any], path: str
+) -> Iterator[str]:
     names = {name.removesuffix("?"): name for name in record if name is not ...}
     if ... not in record:
         yield from (f"{path}.{name}" for name in value if name not in names)
@@ -98,19 +96,8 @@ def _misfits_of_record(value: Any, record: Mapping[Any, Any], path: str) -> Iter
             yield f"{path}.{name}"
 
 
-def _misfits_of_list(value: Any, inner: Any, path: str) -> Iterator[str]:
-    """Those of a list whose entries are of one kind, or of one each."""
-    is_of_one = len(inner) == 1 or inner[-1] is ...
-    if not isinstance(value, list) or not (is_of_one or len(inner) == len(value)):
-        yield path
-        return
-    kinds = [inner[0]] * len(value) if is_of_one else inner
-    for number, (entry, kind) in enumerate(zip(value, kinds, strict=True)):
-        yield from misfits(entry, kind, f"{path}.{number}")
-
-
 def _is_one(value: Any, kind: Any) -> bool:
-    kinds = (int, float) if kind is float else (type(None) if kind is None else kind,)
+    kinds = (int, float) if kind is float else (kind,)
     return type(value) in kinds and (kind not in _GREATEST or abs(value) <= _GREATEST[kind])
 
 
@@ -124,18 +111,17 @@ _OF_SCENE = {
     ...: Any,
 }
 _CONDITIONS = {
-    "friction": (float, None),
-    "bulk_temperature": (float, None),
-    "critical_temperature": (float, None),
-    "failing_share": (float, None),
+    "friction": float | None,
+    "bulk_temperature": float | None,
+    "critical_temperature": float | None,
+    "failing_share": float | None,
     "criterion": str,
-    "disk_temperature?": (float, None),
-    "corrections?": (Corrections, None),
+    "disk_temperature?": float | None,
+    "corrections?": Corrections | None,
     "criterion_hash?": str,
 }
-_PLACE = {"load": float, "velocity": float}
 _FOLLOWING = {
-    "selection": {**_record_of(Selection), "points": [_PLACE]},
+    "selection": {**_record_of(Selection), "points": [{"load": float, "velocity": float}]},
     "lubrication": Lubrication,
     "name": str,
     "title": str,
@@ -152,12 +138,11 @@ _FOLLOWING = {
     "velocities": list[float],
 }
 """Attributes that follow the scene file; the first two only where a scene has them."""
-_LABEL = (float, str)
 _ROW = {
-    "values": [_LABEL],
-    "written": [_LABEL],
+    "values": list[float | str],
+    "written": list[float | str],
     "scene": dict[str, Any],
-    "attributes": {f"{name}?": (kind, None) for name, kind in _FOLLOWING.items()},
+    "attributes": {f"{name}?": (kind, type(None)) for name, kind in _FOLLOWING.items()},
 }
 ATTRIBUTES: dict[Any, Any] = {
     **{name + "?" * (name in ("selection", "lubrication")): k for name, k in _FOLLOWING.items()},
@@ -223,22 +208,24 @@ def read_root(place: Place) -> Root:
     Raise a `StoreError` if there is no store, or its root is lost, damaged or of another version.
     """
     root = find_root(place)
-    if root is None and isinstance(place, Folder) and place.path.is_dir():
-        with reaches(place):
-            raise _unfinished(place) if place.keys() else _no_store(place)
-    if root is None:
+    if root is not None:
+        return root
+    if not (isinstance(place, Folder) and place.path.is_dir()):
         near = near_path(place.path) if isinstance(place, Folder) else ""
         raise StoreError(f"{place} does not exist{near}; give a store that irg run made")
-    return root
+    with reaches(place):
+        if not place.keys():
+            raise _no_store(place)
+    if holder := holder_of(place):
+        raise StoreError(f"{place} is being made by {holder}; try again in a few seconds")
+    raise StoreError(f"{place} was left unfinished as it was made; run its scene again")
 
 
 def find_root(place: Place) -> Root | None:
     """Read the root of a store; None if there is none, nor anything else; else as `read_root`."""
     with reaches(place):
         if isinstance(place, Folder):
-            if place.path.is_file():
-                raise StoreError(f"{place} is a file, not a store; give a folder that irg run made")
-            _require_small(place.path / ROOT)
+            _require_small_file(place.path)
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
     if content is not None:
@@ -302,17 +289,26 @@ def _parsed(place: Place, content: bytes) -> Root:
     return root
 
 
-def _require_small(file: Path) -> None:
+def _require_small_file(folder: Path) -> None:
     """Refuse a root of more text than memory may have; a million points need 2 MB."""
+    if folder.is_file():
+        raise StoreError(f"{folder} is a file, not a store; give a folder that irg run made")
+    file = folder / ROOT
     if file.is_file() and (size := file.stat().st_size) > _LARGEST:
         raise StoreError(
-            f"{file.parent} is not the store of a sweep, or its {ROOT} is damaged: it has "
-            f"{size:.2g} bytes; {_ELSEWHERE}"
+            f"{folder} is not the store of a sweep, or its {ROOT} is damaged: it has {size:.2g} "
+            f"bytes; {_ELSEWHERE}"
         )
 
 
 def require_likely(place: Place, root: Root) -> None:
-    """Refuse a root of more points, other arrays or attributes of other kinds than a store has.
+    """Refuse a root of more points, other arrays or attributes of other kinds than a store has."""
+    if fault := _fault(root):
+        raise StoreError(f"{place}: {ROOT} {fault}; {_ELSEWHERE}")
+
+
+def _fault(root: Root) -> str:
+    """Fault of a root; empty if it may be that of a store.
 
     The arrays are made as large as it says, before a chunk of them is read. Codecs of Zarr 2 may
     unpickle chunks, those of Zarr 3 are looked up among all that is installed, and a name with a
@@ -320,7 +316,7 @@ def require_likely(place: Place, root: Root) -> None:
     """
     try:
         sizes = {name: len(values) for name, values in root.axes.items()}
-        fits = all(
+        fits = {"checksum", "load", *sizes} <= root.arrays.keys() and all(
             array["zarr_format"] == 3
             and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
             and {codec["name"] for codec in array["codecs"]} <= _CODECS
@@ -329,31 +325,23 @@ def require_likely(place: Place, root: Root) -> None:
             and "/" not in name
             for name, array in root.arrays.items()
         )
-        fits &= {"checksum", "load", *sizes} <= root.arrays.keys()
         points = math.prod(root.arrays["status"]["shape"])
     except (KeyError, TypeError, AttributeError):
         fits, points = False, 0
     if not fits:
-        raise StoreError(
-            f"{place}: {ROOT} is damaged: its arrays are not of Zarr 3, or not those of a "
-            f"store, of the sizes of its axes; {_ELSEWHERE}"
+        return (
+            "is damaged: its arrays are not of Zarr 3, or not those of a store, of the sizes of "
+            "its axes"
         )
     kinds = ATTRIBUTES | {"axes": {n: AXES.get(str(root.arrays[n]["data_type"])) for n in sizes}}
     if wrong := next(misfits(root.attributes, kinds), None):
-        raise StoreError(
-            f"{place}: {ROOT} is damaged: its attribute {wrong[1:]} is missing, or not of the kind "
-            f"that a run writes; {_ELSEWHERE}"
-        )
+        kind = "is missing, or not of the kind that a run writes"
+        return f"is damaged: its attribute {wrong[1:]} {kind}"
     if not _are_rows(root):
-        raise StoreError(
-            f"{place}: {ROOT} is damaged: its attributes over and scenes are not those of its "
-            f"axes; {_ELSEWHERE}"
-        )
+        return "is damaged: its attributes over and scenes are not those of its axes"
     if points > MOST_POINTS:
-        raise StoreError(
-            f"{place}: {ROOT} tells of {points:.4g} points, and a store has at most "
-            f"{MOST_POINTS:.0e}; {_ELSEWHERE}"
-        )
+        return f"tells of {points:.4g} points, and a store has at most {MOST_POINTS:.0e}"
+    return ""
 
 
 def _are_rows(root: Root) -> bool:
@@ -382,13 +370,6 @@ def _conditions(attributes: Mapping[str, Any]) -> dict[str, Any]:
 
 def _hash(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
-
-
-def _unfinished(place: Place) -> StoreError:
-    """Error for a store whose creation goes on, or was cut short."""
-    if holder := holder_of(place):
-        return StoreError(f"{place} is being made by {holder}; try again in a few seconds")
-    return StoreError(f"{place} was left unfinished as it was made; run its scene again")
 
 
 def _no_store(place: Place) -> StoreError:

@@ -203,31 +203,24 @@ def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     return table
 
 
-_WITH = {
-    "Variables of bodies that differ in bulk temperature": BULK_COLUMNS.keys() | BULK_FIELDS,
+_TABLES = {
+    "Coordinates": COORDINATES,
+    "Variables of each point": RECORDS,
+    "Variables at each station": COLUMNS,
+    "Variables of bodies that differ in bulk temperature": BULK_COLUMNS | BULK_FIELDS,
+    "Fields at the end of each point": FIELDS,
 }
-_OTHERS = "Fields at the end of each point", "Variables at each station", "Variables of each point"
-
-
-def _title(name: str) -> str:
-    """Title of the table that a variable stands in."""
-    if is_coordinate(name):
-        return "Coordinates"
-    special = (title for title, names in _WITH.items() if name in names)
-    fields, stations, points = _OTHERS
-    usual = fields if name in AT_END else stations if name in STEPPED else points
-    return next(special, usual)
 
 
 def page() -> str:
     """Tables of every variable, as the page of the dataset has them behind its other sections."""
-    tables: dict[str, list[str]] = {}
-    for name, variable in VARIABLES.items():
-        dims, units = ", ".join(variable.dims), variable.units or ""
-        row = f"| `{name}` | {dims} | {units} | {variable.long_name} |\n"
-        tables.setdefault(_title(name), []).append(row)
-    head = "| variable | dimensions | unit | meaning |\n|---|---|---|---|\n"
-    return "\n".join(f"## {title}\n\n{head}{''.join(rows)}" for title, rows in tables.items())
+    sections = []
+    for title, variables in _TABLES.items():
+        lines = [f"## {title}\n", "| variable | dimensions | unit | meaning |", "|---|---|---|---|"]
+        for name, of in variables.items():
+            lines.append(f"| `{name}` | {', '.join(of.dims)} | {of.units or ''} | {of.long_name} |")
+        sections.append("\n".join(lines) + "\n")
+    return "\n".join(sections)
 
 
 if __name__ == "__main__":

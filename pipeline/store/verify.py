@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
+import os
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,10 +18,18 @@ import numpy as np
 
 from pipeline.store.attributes import checksum
 from pipeline.store.files import THREADS
-from pipeline.store.layout import Slices, blocks, chunk_key, field_key, slices_of
+from pipeline.store.layout import (
+    Slices,
+    blocks,
+    chunk_key,
+    chunk_numbers,
+    field_key,
+    slices_of,
+)
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
     ROOT,
+    Folder,
     PathLike,
     Place,
     StoreError,
@@ -35,8 +45,13 @@ from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from tribo.types import Mask
 
+_MARKS = ("status", "asked")
 _BESIDE = ("checksum", "steps", "warning_flags")
 _OTHER = "the data are not those that were computed"
+_SEEN = "status/seen"
+"""Key of the list of the files of a store as the last run left them."""
+
+_Index = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,13 +70,6 @@ class Verification:
         Points that are complete, but have no readable status; repair makes them done.
     repaired : bool
         True if all of that was repaired.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> verification = pipeline.verify_store("results/first_try.zarr")
-    >>> verification.done, verification.damaged, verification.shared
-    (24, (), ())
     """
 
     done: int
@@ -99,8 +107,8 @@ def verify_store(
     --------
     >>> import pipeline
     >>> verification = pipeline.verify_store("results/first_try.zarr")
-    >>> verification.done, verification.is_clean
-    (24, True)
+    >>> verification.done, verification.damaged, verification.is_clean
+    (24, (), True)
     """
 
     def read(place: Place, lock: Lock | None = None) -> Verification:
@@ -117,7 +125,7 @@ def examined(
     store: Store,
     repair: bool,
     progress: Callable[[int, int], None] | None = None,
-    chunks: Container[tuple[int, ...]] | None = None,
+    chunks: Container[_Index] | None = None,
 ) -> Verification:
     """Read all of an open store, or only these chunks of points; see `verify_store`."""
     with writes(store.place) if repair else reaches(store.place):
@@ -128,7 +136,7 @@ def _examined(
     store: Store,
     repair: bool,
     progress: Callable[[int, int], None] | None,
-    chunks: Container[tuple[int, ...]] | None,
+    chunks: Container[_Index] | None,
 ) -> Verification:
     shared, keys = [*_shared_faults(store, repair)], store.place.keys()
     begun = [
@@ -139,29 +147,28 @@ def _examined(
     ]
     unknown, lost = _read_marks(store, begun, keys, shared)
     keys = store.place.keys()  # again: a writer may have finished points meanwhile
-    apart = {*filter(is_coordinate, store.arrays), *AT_END, "status", "asked"}
+    names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
     total, count = int(np.count_nonzero(store.flags == DONE)), 0
-    damaged: dict[tuple[int, ...], FailedPoint] = {}
+    damaged: dict[_Index, FailedPoint] = {}
     complete: list[Point] = []
     for numbers, block in begun:
-        values = {n: _read(store, n, numbers, keys) for n in store.arrays if n not in apart}
+        values = _values(store, names, numbers, keys)
         lost += [
             (name, block)
-            for name, of_block in values.items()
-            if of_block is None and not keys.isdisjoint(store.chunk_keys(name, numbers))
+            for name in names
+            if values[name] is None and not keys.isdisjoint(store.chunk_keys(name, numbers))
         ]
         indices = np.argwhere((store.flags != PENDING)[block] | unknown[block])
         indices += [part.start for part in block]
-        for point, index in zip(store.points_at([*indices.T]), map(tuple, indices), strict=True):
-            entries = _entries(store, index, values, keys)
+        places = [*map(tuple, indices)]
+        for index, point, entries in _points(store, places, values, keys):
             is_done = bool(unknown[index] or store.flags[index] == DONE)
-            reason = _fault(store, point, entries, is_done)
-            if reason and not unknown[index]:
-                place = store.in_words(point)
+            fault = _fault(store, point, entries, is_done)
+            if fault and not unknown[index]:
                 damaged[index] = FailedPoint(
-                    point.load, point.velocity, reason, point.variant, place
+                    *point[:2], fault, point.variant, store.in_words(point)
                 )
-            elif unknown[index] and not reason:
+            elif unknown[index] and not fault:
                 complete.append(point)
         count += int(np.count_nonzero(store.flags[block] == DONE))
         if progress:
@@ -181,7 +188,7 @@ def _examined(
 
 def _read_marks(
     store: Store,
-    begun: Iterable[tuple[tuple[int, ...], Slices]],
+    begun: Iterable[tuple[_Index, Slices]],
     keys: set[str],
     shared: list[str],
 ) -> tuple[Mask, list[tuple[str, Slices]]]:
@@ -191,7 +198,7 @@ def _read_marks(
     """
     unknown, lost = np.zeros(store.flags.shape, bool), []
     for numbers, block in begun:
-        statuses, asked = (_read(store, name, numbers, keys) for name in ("status", "asked"))
+        statuses, asked = (_read(store, name, numbers, keys) for name in _MARKS)
         store.flags[block] = PENDING if statuses is None else statuses
         store.asked[block] = store.flags[block] != PENDING if asked is None else asked
         present = [name for name in ("status", "checksum") if chunk_key(name, numbers) in keys]
@@ -204,7 +211,7 @@ def _read_marks(
     return unknown, lost
 
 
-def _read(store: Store, name: str, numbers: tuple[int, ...], keys: set[str]) -> Any:
+def _read(store: Store, name: str, numbers: _Index, keys: set[str]) -> Any:
     """Values in the chunks of these numbers; None if any is lost."""
     if not keys.issuperset(store.chunk_keys(name, numbers)):
         return None
@@ -214,72 +221,65 @@ def _read(store: Store, name: str, numbers: tuple[int, ...], keys: set[str]) -> 
         return None
 
 
-def _entries(
-    store: Store, index: tuple[int, ...], values: Mapping[str, Any], keys: set[str]
-) -> dict[str, Any]:
-    """Values of one point, of which those of its block are read already; None where lost."""
-    within = tuple(i % n for i, n in zip(index, store.block, strict=True))
-    of_block = {
-        name: None if entries is None else entries[within] for name, entries in values.items()
-    }
-    fields = store.arrays.keys() & AT_END.keys()
-    return of_block | {name: _read_or_none(store.place, field_key(name, index)) for name in fields}
+def _values(store: Store, names: Sequence[str], numbers: _Index, keys: set[str]) -> dict[str, Any]:
+    """Values of variables in the chunks of these numbers, None where lost."""
+    with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers side by side
+        values = threads.map(lambda name: _read(store, name, numbers, keys), names)
+        return dict(zip(names, values, strict=True))
 
 
-def _read_or_none(place: Place, key: str) -> bytes | None:
-    """Content of a key; None where it is lost, or cannot be read."""
-    try:
-        return place.read(key)
-    except OSError:
-        return None
+def _points(
+    store: Store, indices: Sequence[_Index], values: Mapping[str, Any], keys: set[str]
+) -> Iterator[tuple[_Index, Point, dict[str, Any]]]:
+    """Points at places in one block, each with its own of the block's values and its fields."""
+    fields = sorted(store.arrays.keys() & AT_END.keys())
+    points = store.points_at([*np.transpose(indices)])
+    for index, point in zip(indices, points, strict=True):
+        within = tuple(i % n for i, n in zip(index, store.block, strict=True))
+        entries = {name: None if of is None else of[within] for name, of in values.items()}
+        yield (
+            index,
+            point,
+            entries | {name: _read_field(store.place, name, index) for name in fields},
+        )
 
 
-def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool) -> str:
-    """Fault of a point by its entries, of which lost ones are None; empty if it has none."""
-    if lost := [name for name in RECORDS.keys() & entries.keys() if entries[name] is None]:
-        return _unreadable(sorted(lost))
-    simulated = store.simulated.at(point)
-    own = entries if is_done else {name: entries[name] for name in entries.keys() & RECORDS.keys()}
-    return _fault_of_data(simulated, point, own)
+def _read_field(place: Place, name: str, index: _Index) -> bytes | None:
+    """A field of a point as it is encoded; None if it is lost."""
+    with suppress(OSError):
+        return place.read(field_key(name, index))
+    return None
 
 
-def faults_at(store: Store, indices: Iterable[tuple[int, ...]]) -> Iterator[tuple[Point, str]]:
+def faults_at(store: Store, indices: Iterable[_Index]) -> Iterator[tuple[Point, str]]:
     """Done points at some places, each with the fault of its data; empty if it has none."""
-    keys, of_chunk = store.place.keys(), dict[tuple[int, ...], list[tuple[int, ...]]]()
+    keys, of_chunk = store.place.keys(), dict[_Index, list[_Index]]()
     names = [name for name in store.arrays if name in STEPPED or name in _BESIDE]
     for index in sorted(indices):
         numbers = tuple(i // n for i, n in zip(index, store.block, strict=True))
         of_chunk.setdefault(numbers, []).append(index)
     for numbers, members in of_chunk.items():
-        with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers side by side
-            parts = threads.map(lambda name, at=numbers: _read(store, name, at, keys), names)
-            values = dict(zip(names, parts, strict=True))
-        points = store.points_at([*np.transpose(members)])
-        for index, point in zip(members, points, strict=True):
-            entries = _entries(store, index, values, keys)
-            yield point, _fault_of_data(store.simulated.at(point), point, entries)
+        values = _values(store, names, numbers, keys)
+        for _, point, entries in _points(store, members, values, keys):
+            yield point, _fault(store, point, entries)
 
 
-def _fault_of_data(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
-    """Fault of the data of a point by its entries, lost ones None; empty if they are sound."""
-    checked = {*STEPPED, *AT_END, "warning_flags"}
-    data = {name: entries[name] for name in entries.keys() & checked}
-    needed = data | {name: entries[name] for name in ("checksum", "steps")}
-    if lost := sorted(name for name, values in needed.items() if values is None):
-        return _unreadable(lost)
-    steps = int(needed["steps"])
-    data |= {name: data[name][-steps:] for name in data.keys() & STEPPED.keys()}
-    return "" if needed["checksum"] == checksum(simulated, point, data) else _OTHER
-
-
-def _unreadable(names: Iterable[str]) -> str:
-    return f"{', '.join(names)} cannot be read"
+def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool = True) -> str:
+    """Fault of a point by its entries, of which lost ones are None; empty if it has none."""
+    entries = {name: entries[name] for name in entries if is_done or name in RECORDS}
+    if lost := sorted(name for name, values in entries.items() if values is None):
+        return f"{', '.join(lost)} cannot be read"
+    steps = int(entries["steps"])
+    data = {name: entries[name][-steps:] for name in entries.keys() & STEPPED.keys()}
+    data |= {name: entries[name] for name in entries.keys() & {*AT_END, "warning_flags"}}
+    expected = checksum(store.simulated.at(point), point, data)
+    return "" if entries["checksum"] == expected else _OTHER
 
 
 def _repair(
     store: Store,
     lost: Iterable[tuple[str, Slices]],
-    damaged: Collection[tuple[int, ...]],
+    damaged: Collection[_Index],
     unknown: Mask,
     complete: Iterable[Point],
 ) -> None:
@@ -319,3 +319,44 @@ def _is_same(content: bytes | None, expected: Mapping[str, Any]) -> bool:
         return bool(json.loads(content or b"") | {"shape": expected["shape"]} == expected)
     except (ValueError, TypeError, RecursionError):
         return False
+
+
+def note_files(store: Store) -> None:
+    """Write the list of the files of a store, whose lock is held."""
+    if isinstance(store.place, Folder):
+        store.place.put({_SEEN: json.dumps(_files(store.place)).encode()})
+
+
+def changed_chunks(store: Store) -> set[_Index] | None:
+    """Chunks of points with a file that differs from the list in name, size or time.
+
+    None if there is no list, so that any may differ. A file that was restored is older than the one
+    of the list, and differs, too.
+    """
+    assert isinstance(store.place, Folder)
+    now, listed = _files(store.place), None
+    with suppress(ValueError):
+        listed = json.loads(store.place.read(_SEEN) or b"")
+    if not isinstance(listed, dict):
+        return None
+    chunks = set()
+    for key in listed.keys() | now.keys():
+        name, _, file = key.partition("/")
+        numbers = chunk_numbers(file)[: len(store.dims)]
+        if numbers and name in store.arrays and listed.get(key) != now.get(key):
+            if name in AT_END:
+                numbers = tuple(i // n for i, n in zip(numbers, store.block, strict=True))
+            chunks.add(numbers)
+    return chunks
+
+
+def _files(folder: Folder) -> dict[str, list[int]]:
+    """Size and time of each chunk of a store [B, ns]."""
+    files = {}
+    for array in os.scandir(folder.path):
+        with suppress(NotADirectoryError), os.scandir(array) as entries:
+            for entry in entries:
+                if chunk_numbers(entry.name):
+                    state = entry.stat()
+                    files[f"{array.name}/{entry.name}"] = [state.st_size, state.st_mtime_ns]
+    return files

@@ -56,18 +56,8 @@ class Store:
     It is written by the process that holds its lock, else only read. Statuses that cannot be read
     are an error; of one that may be damaged they are left to `pipeline.store.verify`.
 
-    Attributes
-    ----------
-    attributes, axes, arrays : dict
-        Attributes, values along each dimension, and Zarr's arrays, all by the root.
-    dims : tuple of str
-        Dimensions that tell points apart.
-    flags, asked : ndarray of int
-        Status of each point, and 1 for each that the last run asked for.
-    block : tuple of int
-        Points that share a chunk along each dimension.
-    simulated : Simulated
-        Hash of what is simulated at each point.
+    `dims` tell points apart, and `block` is how many share a chunk along each. `flags` are the
+    statuses of the points, and `asked` is 1 for each that the last run asked for.
     """
 
     def __init__(

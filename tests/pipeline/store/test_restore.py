@@ -8,11 +8,10 @@ import pytest
 
 import tribo
 from pipeline.run.sweep import run_sweep
-from pipeline.store.create import writing
+from pipeline.store.create import restore_root, writing
 from pipeline.store.place import StoreError, StoreMismatchError
-from pipeline.store.restore import changed_chunks, note_files, restore_root
 from pipeline.store.schema import DONE
-from pipeline.store.verify import verify_store
+from pipeline.store.verify import changed_chunks, note_files, verify_store
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
 from tests.helpers import tiny
