@@ -20,9 +20,9 @@ from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
 from .run.boundary_search import follow_boundary as follow_boundary
 from .run.inference import critical_temperatures as critical_temperatures
-from .run.source import ExecutionError as ExecutionError
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
+from .run.work import ExecutionError as ExecutionError
 from .scene.along import Place as Place
 from .scene.faults import SceneFileError as SceneFileError
 from .scene.reference import new_scene as new_scene

@@ -23,7 +23,7 @@ import numpy as np
 from distributed import Client
 from scipy.interpolate import make_interp_spline
 
-from pipeline.run.source import PATIENCE
+from pipeline.run.cluster import PATIENCE
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import sweep_of
@@ -53,15 +53,6 @@ class BoundarySearch:
 
     Velocities are divided by `scale`: searches of several wear rates, in units of one of them, look
     at the same products of wear rate and velocity.
-
-    Examples
-    --------
-    >>> search = BoundarySearch((200.0, 750.0), 0.5, 5.0, limit=1200.0, tolerance=0.01)
-    >>> rises = {}
-    >>> while asked := search.wanted(rises):
-    ...     rises |= {point: 50 * point.load**0.45 * point.velocity**0.55 for point in asked}
-    >>> len(rises)
-    4
     """
 
     loads: Sequence[float]
@@ -79,10 +70,7 @@ class BoundarySearch:
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """A search for the boundary of a sweep, between its lowest and highest velocity above 0.
 
-        Raises
-        ------
-        InputError
-            If there is no boundary to look for: no friction, or fewer than two such velocities.
+        Raise an `InputError` if there is none: no friction, or fewer than two such velocities.
         """
         limit, corrections = rise_limit(sweep.conditions), sweep.conditions.corrections
         if not math.isfinite(limit):
@@ -104,9 +92,7 @@ class BoundarySearch:
         return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale)
 
     def wanted(
-        self,
-        rises: Mapping[Point, float],
-        hopeless: Iterable[Point] = (),
+        self, rises: Mapping[Point, float], hopeless: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
         """Points to compute next, without those that failed; none once the boundary is known.
 

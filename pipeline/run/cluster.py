@@ -1,23 +1,18 @@
 """The Dask scheduler of a sweep and its workers, as the driver deals with them.
 
-The workers are processes of this machine, or those of a scheduler that is given. A worker on
-another machine, or one that was started before the code changed, may run other code than its
-driver. Its numbers must not enter the same store, so versions are compared.
+The workers are processes of this machine, or those of a scheduler that is given.
 """
 
 from __future__ import annotations
 
 import gc
-import hashlib
 import json
 import logging
 import multiprocessing
-import os
-import platform
 import time
 import warnings
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
@@ -26,103 +21,76 @@ from pathlib import Path
 from typing import Any
 
 import dask
-import numpy as np
-import scipy
 from distributed import Client, Future, LocalCluster, Security, Status
 from distributed.utils import silence_logging_cmgr
 
-import tribo
 from pipeline.run import forkserver
-from pipeline.run.forkserver import UNGUARDED, interrupts_put_off
-from pipeline.run.source import (
-    CONFIGURATION,
-    PATIENCE,
+from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
+from pipeline.run.work import (
+    INSTALL,
     SAFE,
-    THREADS,
     ExecutionError,
-    Source,
-    Tell,
-    unheard,
+    other_packages,
+    require_same_code,
+    versions,
 )
 from pipeline.sweep.stages import duration
 
-Versions = Mapping[str, str]
+PATIENCE = 30.0
+"""Time to wait for a scheduler, and for workers if there are none [s]."""
 
-_FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
-_PACKAGES = ("python", "numpy", "scipy")
-
-
-def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
-    """Hash of the source files of packages, by their names and contents."""
-    digest = hashlib.sha256()
-    for folder in folders:
-        for file in sorted(folder.rglob("*.py")):
-            name = os.fspath(file.relative_to(folder.parent))
-            digest.update(f"{name} {file.stat().st_size}\n".encode())
-            digest.update(file.read_bytes())
-    return digest.hexdigest()[:12]
-
-
-# Taken as this module is imported, so that a process that runs on after its files have changed
-# names the code that it runs, and not the files.
-_HERE: Versions = {
-    "code": hash_of_code(),
-    "numpy": np.__version__,
-    "scipy": scipy.__version__,
-    "python": platform.python_version(),
-    "folder": os.fspath(_FOLDERS[1].parent),
+CONFIGURATION = {
+    # `pipeline.run.schedule` tries again the points of a dead worker, and spares bystanders.
+    "distributed.scheduler.allowed-failures": 0,
+    "distributed.worker.multiprocessing-method": "forkserver",
+    "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
+    # A worker that goes on holding 80 % of its memory would be paused, and the run never end.
+    "distributed.worker.memory.pause": False,
+    # Dask looks after itself every few milliseconds. On a machine that is busy with other programs,
+    # this was a fifth of the CPU time of 12 × 30 points at `standard` (34.6 s, 26.8 s before).
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.large-graph-warning-threshold": "1 TB",
+    # Anybody on the machine could give commands there.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    "distributed.nanny.http.routes": [],
+    # Dask gives up a worker that is away at this time after a death, although its nanny may just
+    # be starting it again: with its 15 s, sweeps with deadly points ended without any worker.
+    "distributed.deploy.lost-worker-timeout": "1000 days",
+    # Dask would take heavy shared content from all workers but one: 24 tasks of 0.3 s then took
+    # 3.0 s in place of 2.4.
+    "distributed.scheduler.active-memory-manager.start": False,
 }
-
-
-def versions() -> Versions:
-    """Versions of this process, and the folder that its code was loaded from."""
-    return _HERE
-
-
-def packages_of(theirs: Versions) -> dict[str, str]:
-    """Versions of Python, NumPy and SciPy alone."""
-    return {name: theirs[name] for name in _PACKAGES}
-
-
-def other_packages(theirs: Versions) -> str:
-    """Differences in Python, NumPy and SciPy between a worker and this process, in words."""
-    return ", ".join(
-        f"{name} {version} (here {_HERE[name]})"
-        for name, version in packages_of(theirs).items()
-        if version != _HERE[name]
-    )
-
+"""Dask's configuration of a cluster that a run starts, for the driver and its workers."""
+LOST = f"the Dask scheduler is lost; {SAFE}"
+Tell = Callable[[str], None]
 
 _UNSTARTED = "the worker processes do not start"
 _STARTS = 3  # to start workers, one of which may be killed meanwhile
 _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
+_WORD = 10.0  # [s] without a worker, after which the user is told
+_ATTEMPTS = 3  # to share content with workers, which may be killed meanwhile
+_ANSWER = 10.0  # [s] that a worker may take to tell its versions
+_OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
+_LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 
 
-class Processes(Source):
-    """Processes of this machine, each with a nanny that starts it again."""
-
-    def keep(self) -> None:
-        """Start a worker in place of each whose nanny could not start it again."""
-        lost = [
-            name
-            for name, nanny in list(self.cluster.workers.items())
-            if nanny.status in (Status.closed, Status.failed)
-        ]
-        for name in lost:
-            del self.cluster.workers[name]
-        if lost:
-            self.cluster.scale(len(self.cluster.worker_spec))
+def unheard(line: str) -> None:
+    """Show a line to nobody."""
 
 
 @contextmanager
-def processes(workers: int, dashboard: bool = False) -> Iterator[Processes]:
+def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
     """Start worker processes, which talk on loopback and to this user alone, and end them."""
     forkserver.start()
     with interrupts_put_off():
         cluster = _started(workers, dashboard)
     try:
-        yield Processes(cluster)
+        yield cluster
     finally:
         with interrupts_put_off():
             try:
@@ -136,7 +104,7 @@ def _started(workers: int, dashboard: bool, attempts: int = _STARTS) -> LocalClu
     try:
         return LocalCluster(
             n_workers=workers,
-            threads_per_worker=THREADS,
+            threads_per_worker=1,
             security=Security.temporary(),
             death_timeout=_START,
             dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
@@ -154,32 +122,18 @@ def _started(workers: int, dashboard: bool, attempts: int = _STARTS) -> LocalClu
         ) from None
 
 
-LOST = f"the Dask scheduler is lost; {SAFE}"
-_INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
-_WORD = 10.0  # [s] without a worker, after which the user is told
-_ATTEMPTS = 3  # to share content with workers, which may be killed meanwhile
-_ANSWER = 10.0  # [s] that a worker may take to tell its versions
-_OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
-_LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
-
-
 @dataclass(slots=True, eq=False)
 class Connection:
-    """A client of a scheduler, the source of its workers, and the user, who is told in lines.
-
-    `patience` is the time to wait for answers, and for a worker if there is none [s]. `asked` are
-    the workers that were asked for their versions, `noted` the versions that the user was told of,
-    `absent` is the time in which there was no worker [s], and `workers` how many there are.
-    """
+    """A client of a scheduler, and the user, who is told in lines."""
 
     client: Client
-    source: Source
-    patience: float = PATIENCE
+    patience: float = PATIENCE  # for answers, and for a worker if there is none [s]
     tell: Tell = unheard
-    asked: set[str] = field(default_factory=set)
-    noted: set[str] = field(default_factory=set)
-    absent: float = 0.0
-    workers: int = 1
+    cluster: LocalCluster | None = None  # if it was started here
+    asked: set[str] = field(default_factory=set)  # workers, for their versions
+    noted: set[str] = field(default_factory=set)  # versions that the user was told of
+    absent: float = 0.0  # time in which there was no worker [s]
+    workers: int = 1  # how many there are
 
     def clock(self) -> float:
         """Time that does not go on while there is no worker [s]."""
@@ -196,25 +150,22 @@ def connected(
 ) -> Iterator[Connection]:
     """Use a client, or start a scheduler here with so many workers, and end these.
 
-    Raises
-    ------
-    ExecutionError
-        If the workers do not start.
+    Raise an `ExecutionError` if the workers do not start.
     """
     with ExitStack() as stack:
-        source = Source()
+        cluster = None
         if client is None:
             routes = {"distributed.scheduler.http.routes": _OF_DASHBOARD if dashboard else []}
             stack.enter_context(dask.config.set(CONFIGURATION | routes))
-            source = stack.enter_context(processes(workers, dashboard))
-            client = stack.enter_context(Client(source.cluster, set_as_default=False))
+            cluster = stack.enter_context(processes(workers, dashboard))
+            client = stack.enter_context(Client(cluster, set_as_default=False))
         else:
             stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # it logs tracebacks
         stack.enter_context(client.as_current())
         if dashboard:
             tell(f"dashboard: {client.dashboard_link}")
         try:
-            yield Connection(client, source, patience, tell)
+            yield Connection(client, patience, tell, cluster)
         except KeyboardInterrupt:  # in the middle of a call to Dask
             warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
             raise
@@ -233,10 +184,7 @@ def client_of(
 ) -> Client:
     """Client of a running scheduler, by its address or by the file that it has written.
 
-    Raises
-    ------
-    ExecutionError
-        If no scheduler answers.
+    Raise an `ExecutionError` if no scheduler answers.
     """
     if file is not None:  # which Dask would wait for without end
         try:
@@ -267,12 +215,8 @@ def sent_once(connection: Connection, content: bytes) -> bytes | Future:
 
     Light content goes along with each task. Heavy content is the result of a task, which Dask
     computes again if the workers that hold it die. It is copied to every worker, since Dask
-    prefers workers that hold a task's inputs and would leave the others idle.
-
-    Raises
-    ------
-    ExecutionError
-        If workers die of it.
+    prefers workers that hold a task's inputs and would leave the others idle. Raise an
+    `ExecutionError` if workers die of it.
     """
     if len(content) <= _LIGHT:
         return content
@@ -288,18 +232,16 @@ def sent_once(connection: Connection, content: bytes) -> bytes | Future:
 def threads_of(connection: Connection) -> Counter[str]:
     """Number of threads of each worker; if there is no worker, wait for one to come.
 
-    Raises
-    ------
-    ExecutionError
-        If the scheduler is lost or does not answer, no worker comes back, or a worker that has
-        joined runs other code.
+    Raise an `ExecutionError` if the scheduler is lost or does not answer, no worker comes back, or
+    a worker that has joined runs other code.
     """
-    client, source, began = connection.client, connection.source, time.monotonic()
+    client, began = connection.client, time.monotonic()
     patience, is_told = connection.patience, False
     while True:
         with _losses_named():
             threads = Counter(client.nthreads(callback_timeout=patience))
-        source.keep()
+        if connection.cluster:
+            _replace_lost(connection.cluster)
         waited = time.monotonic() - began
         if threads:
             connection.absent += waited
@@ -314,6 +256,16 @@ def threads_of(connection: Connection) -> Counter[str]:
             connection.tell(f"there is no Dask worker; waiting up to {duration(patience)} for one")
             is_told = True
         time.sleep(0.1)
+
+
+def _replace_lost(cluster: LocalCluster) -> None:
+    """Start a worker in place of each whose nanny could not start it again."""
+    nannies, dead = list(cluster.workers.items()), (Status.closed, Status.failed)
+    lost = [name for name, nanny in nannies if nanny.status in dead]
+    for name in lost:
+        del cluster.workers[name]
+    if lost:
+        cluster.scale(len(cluster.worker_spec))
 
 
 def _ask(connection: Connection, workers: Collection[str]) -> None:
@@ -331,7 +283,7 @@ def _ask(connection: Connection, workers: Collection[str]) -> None:
             continue
         if isinstance(answer, Exception):
             raise ExecutionError(
-                f"the Dask worker {worker} cannot run this program: {answer}; {_INSTALL}"
+                f"the Dask worker {worker} cannot run this program: {answer}; {INSTALL}"
             )
         require_same_code(answer, worker)
         difference = other_packages(answer)
@@ -340,22 +292,6 @@ def _ask(connection: Connection, workers: Collection[str]) -> None:
             connection.tell(
                 f"the Dask worker {worker} has {difference}: last digits may differ there"
             )
-
-
-def require_same_code(theirs: Versions, worker: str) -> None:
-    """Refuse a worker with other code than this process.
-
-    Raises
-    ------
-    ExecutionError
-        If the code differs.
-    """
-    if theirs["code"] != (ours := versions())["code"]:
-        raise ExecutionError(
-            f"the Dask worker {worker} runs code {theirs['code']} of tribo and pipeline from "
-            f"{theirs['folder']}, and this program code {ours['code']} from {ours['folder']}; "
-            f"{_INSTALL}"
-        )
 
 
 @contextmanager

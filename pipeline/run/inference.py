@@ -10,9 +10,9 @@ import numpy as np
 from distributed import Client
 
 from pipeline.run.boundary_search import results_of
-from pipeline.run.source import ExecutionError
 from pipeline.run.sweep import run_sweep
 from pipeline.run.tally import Progress
+from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, stored

@@ -19,7 +19,7 @@ import itertools
 import pickle
 import threading
 import uuid
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
@@ -28,24 +28,25 @@ import numpy as np
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import (
-    LOST,
-    Connection,
+from pipeline.run.cluster import LOST, Connection, sent_once, threads_of
+from pipeline.run.tally import STARTS, Reports, Suspects
+from pipeline.run.work import (
+    SAFE,
+    ExecutionError,
+    Report,
+    compute_points,
     other_packages,
     packages_of,
     require_same_code,
-    sent_once,
-    threads_of,
 )
-from pipeline.run.source import SAFE, ExecutionError
-from pipeline.run.tally import STARTS, Reports, Suspects
-from pipeline.run.work import Report, compute_points
 from pipeline.store.schema import FAILED
 from pipeline.store.write import Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from pipeline.sweep.variants import Variant
+
+_RampName = tuple[float, Variant]  # velocity and variant of its points
 
 _AHEAD = 2  # points for each thread: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there
@@ -95,14 +96,8 @@ def compute(
     """Compute chains of points, until the writer has written each of them as done or failed.
 
     `learn` is called with records as they come from a worker, but not with its first, and `report`
-    now and then with the records that have been written since the last call.
-
-    Raises
-    ------
-    StoreError
-        If points cannot be written.
-    ExecutionError
-        If the cluster is lost, or nothing moves any more.
+    now and then with the records that have been written since the last call. Raise a `StoreError`
+    if points cannot be written, an `ExecutionError` if the cluster is lost or nothing moves.
     """
     news = threading.Event()
     with Reports(connection, news) as reports:
@@ -151,7 +146,9 @@ class _Run:
         self._ramps = deque(ramps)
         self._suspects = Suspects()
         self._waiting: list[tuple[set[Point], _Ramp]] = []
-        self._failed = _Failed(store.points_at(np.nonzero(store.flags == FAILED)))
+        self._failed: dict[_RampName, set[Point]] = defaultdict(set)
+        for point in store.points_at(np.nonzero(store.flags == FAILED)):
+            self._failed[point[1:]].add(point)
         self._workers: Counter[str] = Counter()
         self._began = connection.clock()
         self._looked = -_POLL
@@ -188,7 +185,8 @@ class _Run:
         if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
             parcel = self._parcel = sent_once(self._connection, self._pickled)
         name = f"point-{_in_short(points)}-{self._label}-{next(self._numbers)}"
-        arguments = (compute_points, name, parcel, points, ramp.below, self._failed.below(points))
+        failed = sorted(other for point in points for other in self._failed[point[1:]])
+        arguments = (compute_points, name, parcel, points, ramp.below, tuple(failed))
         future = self._connection.client.submit(*arguments, key=name, workers=alone_on)
         future.add_done_callback(self._reports.wake)
         self.running.append(_Task(points, future, ramp, alone_on))
@@ -261,7 +259,7 @@ class _Run:
         for record in records:
             self._suspects.acquit(record.point)
             if record.data is None:
-                self._failed.add(record.point)
+                self._failed[record.point[1:]].add(record.point)
         settled = {record.point for record in records}
         for suspects, _ in self._waiting:
             suspects -= settled
@@ -313,25 +311,6 @@ class _Run:
         return True
 
 
-class _Failed:
-    """Points that have failed, by their ramp."""
-
-    def __init__(self, points: Iterable[Point]) -> None:
-        self._by_ramp: dict[tuple[float, Variant], set[Point]] = {}
-        for point in points:
-            self.add(point)
-
-    def add(self, point: Point) -> None:
-        """Note that a point has failed."""
-        self._by_ramp.setdefault(point[1:], set()).add(point)
-
-    def below(self, points: Iterable[Point]) -> tuple[Point, ...]:
-        """Those on the ramps of some points, in order."""
-        return tuple(
-            sorted(failed for point in points for failed in self._by_ramp.get(point[1:], ()))
-        )
-
-
 def _in_short(points: tuple[Point, ...]) -> str:
     """Place of a task for the dashboard, such as ``600N-1.5ms``, and how many share its contact."""
     first, others = points[0], len(points) - 1
@@ -351,13 +330,7 @@ class _Silence:
         self._word = _WORD
 
     def watch(self, moved: bool, computes: bool, running: Sequence[_Task]) -> None:
-        """Tell the user if nothing has ended for long.
-
-        Raises
-        ------
-        ExecutionError
-            If no worker computes any more.
-        """
+        """Tell the user if nothing has ended for long; raise if no worker computes any more."""
         now = self._connection.clock()
         if moved:
             self._ended, self._word = now, _WORD

@@ -1,10 +1,4 @@
-"""A sweep on a Dask cluster: each point continues the ramp of the one below it.
-
-::
-
-    TriboError
-    └── ExecutionError   the cluster does not start, or is lost (pipeline.run.source)
-"""
+"""A sweep on a Dask cluster: each point continues the ramp of the one below it."""
 
 from __future__ import annotations
 
@@ -20,11 +14,11 @@ import numpy as np
 from dask.system import CPU_COUNT
 from distributed import Client
 
-from pipeline.run.cluster import connected, require_dashboard
+from pipeline.run.cluster import PATIENCE, connected, require_dashboard, unheard
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.schedule import compute
-from pipeline.run.source import PATIENCE, ExecutionError, unheard
 from pipeline.run.tally import Progress, Tally, reported
+from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.attributes import differences, package_versions
@@ -264,35 +258,17 @@ def coarse_first(
     So a diagram of a running sweep soon shows the whole boundary, and the time to go is known from
     cheap and dear points alike. The others follow in order, in which points that share chunks of
     the store are neighbours. Chains and velocities are ascending.
-
-    Examples
-    --------
-    >>> chains = [(Point(200.0, velocity),) for velocity in (0.5, 1.0, 1.5, 2.0, 2.5)]
-    >>> [chain[0].velocity for chain in coarse_first(chains, (0.5, 1.0, 1.5, 2.0, 2.5))]
-    [0.5, 2.5, 1.5, 1.0, 2.0]
-    >>> chains = [(Point(200.0, float(velocity)),) for velocity in range(1, 10_001)]
-    >>> in_order = [chain[0].velocity for chain in coarse_first(chains, range(1, 10_001))]
-    >>> in_order[:3], in_order[200:203]
-    ([1.0, 10000.0, 5026.0], [2.0, 3.0, 4.0])
     """
     axis = list(velocities)
     count = min(max(_FEWEST, -(-len(axis) // _SHARE)), _MOST, len(axis))
     last = len(axis) - 1
     coarse = [axis[round(last * i / max(count - 1, 1))] for i in _ends_first(count)]
     ranks = {velocity: rank for rank, velocity in enumerate(coarse)}
-    first = [chain for chain in chains if chain[0].velocity in ranks]
-    others = (chain for chain in chains if chain[0].velocity not in ranks)
-    return (*sorted(first, key=lambda chain: ranks[chain[0].velocity]), *others)
+    return tuple(sorted(chains, key=lambda chain: ranks.get(chain[0].velocity, len(ranks))))
 
 
 def _ends_first(count: int) -> list[int]:
-    """Numbers below a count: the ends, then the middles of the gaps, again and again.
-
-    Examples
-    --------
-    >>> _ends_first(9)
-    [0, 8, 5, 3, 6, 2, 4, 1, 7]
-    """
+    """Numbers below a count: the ends, then the middles of the gaps, again and again."""
     numbers = dict.fromkeys((0, count - 1))
     step = count
     while step > 1:

@@ -19,8 +19,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.run.cluster import Connection
-from pipeline.run.source import ExecutionError
-from pipeline.run.work import Report, records_here
+from pipeline.run.work import ExecutionError, Report, records_here
 from pipeline.store.schema import DONE, FAILED, PLANE
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep

@@ -2,26 +2,113 @@
 
 A task leaves its result on the worker, since the next point of the ramp continues its trunk. The
 driver takes the records alone, some times a minute, without a task.
+
+A worker on another machine, or one that was started before the code changed, may run other code
+than its driver. Its numbers must not enter the same store, so versions are compared.
+
+::
+
+    TriboError
+    └── ExecutionError   the workers do not start, are lost, or run other code
 """
 
 from __future__ import annotations
 
 import functools
+import hashlib
+import os
 import pickle
+import platform
 import threading
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+import scipy
 from distributed import Worker
 
-from pipeline.run.cluster import Versions, versions
-from pipeline.run.source import SAFE, ExecutionError
+import tribo
 from pipeline.store.attributes import Simulated
 from pipeline.store.packing import packed
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_points
-from tribo import InputError
+from tribo import InputError, TriboError
+
+SAFE = "finished points are safe, run the sweep again to go on"
+INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
+
+Versions = Mapping[str, str]
+
+_FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
+_PACKAGES = ("python", "numpy", "scipy")
+
+
+def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
+    """Hash of the source files of packages, by their names and contents."""
+    digest = hashlib.sha256()
+    for folder in folders:
+        for file in sorted(folder.rglob("*.py")):
+            name = os.fspath(file.relative_to(folder.parent))
+            digest.update(f"{name} {file.stat().st_size}\n".encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+# Taken as this module is imported, so that a process that runs on after its files have changed
+# names the code that it runs, and not the files.
+_HERE: Versions = {
+    "code": hash_of_code(),
+    "numpy": np.__version__,
+    "scipy": scipy.__version__,
+    "python": platform.python_version(),
+    "folder": os.fspath(_FOLDERS[1].parent),
+}
+
+
+def versions() -> Versions:
+    """Versions of this process, and the folder that its code was loaded from."""
+    return _HERE
+
+
+def packages_of(theirs: Versions) -> dict[str, str]:
+    """Versions of Python, NumPy and SciPy alone."""
+    return {name: theirs[name] for name in _PACKAGES}
+
+
+def other_packages(theirs: Versions) -> str:
+    """Differences in Python, NumPy and SciPy between a worker and this process, in words."""
+    return ", ".join(
+        f"{name} {version} (here {_HERE[name]})"
+        for name, version in packages_of(theirs).items()
+        if version != _HERE[name]
+    )
+
+
+class ExecutionError(TriboError):
+    """Workers that do not start, are lost, or run other code.
+
+    Examples
+    --------
+    >>> from pipeline.run.cluster import client_of
+    >>> try:
+    ...     client_of("tcp://127.0.0.1:1", patience=1.0)
+    ... except ExecutionError:
+    ...     print("nobody answers there")
+    nobody answers there
+    """
+
+
+def require_same_code(theirs: Versions, worker: str) -> None:
+    """Raise an `ExecutionError` for a worker with other code than this process."""
+    if theirs["code"] != (ours := versions())["code"]:
+        raise ExecutionError(
+            f"the Dask worker {worker} runs code {theirs['code']} of tribo and pipeline from "
+            f"{theirs['folder']}, and this program code {ours['code']} from {ours['folder']}; "
+            f"{INSTALL}"
+        )
+
 
 # Buffers of the transforms are shared within a process.
 _one_at_a_time = threading.Lock()

@@ -23,8 +23,7 @@ from distributed import Client
 
 import pipeline
 from pipeline.run import schedule
-from pipeline.run.cluster import processes
-from pipeline.run.source import CONFIGURATION
+from pipeline.run.cluster import CONFIGURATION, processes
 from tests.crash.sweeps import keep_one_thread
 
 _LOADS, _WORKERS = 10, 2
@@ -112,8 +111,8 @@ def main():
     with (
         tempfile.TemporaryDirectory() as folder,
         dask.config.set(CONFIGURATION),
-        processes(_WORKERS) as source,
-        Client(source.cluster, set_as_default=False) as client,
+        processes(_WORKERS) as cluster,
+        Client(cluster, set_as_default=False) as client,
     ):
         sweep = scene_of(options.points)
         report = {

@@ -18,8 +18,8 @@ from pipeline.cli import main as irg
 from pipeline.run import sweep as running
 from pipeline.run import tally
 from pipeline.run.cluster import Connection
-from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally
+from pipeline.run.work import ExecutionError
 from pipeline.store import create, files, write
 from pipeline.store.lock import FileLock
 from pipeline.store.place import StoreError
@@ -73,7 +73,7 @@ def noting(log):
 def computing(records, pace):
     """Let points be computed here from their records, and be written at once."""
 
-    link = Connection(None, Source())
+    link = Connection(None)
 
     def compute(link, sweep, writer, waiting, learn, report):
         for chain in waiting:

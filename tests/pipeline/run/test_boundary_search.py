@@ -55,6 +55,11 @@ def test_loads_share_their_velocities():
     assert len({point.velocity for point in rises}) < len(LOADS)
 
 
+def test_where_rises_are_powers_of_the_velocity_two_points_a_load_are_enough():
+    rises, _ = searched(lambda load, v: 50 * load**0.45 * v**0.55, loads=(200.0, 750.0))
+    assert len(rises) == 4
+
+
 def test_a_search_that_was_cut_short_goes_on_to_the_same_end():
     whole, rounds = searched(bent, 0.001)
     for cut in range(1, len(rounds)):

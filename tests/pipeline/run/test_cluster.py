@@ -27,8 +27,8 @@ from pipeline.cli import main
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
 from pipeline.run.cluster import Connection, client_of, connected, sent_once, threads_of
-from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
+from pipeline.run.work import ExecutionError
 from pipeline.store.progress import summary
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
@@ -220,10 +220,10 @@ class Deadly:
 
 def test_what_workers_share_outlives_those_that_die_while_they_take_it():
     client = Deadly(deaths=2)
-    assert sent_once(Connection(client, Source()), bytes(100_000)) is client
+    assert sent_once(Connection(client), bytes(100_000)) is client
     assert client.submitted == 3
     with pytest.raises(ExecutionError, match="cannot run this program"):
-        sent_once(Connection(Deadly(deaths=100), Source()), bytes(100_000))
+        sent_once(Connection(Deadly(deaths=100)), bytes(100_000))
 
 
 class Late:
@@ -242,7 +242,7 @@ class Late:
 
 
 def test_workers_that_come_late_are_waited_for_and_the_time_without_any_does_not_count():
-    link = Connection(Late(), Source(), patience=60.0)
+    link = Connection(Late(), patience=60.0)
     assert threads_of(link).total() == 2
     assert link.absent >= 0.1
 

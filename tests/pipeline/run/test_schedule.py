@@ -14,10 +14,10 @@ import pipeline
 import tribo
 from pipeline.analysis.dataset import attributes_of
 from pipeline.run import schedule, work
-from pipeline.run.cluster import Connection
+from pipeline.run.cluster import Connection, unheard
 from pipeline.run.schedule import compute
-from pipeline.run.source import ExecutionError, Source, unheard
 from pipeline.run.tally import STARTS, TRIALS
+from pipeline.run.work import ExecutionError
 from pipeline.store.attributes import Simulated, describe
 from pipeline.store.create import writing
 from pipeline.store.progress import summarized
@@ -40,7 +40,7 @@ def compute_sweep(tmp_path, monkeypatch):
         ended, learned = [], []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = chains(points(SWEEP), SWEEP)
-            link = Connection(client or LocalClient(), Source(), 1.0, tell or unheard)
+            link = Connection(client or LocalClient(), 1.0, tell or unheard)
             compute(link, SWEEP, writer, waiting, learned.extend, ended.extend)
         assert len(learned) < len(ended)  # the first point of a worker tells of its start, too
         return store, Counter("failed" if point.data is None else "done" for point in ended)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.run.cluster import Connection
-from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally, _weights
+from pipeline.run.work import ExecutionError
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
@@ -23,7 +23,7 @@ def tallied(tmp_path, monkeypatch):
     """A function that tells a tally of points that end at these times; the time to go."""
 
     def run(ends, absent=0.0, workers=1):
-        now, reports, link = 0.0, [], Connection(None, Source())
+        now, reports, link = 0.0, [], Connection(None)
         monkeypatch.setattr(time, "monotonic", lambda: now)
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
@@ -76,14 +76,14 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
     places = points(sweep)
     with writing(tmp_path / "out.zarr", sweep) as store:
         tally = Tally(store, None, time.monotonic())
-        tally.begin(sweep, store, Connection(None, Source()), ())
+        tally.begin(sweep, store, Connection(None), ())
         failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
         other = [PointRecord(point, None, "MemoryError: ") for point in places]
         tally.note([*failures[:19], *other[:19]])
         with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
             tally.note(failures[19:20])
         done = Tally(store, None, time.monotonic())
-        done.begin(sweep, store, Connection(None, Source()), ())
+        done.begin(sweep, store, Connection(None), ())
         done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
 
 

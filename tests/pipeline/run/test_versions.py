@@ -1,13 +1,13 @@
-"""Versions of workers (pipeline/run/cluster.py and cluster.py)."""
+"""Versions of workers (pipeline/run/work.py and cluster.py)."""
 
 import shutil
 from types import SimpleNamespace
 
 import pytest
 
-from pipeline.run.cluster import Connection, client_of, hash_of_code, threads_of, versions
-from pipeline.run.source import ExecutionError, Source
+from pipeline.run.cluster import Connection, client_of, threads_of
 from pipeline.run.sweep import run_sweep
+from pipeline.run.work import ExecutionError, hash_of_code, versions
 from pipeline.store.progress import summary
 from tests.helpers import tiny
 from tests.pipeline.run.test_cluster import ROOT, Cluster
@@ -52,7 +52,7 @@ class Answering:
 def test_other_packages_are_told_once_and_each_worker_is_asked_once():
     here, other = dict(versions()), {**versions(), "numpy": "1.0", "python": "3.2.1"}
     messages, client = [], Answering(a=here, b=other, c=other, d=OSError("died"))
-    link = Connection(client, Source(), tell=messages.append)
+    link = Connection(client, tell=messages.append)
     threads_of(link)
     client.answers["e"] = other
     assert set(threads_of(link)) == set("abcde")
@@ -65,7 +65,7 @@ def test_other_packages_are_told_once_and_each_worker_is_asked_once():
 def test_a_worker_without_this_program_is_refused():
     client = Answering(a=ModuleNotFoundError("No module named 'pipeline'"))
     with pytest.raises(ExecutionError, match="a cannot run this program: No module named"):
-        threads_of(Connection(client, Source()))
+        threads_of(Connection(client))
 
 
 def test_one_that_does_not_answer_holds_nobody_up():
@@ -75,4 +75,4 @@ def test_one_that_does_not_answer_holds_nobody_up():
         raise TimeoutError
 
     client.run = late
-    assert set(threads_of(Connection(client, Source()))) == {"a"}
+    assert set(threads_of(Connection(client))) == {"a"}
