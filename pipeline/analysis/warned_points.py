@@ -12,8 +12,9 @@ cold track.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,18 +31,67 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.warned import (
-    MELTS,
-    MOLTEN,
-    NO_WARNING,
-    Warned,
-    cold_bodies,
-    on_cold_bodies,
-    with_turns,
-)
+from pipeline.sweep.physics import MELTS, MOLTEN, cold_bodies, on_cold_bodies, with_turns
 from tribo import CRITERIA, Ball, Crowned, Cylinder, Material, Motion, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Warned:
+    """Points of a sweep that carry a warning, by kind.
+
+    Attributes
+    ----------
+    points : int
+        Number of points with at least one warning.
+    kinds : dict of int
+        Number of points with a warning of each kind that occurs.
+    at_boundary : int or None
+        Number of these beside the boundary: a neighbour in load or in velocity has the other kind
+        of wear.
+        None where there is no boundary, for want of a critical temperature.
+    example : str
+        One of the points beside the boundary, or else any of them, with its warning.
+    """
+
+    points: int
+    kinds: dict[str, int]
+    at_boundary: int | None
+    example: str = ""
+
+    def __add__(self, other: Warned) -> Warned:
+        """Points of two sweeps."""
+        beside = (self.at_boundary, other.at_boundary)
+        return Warned(
+            self.points + other.points,
+            dict(Counter(self.kinds) + Counter(other.kinds)),
+            None if None in beside else sum(filter(None, beside)),
+            self.example or other.example,
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields by name."""
+        return asdict(self)
+
+    def lines(self) -> Iterator[str]:
+        """Lines for the user; none where no point carries a warning."""
+        if not self.points:
+            return
+        kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
+        if self.at_boundary is None:
+            lies = "and it is not known which of them lie beside the boundary"
+        elif self.at_boundary:
+            lies = f"{self.at_boundary} beside the boundary, which may be wrong there"
+        else:
+            lies = "none beside the boundary"
+        carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
+        yield f"warning: {carry} a warning ({kinds}), {lies}"
+        yield f"warning: at {self.example}"
+
+
+NO_WARNING = Warned(0, {}, 0)
+"""Of a sweep in which no point carries one."""
 
 
 def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
@@ -178,12 +228,6 @@ def exponents(x: Array, y: Array) -> Array:
     """Exponent d ln(y)/d ln(x) at each point, between neighbours that lie far enough apart.
 
     NaN where y is not known, or where there are no such neighbours.
-
-    Examples
-    --------
-    >>> x = np.array([1.0, 2.0, 2.01, 4.0])
-    >>> exponents(x, np.array([10.0, 20.0, np.nan, 20.0])).round(2)
-    array([1. , 0.5, nan, 0. ])
     """
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
@@ -201,17 +245,7 @@ _PARTS = {kind.__name__: kind for kind in (Ball, Crowned, Cylinder, Material, Mo
 
 
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> str | None:
-    """Say that bodies roll as if each turn met a cold track; None where none does.
-
-    Parameters
-    ----------
-    ds : Dataset
-        A sweep of loads and velocities.
-    crossings : Dataset
-        Its boundary, of `pipeline.boundary`.
-    **conditions
-        Conditions that the boundary was judged by in place of the sweep's own.
-    """
+    """Say that bodies roll as if each turn met a cold track; None where none does."""
     scene = attributes_of(ds).get("scene", {})
     if not (scene.get("motion") and has_one_scene(ds)) or np.ndim(conditions.get("friction", 0.0)):
         return None

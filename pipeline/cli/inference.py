@@ -19,9 +19,9 @@ from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.physics import MELTS, MOLTEN, note_on_turns
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.selection import velocity_error
-from pipeline.sweep.warned import MELTS, MOLTEN, note_on_turns
 from tribo import InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:

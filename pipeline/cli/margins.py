@@ -44,8 +44,8 @@ from pipeline.cli.unknowns import (
     notes,
     on_risk,
 )
+from pipeline.sweep.physics import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
-from pipeline.sweep.warned import MELTS, MOLTEN
 from tribo import InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from pipeline.analysis.warned_points import Warned
     from pipeline.run.tally import Progress
     from pipeline.store.progress import FailedPoint
-    from pipeline.sweep.warned import Warned
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""

@@ -14,6 +14,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
+from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.datasets import opened
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
 from pipeline.cli.scenes import criterion_in
@@ -21,7 +22,6 @@ from pipeline.store.place import ROOT, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes
 from pipeline.sweep.selection import error_in_words, velocity_error
-from pipeline.sweep.warned import NO_WARNING
 from pipeline.tradeoff.choose import stored_selection
 
 if TYPE_CHECKING:

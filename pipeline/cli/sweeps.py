@@ -12,7 +12,7 @@ from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, run_li
 from pipeline.cli.scenes import scene_of, selected
 from pipeline.run.cluster import client_of
 from pipeline.scene.facts import require_bearable_load
-from pipeline.sweep.warned import note_on_turns
+from pipeline.sweep.physics import note_on_turns
 
 
 def run(options: argparse.Namespace) -> Result:

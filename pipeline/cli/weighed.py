@@ -16,13 +16,13 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
+from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
 from pipeline.cli.scenes import at_in, criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
 from pipeline.scene.units import difference_in_si
-from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import load_of_target
 from pipeline.uncertain.posterior import differences

@@ -14,7 +14,7 @@ from distributed import Client
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.analysis.transition import outcomes
-from pipeline.analysis.warned_points import warned
+from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
 from pipeline.scene.over import notes_on_first_values
@@ -26,7 +26,6 @@ from pipeline.store.write import opened, stored
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.physics import Effect, physics_of
 from pipeline.sweep.variants import Label, rows
-from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import InputError
 from tribo.types import Array
 

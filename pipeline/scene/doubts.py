@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, tracks_of
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.physics import MELTS, columns_in_closed_form, note_on_turns
 from pipeline.sweep.surface import SurfaceFacts
-from pipeline.sweep.warned import MELTS, columns_in_closed_form, note_on_turns
 from tribo import Corrections, Material, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,

@@ -58,7 +58,7 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
             axes.values(), zip(*([v for _, v in name] for name in names), strict=True), strict=True
         )
     )
-    return Variants(columns, parts, given=dict(zip(names, parts, strict=True)))
+    return Variants(columns, parts)
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:

@@ -18,38 +18,18 @@ from tribo.types import Array
 class Measurement:
     """A test on a rig: a transition to severe wear, or a point that stayed mild or turned severe.
 
-    Attributes
-    ----------
-    normal_load : float
-        Normal load on the whole pin [N].
-    velocity : float
-        Sliding velocity [m/s].
-    friction : float or None
-        Friction coefficient, if it was measured.
-    load_scatter, velocity_scatter, friction_scatter : float or None
-        Standard deviations of the three, if they are known [N, m/s, 1].
-    bulk_temperature : float or None
-        Bulk temperature of both bodies [K], where it was not the scene's.
-    hold : float or None
-        Duration at the full load [s], where it was not the scene's.
-    outcome : {"mild", "severe"} or None
-        Wear of the test; None at a transition.
-
-    Examples
-    --------
-    >>> Measurement(normal_load=600.0, velocity=1.5, friction=0.1).as_dict()
-    {'normal_load': 600.0, 'velocity': 1.5, 'friction': 0.1}
+    What follows the velocity is None where it is not known, or not other than in the scene.
     """
 
-    normal_load: float
-    velocity: float
+    normal_load: float  # on the whole pin [N]
+    velocity: float  # [m/s]
     friction: float | None = None
-    load_scatter: float | None = None
+    load_scatter: float | None = None  # standard deviations [N, m/s, 1]
     velocity_scatter: float | None = None
     friction_scatter: float | None = None
-    bulk_temperature: float | None = None
-    hold: float | None = None
-    outcome: str | None = None
+    bulk_temperature: float | None = None  # of both bodies [K]
+    hold: float | None = None  # at the full load [s]
+    outcome: str | None = None  # "mild" or "severe"; None at a transition
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Measurement:
@@ -58,9 +38,8 @@ class Measurement:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data, of those after the friction only what is known."""
-        data = asdict(self)
         always = ("normal_load", "velocity", "friction")
-        return {k: v for k, v in data.items() if v is not None or k in always}
+        return {k: v for k, v in asdict(self).items() if v is not None or k in always}
 
 
 class FromLibrary(NamedTuple):
@@ -73,52 +52,20 @@ class FromLibrary(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class About:
-    """What a scene says besides what is simulated and judged.
+    """What a scene says besides what is simulated and judged."""
 
-    Attributes
-    ----------
-    name, title : str
-        The file's name without ending; a line for people.
-    measured : tuple of Measurement
-        Measured transitions, for comparison.
-    tested : tuple of Measurement
-        Tests that stayed mild or turned severe.
-    friction_band : tuple of float or None
-        Lowest and highest friction coefficient measured.
-    same_rig : bool
-        True if the friction that tests measured is that of the scene, False if of another machine.
-    oil : Oil or None
-        Lubricant, to tell the regime of lubrication; no number of the simulation depends on it.
-    preset : str or None
-        Name of the preset that the fidelity equals; None if it equals none.
-    selection : Selection or None
-        Why the fidelity is what it is, if it was picked for its accuracy.
-    sources : tuple of FromLibrary
-        Numbers that the scene takes from the library.
-    notes : tuple of str
-        Assumptions made on reading the scene.
-    arguments : tuple of str
-        Arguments by which the command reads the scene: its file, preset and settings; none if it
-        was not read from a file.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> pipeline.load_scene("first_try").about.preset
-    'draft'
-    """
-
-    name: str
-    title: str
-    measured: tuple[Measurement, ...] = ()
-    tested: tuple[Measurement, ...] = ()
-    friction_band: tuple[float, float] | None = None
-    same_rig: bool = True
-    oil: Oil | None = None
-    preset: str | None = None
-    selection: Selection | None = None
+    name: str  # of the file, without its ending
+    title: str  # a line for people
+    measured: tuple[Measurement, ...] = ()  # transitions
+    tested: tuple[Measurement, ...] = ()  # tests that stayed mild or turned severe
+    friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
+    same_rig: bool = True  # the friction that tests measured is that of the scene's machine
+    oil: Oil | None = None  # tells the regime of lubrication; enters no simulation
+    preset: str | None = None  # that the fidelity equals
+    selection: Selection | None = None  # reasons of a fidelity picked for its accuracy
     sources: tuple[FromLibrary, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # assumptions made on reading the scene
+    # Arguments by which the command reads the scene; none if it was not read from a file.
     arguments: tuple[str, ...] = field(default=(), compare=False)
 
 
@@ -126,27 +73,13 @@ Line = tuple[str, str]
 
 
 def as_lines(title: str, rows: Sequence[Line]) -> str:
-    """Write rows below a title.
-
-    Examples
-    --------
-    >>> print(as_lines("A scene", [("pin", "cylinder"), ("wear", "none")]))
-    A scene
-      pin   cylinder
-      wear  none
-    """
+    """Write rows below a title."""
     width = max(len(name) for name, _ in rows)
     return "\n".join([title, *(f"  {name:{width}}  {text}" for name, text in rows)])
 
 
 def as_html(title: str, rows: Sequence[Line]) -> str:
-    """Write rows as a table for a notebook.
-
-    Examples
-    --------
-    >>> as_html("<scene>", [("pin", "ball")])
-    '<table><caption>&lt;scene&gt;</caption><tr><th>pin</th><td>ball</td></tr></table>'
-    """
+    """Write rows as a table for a notebook."""
     cells = "".join(
         f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>" for name, text in rows
     )
@@ -175,13 +108,7 @@ def on_scene(scene: Scene) -> Iterator[Line]:
 
 
 def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Line:
-    """Describe the loads and velocities of a sweep.
-
-    Examples
-    --------
-    >>> on_plane([600.0], [1.0, 2.0, 4.0])
-    ('sweep', '600 N, 3 velocities from 1 to 4 m/s')
-    """
+    """Describe the loads and velocities of a sweep."""
 
     def spanned(values: Sequence[float], name: str, unit: str) -> str:
         if len(values) == 1:

@@ -217,15 +217,7 @@ def changes_of(
 
 
 def of_bulks(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
-    """Entries of `Conditions` for one bulk temperature, or for one of each body [K].
-
-    Examples
-    --------
-    >>> of_bulks({"pin": 333.15, "disk": 298.15})
-    {'bulk_temperature': 333.15, 'disk_temperature': 298.15}
-    >>> of_bulks(298.15)
-    {'bulk_temperature': 298.15, 'disk_temperature': None}
-    """
+    """Entries of `Conditions` for one bulk temperature, or for one of each body [K]."""
     if not isinstance(bulks, Mapping):
         return {"bulk_temperature": bulks, "disk_temperature": None}
     if set(bulks) != {"pin", "disk"}:

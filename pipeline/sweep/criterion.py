@@ -39,56 +39,22 @@ Rise = TypeVar("Rise", float, Array, "xr.DataArray")
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Mild or severe wear at a point, and its temperatures at its worst moment.
-
-    Attributes
-    ----------
-    is_severe : bool or None
-        A deciding temperature above the critical one; None where that is not known.
-    time : float
-        The worst moment, from the start of the ramp [s].
-    decisive_temperature : float
-        Temperature that decides [K].
-    max_temperature : float
-        Highest temperature of the contact [K].
-    failed_fraction : float or None
-        Share of the contact area above the critical temperature; None where that is not known.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> verdict = pipeline.run_point(scene, "400 N", "2.8 m/s").verdict(scene.conditions)
-    >>> verdict.is_severe, f"{verdict.decisive_temperature - 273.15:.0f} °C"
-    (True, '162 °C')
-    """
+    """Mild or severe wear at a point at its worst moment; None where the limit is not known."""
 
     is_severe: bool | None
-    time: float
-    decisive_temperature: float
-    max_temperature: float
-    failed_fraction: float | None
+    time: float  # of the worst moment, from the start of the ramp [s]
+    decisive_temperature: float  # [K]
+    max_temperature: float  # [K]
+    failed_fraction: float | None  # share of the contact area above the critical temperature
 
 
 def contact_temperature(rise: Rise, conditions: Conditions) -> Rise:
-    """Temperature of the contact [K], from its rise at friction 1 [K].
-
-    Examples
-    --------
-    >>> contact_temperature(1250.0, Conditions(0.1, 298.15, 418.15))
-    423.15
-    """
+    """Temperature of the contact [K], from its rise at friction 1 [K]."""
     return conditions.coldest_bulk_temperature + conditions.rise_factor * rise
 
 
 def rise_limit(conditions: Conditions) -> float:
-    """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction.
-
-    Examples
-    --------
-    >>> rise_limit(Conditions(0.1, 298.15, 418.15)), rise_limit(Conditions(0.0, 298.15, 418.15))
-    (1200.0, inf)
-    """
+    """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction."""
     if conditions.rise_factor == 0:
         return math.inf
     warming = conditions.known_critical_temperature() - conditions.coldest_bulk_temperature
@@ -116,12 +82,6 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 
     Rises and normal loads have the shape (..., n_step). The last step where no rise that counts is
     known.
-
-    Examples
-    --------
-    >>> rise = np.array([900.0, 700.0, 750.0, np.nan, 720.0])
-    >>> int(worst_moment(rise, np.array([500.0, 600.0, 600.0, 600.0, 600.0]), 600.0))
-    2
     """
     counts = np.isfinite(rise) & (normal_load >= load)
     step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
@@ -161,11 +121,6 @@ def boundary_velocity_error(rise: float, expected: float, exponent: float) -> fl
     """Relative error of the velocity of the boundary, from that of the rise near it.
 
     A rise that is too high reaches the limit at too low a velocity.
-
-    Examples
-    --------
-    >>> f"{boundary_velocity_error(1100.0, 1000.0, exponent=0.5):.4f}"
-    '-0.1736'
     """
     return math.expm1(-math.log(rise / expected) / exponent)
 

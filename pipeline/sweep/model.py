@@ -16,13 +16,7 @@ _DIGITS = 12  # of a wear number: two that ought to be the same differ by roundi
 
 
 class Lead(NamedTuple):
-    """The variant whose ramp of contacts another one shares, and at which velocity.
-
-    Examples
-    --------
-    >>> Lead((), ratio=2.0).velocity_for(0.5)
-    1.0
-    """
+    """The variant whose ramp of contacts another one shares, and at which velocity."""
 
     variant: Variant
     ratio: float = 1.0  # of its velocity to that of the other, with the same wear number
@@ -59,51 +53,24 @@ def leads_of(
         place = places[number] if places is not None else None
         key = mechanics(scene), None if place is None else rounded(wear_number(scene, place))
         leader, leading, its_place = first.setdefault(key, (name, scene, place))
-        if leader == name:
-            leads[name] = Lead(name)
-        elif place is not None and its_place is not None:
-            is_shared = inseparable(scene, (place, its_place)) is None
-            leads[name] = Lead(leader, places=(place, its_place)) if is_shared else Lead(name)
+        slides: list[Sequence[float]]
+        if place is not None and its_place is not None:
+            lead, slides = Lead(leader, places=(place, its_place)), [(place, its_place)]
         else:
-            leads[name] = _on_plane(name, scene, leader, leading, velocities)
+            wears = scene.wear and leading.wear and scene.wears and leading.wears
+            ratio = wear_number(scene, 1.0) / wear_number(leading, 1.0) if wears else 1.0
+            lead, slides = Lead(leader, ratio), [velocities, [ratio * v for v in velocities]]
+        # Contacts may depend on more than their key.
+        is_shared = leader != name and not any(inseparable(scene, some) for some in slides)
+        leads[name] = lead if is_shared else Lead(name)
     return leads
 
 
-def _on_plane(
-    name: Variant, scene: Scene, leader: Variant, leading: Scene, velocities: Sequence[float]
-) -> Lead:
-    """Lead of a variant by another one that has the same plane."""
-    if inseparable(scene, velocities) is not None:
-        return Lead(name)  # contacts depend on more than their key
-    wears = scene.wear and leading.wear and scene.wears and leading.wears
-    ratio = wear_number(scene, 1.0) / wear_number(leading, 1.0) if wears else 1.0
-    is_shared = inseparable(scene, [ratio * velocity for velocity in velocities]) is None
-    return Lead(leader, ratio) if is_shared else Lead(name)
-
-
 class Point(NamedTuple):
-    """One place in the diagram, and in which variant of the scene.
+    """One place in the diagram, and in which variant of the scene."""
 
-    Attributes
-    ----------
-    load : float
-        Normal load on the whole pin [N].
-    velocity : float
-        Sliding velocity [m/s]; in a row at another wear rate that of its contact at the scene's
-        own, see `Sweep.velocity_of`.
-    variant : tuple of (str, number or str)
-        Dimensions in front of load and velocity, with the point's value of each: ``realization``
-        (seed of the random surface), the path of an entry, or ``variant`` (number of the row, such
-        as that of a sample).
-
-    Examples
-    --------
-    >>> print(Point(600.0, 1.5), Point(600.0, 1.5, (("realization", 3),)), sep="; ")
-    600 N, 1.5 m/s; 600 N, 1.5 m/s, surface 3
-    """
-
-    load: float
-    velocity: float
+    load: float  # on the whole pin [N]
+    velocity: float  # [m/s]; at another wear rate that of its contact, see `Sweep.velocity_of`
     variant: Variant = ()
 
     def __str__(self) -> str:
@@ -111,13 +78,7 @@ class Point(NamedTuple):
 
 
 def named(variant: Variant) -> list[str]:
-    """Words for each value of a variant.
-
-    Examples
-    --------
-    >>> named((("pin.radius", 0.002), ("realization", 3)))
-    ['pin.radius 0.002', 'surface 3']
-    """
+    """Words for each value of a variant."""
     return [
         f"{'surface' if name == 'realization' else name} "
         + (f"{value:g}" if isinstance(value, float) else f"{value}")
@@ -127,44 +88,21 @@ def named(variant: Variant) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """Loads and velocities at which to simulate a scene.
+    """Loads and velocities at which to simulate a scene, each ascending and once."""
 
-    Attributes
-    ----------
-    loads : tuple of float
-        Normal loads on the whole pin, ascending, each once [N].
-    velocities : tuple of float
-        Sliding velocities, ascending, each once [m/s].
-    independent : bool
-        True if each point is simulated from the start, not on from the next lower load.
-    chosen : collection of Point or None
-        The points to simulate, if not all of them.
-    """
-
-    loads: tuple[float, ...]
-    velocities: tuple[float, ...]
-    independent: bool = False
-    chosen: Collection[Point] | None = None
+    loads: tuple[float, ...]  # on the whole pin [N]
+    velocities: tuple[float, ...]  # [m/s]
+    independent: bool = False  # each point from the start, not on from the next lower load
+    chosen: Collection[Point] | None = None  # the points to simulate, if not all of them
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """What is kept of each point.
+    """What is kept of each point; see `pipeline.sweep.stations`."""
 
-    Attributes
-    ----------
-    fields : bool
-        True if the fields at the end of each point are kept.
-    steps : str, int or None
-        Stations of each point: ``"loads"``, so many, ``"all"``, or ``"end"`` for those alone that
-        decide; None for what is usual, see `pipeline.sweep.stations`.
-    stations : mapping or None
-        Stations that a store has, in place of those that follow from the loads.
-    """
-
-    fields: bool = False
-    steps: str | int | None = None
-    stations: dict[str, Any] | None = None
+    fields: bool = False  # those at the end of each point
+    steps: str | int | None = None  # "loads", "all", "end" or a number; None for what is usual
+    stations: dict[str, Any] | None = None  # that a store has, in place of those of the loads
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

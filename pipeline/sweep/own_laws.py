@@ -64,18 +64,10 @@ class _Text(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Laws:
-    """Where names of code are looked for, and whether that may run.
+    """Where names of code are looked for, and whether that may run."""
 
-    Attributes
-    ----------
-    folder : Path
-        Folder of the files: that of the scene, or of the command where an option names the code.
-    are_allowed : bool
-        The user's permission, ``--own-laws`` or ``own_laws=True``.
-    """
-
-    folder: Path
-    are_allowed: bool
+    folder: Path  # of the scene, or of the command where an option names the code
+    are_allowed: bool  # by the user: --own-laws or own_laws=True
 
     def named(self, kind: str, reference: str, parameters: Mapping[str, Any] | None = None) -> Own:
         """The law, surface or criterion of a name; `OwnLawError` if it is not allowed to run."""

@@ -1,7 +1,8 @@
 """Physics beside the two half-spaces: what a scene counts, what it could, what cannot be sized.
 
 Each effect that can be sized is a scene with it, or without it where the scene counts it, so that
-the boundary shows how much it matters.
+the boundary shows how much it matters. Earlier turns of bodies that roll matter most, and are told
+of wherever they are not counted.
 """
 
 from __future__ import annotations
@@ -11,9 +12,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
+import numpy as np
+
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.warned import cold_bodies, with_turns
-from tribo import Bulk, Corrections, Material, Stem, Track
+from tribo import Bulk, Corrections, Material, Motion, Pin, Stem, Track, contact_modulus
+from tribo.types import Array
 
 _TRACK = 0.34  # m, of the paper's disk
 _THICKNESS = 10e-3  # m, of a disk or a disc
@@ -26,41 +29,56 @@ _OF_CARBON_STEEL = {
     "density": (7600.0, 8000.0),
     "thermal_conductivity": (30.0, 60.0),
 }
+_HOT = 1e9  # K: a rise beside which the warming of earlier turns changes no share
+
+MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
+
+MOLTEN = (
+    f"the deciding temperature is above {MELTS - 273.15:.0f} °C, where steel melts: the bodies "
+    "of the model do not melt, so it says only that wear is severe; if tests were made here, check "
+    "load, velocity and units"
+)
 
 State = Literal["counted", "could be counted", "cannot be sized"]
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """One effect beside the two half-spaces.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    state : {"counted", "could be counted", "cannot be sized"}
-        Whether the scene counts it.
-    size : str
-        What is assumed of it, or what the scene says, in words.
-    certainty : str
-        Reason to believe the result, or not to.
-    entry : str
-        Entry by which a scene counts it; empty if there is none.
-    scene : Sweep or None
-        The scene with the effect, or without it if the scene counts it; None if it has no size.
-    """
+    """One effect beside the two half-spaces."""
 
     name: str
     state: State
-    size: str
-    certainty: str
-    entry: str = ""
-    scene: Sweep | None = None
+    size: str  # what is assumed, or what the scene says
+    certainty: str  # reason to believe the result, or not to
+    entry: str = ""  # by which a scene counts it
+    scene: Sweep | None = None  # with the effect, or without it if the scene counts it
 
     @property
     def key(self) -> tuple[str, str]:
         """Name and size of the change that it makes."""
         return f"{'without ' if self.state == 'counted' else ''}{self.name}", self.size
+
+
+_EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
+    "friction by velocity": (
+        {"friction.by_velocity": "friction by velocity"}, {"friction": ()}
+    ),
+    "earlier turns": (
+        {
+            "pin.track_length": "earlier turns of the pin",
+            "disk.track_length": "earlier turns of the disk",
+        },
+        {"track": None, "pin_track": None},
+    ),
+    "bulk that follows": (
+        {"pin.capacity": "bulk of the pin", "disk.capacity": "bulk of the disk"},
+        {"pin_bulk": None, "disk_bulk": None},
+    ),
+    "stem and holder of the pin": ({"pin.stem": "stem of the pin"}, {"stem": None}),
+    "oxide or tribofilm": ({"disk.film": "film on the disk"}, {"film_resistance": 0.0}),
+}  # fmt: skip
+"""Effects by corrections: entries as `Corrections.worded` calls them, and what none of it is."""
+_FRICTION, _TURNS, _BULK, _STEM, _OXIDE = _EFFECTS
 
 
 def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
@@ -69,39 +87,47 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     All but the materials' dependence on temperature act after the simulation, by
     `tribo.Corrections`; materials that change with it are simulated with the constants that they
     have 60 K above room temperature, as is usual of a carbon steel.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> [effect.entry for effect in physics_of(scene) if effect.state == "could be counted"]
-    ['friction.by_velocity', 'disk.track_length', 'disk.capacity', 'pin.stem', 'disk.film', '', '']
     """
-    effects = [*_counted(sweep), *_of_friction(sweep), *_of_turns(sweep), *_of_bulk(sweep)]
-    effects += [*_of_stem(sweep), *_of_film(sweep)]
+    effects = [
+        *_counted(sweep), *_of_friction(sweep), *_of_turns(sweep), *_of_bulk(sweep),
+        *_of_stem(sweep), *_of_film(sweep),
+    ]  # fmt: skip
     more = [effect for effect in effects if effect.scene and effect.state == "could be counted"]
     if len(more) > 1:
         effects.append(_together(sweep, more))
-    return (*effects, _warm_steel(sweep), *_NOT_SIZED)
+    return (
+        *effects,
+        _of_warm_steel(sweep),
+        Effect(
+            "plastic memory of the track",
+            "cannot be sized",
+            "summits that were pressed flat stay flat at the next turn: +4 % of the critical "
+            "velocity at 750 N and +17 % at 200 N in the paper's system, by a trial of 6 turns",
+            "on the safe side; the mean pressure on the summits falls by a quarter, and so does "
+            "the effect of a film; no measurement can check it",
+        ),
+        Effect(
+            "kinetics of desorption",
+            "cannot be sized",
+            "a film that fails in time and not at a temperature",
+            "needs an activation energy, which is not known; above about 200 kJ/mol a critical "
+            "temperature does as well",
+        ),
+    )
 
 
-_NOT_SIZED = (
-    Effect(
-        "plastic memory of the track",
-        "cannot be sized",
-        "summits that were pressed flat stay flat at the next turn: +4 % of the critical velocity "
-        "at 750 N and +17 % at 200 N in the paper's system, by a trial of 6 turns",
-        "on the safe side; the mean pressure on the summits falls by a quarter, and so does the "
-        "effect of a film; no measurement can check it",
-    ),
-    Effect(
-        "kinetics of desorption",
-        "cannot be sized",
-        "a film that fails in time and not at a temperature",
-        "needs an activation energy, which is not known; above about 200 kJ/mol a critical "
-        "temperature does as well",
-    ),
-)
+def _counted(sweep: Sweep) -> Iterator[Effect]:
+    """Effects that the scene counts, each with the scene without it."""
+    present = sweep.conditions.corrections
+    if present is None:
+        return
+    said = dict(part.split(", ", 1) for part in present.worded.split("; "))
+    for name, (entries, without) in _EFFECTS.items():
+        if counted := {entry: words for entry, words in entries.items() if words in said}:
+            size = ", ".join(f"{words}: {said[words]}" for words in counted.values())
+            certainty, entry = "as the scene's own numbers", " and ".join(counted)
+            scene = _with(sweep, replace(present, **without))
+            yield Effect(name, "counted", size, certainty, entry, scene)
 
 
 def _together(sweep: Sweep, effects: list[Effect]) -> Effect:
@@ -119,68 +145,21 @@ def _together(sweep: Sweep, effects: list[Effect]) -> Effect:
     )
 
 
-def _counted(sweep: Sweep) -> Iterator[Effect]:
-    """Effects that the scene counts, each with the scene without it."""
-    present = sweep.conditions.corrections
-    if present is None:
-        return
-    said = dict(part.split(", ", 1) for part in present.worded.split("; "))
-    for entries, without in (
-        ({"friction by velocity": "friction.by_velocity"}, {"friction": ()}),
-        (
-            {
-                "earlier turns of the pin": "pin.track_length",
-                "earlier turns of the disk": "disk.track_length",
-            },
-            {"track": None, "pin_track": None},
-        ),
-        (
-            {"bulk of the pin": "pin.capacity", "bulk of the disk": "disk.capacity"},
-            {"pin_bulk": None, "disk_bulk": None},
-        ),
-        ({"stem of the pin": "pin.stem"}, {"stem": None}),
-        ({"film on the disk": "disk.film"}, {"film_resistance": 0.0}),
-    ):
-        if counted := [name for name in entries if name in said]:
-            plain: Any = without
-            yield Effect(
-                _NAMES[entries[counted[0]]],  # both bodies' have one name
-                "counted",
-                ", ".join(f"{name}: {said[name]}" for name in counted),
-                "as the scene's own numbers",
-                " and ".join(entries[name] for name in counted),
-                _with(sweep, replace(present, **plain)),
-            )
+def _with(sweep: Sweep, corrections: Corrections) -> Sweep:
+    return replace(sweep, conditions=replace(sweep.conditions, corrections=corrections))
 
 
-_NAMES = {
-    "friction.by_velocity": "friction by velocity",
-    "disk.track_length": "earlier turns",
-    "pin.track_length": "earlier turns",
-    "disk.capacity": "bulk that follows",
-    "pin.capacity": "bulk that follows",
-    "pin.stem": "stem and holder of the pin",
-    "disk.film": "oxide or tribofilm",
-}
-
-
-def _could_be(sweep: Sweep, entry: str, size: str, certainty: str, **parts: Any) -> Effect:
+def _could_be(
+    sweep: Sweep, name: str, entry: str, size: str, certainty: str, **parts: Any
+) -> Effect:
     corrections = replace(sweep.conditions.corrections or Corrections(), **parts)
-    scene = _with(sweep, corrections)
-    return Effect(_NAMES[entry.split()[0]], "could be counted", size, certainty, entry, scene)
-
-
-def _no_size(entry: str, reason: str) -> Effect:
-    return Effect(_NAMES[entry], "cannot be sized", reason, "", entry)
-
-
-def _sliding(sweep: Sweep) -> list[float]:
-    """Sliding velocities of a sweep above 0, ascending [m/s]."""
-    return [velocity for velocity in sweep.plane.velocities if velocity]
+    return Effect(name, "could be counted", size, certainty, entry, _with(sweep, corrections))
 
 
 def _of_friction(sweep: Sweep) -> Iterator[Effect]:
+    """Friction by velocity, as measured at transitions or as is usual."""
     conditions, entry = sweep.conditions, "friction.by_velocity"
+    sliding = [velocity for velocity in sweep.plane.velocities if velocity]
     if conditions.corrections and conditions.corrections.friction:
         return
     reason = None
@@ -188,24 +167,40 @@ def _of_friction(sweep: Sweep) -> Iterator[Effect]:
         reason = "the bulk temperatures differ, so that the rise is not proportional to friction"
     elif not conditions.friction:
         reason = "there is no friction"
-    elif len(_sliding(sweep)) < 2:
+    elif len(sliding) < 2:
         reason = "the scene has one sliding velocity"
     if reason:
-        yield _no_size(entry, reason)
+        yield Effect(_FRICTION, "cannot be sized", reason, "", entry)
         return
-    factors, size, certainty = _friction(sweep)
-    yield _could_be(sweep, entry, size, certainty, friction=factors)
+    measured = sorted(
+        {
+            row.velocity: row.friction for row in sweep.about.measured if row.friction is not None
+        }.items()
+    )
+    if len(measured) > 1:
+        factors = [(velocity, friction / conditions.friction) for velocity, friction in measured]
+        frictions = [friction for _, friction in measured]
+        ends = dict.fromkeys((min(frictions), max(frictions)))
+        size = f"{' to '.join(f'{end:g}' for end in ends)}, as measured at the transitions"
+        certainty = "as the measured friction, of which load and velocity changed together"
+    else:
+        slow, *_, fast = sliding
+        factors = [(slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)]
+        size = f"falling by {_FALL:.0%} from {slow:g} to {fast:g} m/s"
+        certainty = "assumed: measure friction at two velocities or more"
+    yield _could_be(sweep, _FRICTION, entry, size, certainty, friction=tuple(factors))
 
 
 def _of_turns(sweep: Sweep) -> Iterator[Effect]:
     """Tracks of all bodies that turn and have none; of two that roll, or of the one that moves."""
-    present, scene, entry = sweep.conditions.corrections, sweep.scene, "disk.track_length"
-    if not _sliding(sweep):
-        yield _no_size(entry, "nothing moves")
+    present, scene = sweep.conditions.corrections, sweep.scene
+    if not any(sweep.plane.velocities):
+        yield Effect(_TURNS, "cannot be sized", "nothing moves", "", "disk.track_length")
     elif cold := cold_bodies(scene.motion, present):
         turns, around = with_turns(present, scene.pin, scene.disk, scene.motion)
         yield _could_be(
             sweep,
+            _TURNS,
             " and ".join(f"{body}.track_length" for body in cold),
             f"tracks of {around:.3g} m around the {' and the '.join(cold)}",
             "to a tenth, if the tracks are that long: the effect goes as 1/length",
@@ -218,7 +213,8 @@ def _of_turns(sweep: Sweep) -> Iterator[Effect]:
         body, name = (scene.pin.material, "pin_track") if turns_pin else (scene.disk, "track")
         yield _could_be(
             sweep,
-            "pin.track_length" if turns_pin else entry,
+            _TURNS,
+            f"{'pin' if turns_pin else 'disk'}.track_length",
             f"a track of {_TRACK:g} m",
             "to a fifth, if the track is that long: the effect goes as 1/√length",
             **{name: Track.under(scene.pin, body, _TRACK)},
@@ -226,50 +222,54 @@ def _of_turns(sweep: Sweep) -> Iterator[Effect]:
         )
 
 
+def _pin_turns(sweep: Sweep) -> bool:
+    return any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
+
+
 def _of_bulk(sweep: Sweep) -> Iterator[Effect]:
     """Heat capacities of disk and rolling pin, as discs of a usual size, without a loss."""
     present, scene = sweep.conditions.corrections or Corrections(), sweep.scene
-    bodies: list[tuple[str, float, Material]] = []
+    bodies: dict[str, tuple[float, Material]] = {}
     if not present.disk_bulk:
         around = present.track.length if present.track else _TRACK
-        bodies.append(("disk", around / math.pi, scene.disk))
+        bodies["disk"] = around / math.pi, scene.disk
     if not present.pin_bulk and _pin_turns(sweep):
-        bodies.append(("pin", scene.track_length / math.pi, scene.pin.material))
+        bodies["pin"] = scene.track_length / math.pi, scene.pin.material
     if not bodies:
         return
     bulks = {
         f"{body}_bulk": Bulk(
             math.pi / 4 * across**2 * _THICKNESS * material.density * material.specific_heat
         )
-        for body, across, material in bodies
+        for body, (across, material) in bodies.items()
     }
-    sizes = (f"{1e3 * across:.0f} mm around the {body}" for body, across, _ in bodies)
+    sizes = (f"{1e3 * across:.0f} mm around the {body}" for body, (across, _) in bodies.items())
     yield _could_be(
         sweep,
-        " and ".join(f"{body}.capacity" for body, _, _ in bodies),
+        _BULK,
+        " and ".join(f"{body}.capacity" for body in bodies),
         f"discs {1e3 * _THICKNESS:g} mm thick, {' and '.join(sizes)}, without a loss",
         "as their size: in proportion to the energy of the test over the capacity, less by a loss",
         **bulks,
     )
 
 
-def _pin_turns(sweep: Sweep) -> bool:
-    return any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
-
-
 def _of_stem(sweep: Sweep) -> Iterator[Effect]:
-    """A rod behind a pin at rest; a pin that turns has none."""
-    present, pin = sweep.conditions.corrections, sweep.scene.pin
+    """A rod behind a pin at rest, as long as the pin is wide; a pin that turns has none."""
+    present, pin, entry = sweep.conditions.corrections, sweep.scene.pin, "pin.stem"
     if present and present.stem:
         return
     if _pin_turns(sweep):
-        yield _no_size("pin.stem", "the pin turns, so that heat enters all around it")
+        reason = "the pin turns, so that heat enters all around it"
+        yield Effect(_STEM, "cannot be sized", reason, "", entry)
         return
-    length, area = _stem_of(sweep)
+    length = 2 * pin.radius
+    area = math.pi * pin.radius**2 if pin.length is None else 2 * pin.radius * pin.length
     rod = length, area, pin.material.thermal_conductivity, pin.material.thermal_diffusivity
     yield _could_be(
         sweep,
-        "pin.stem",
+        _STEM,
+        entry,
         f"a rod {1e3 * length:.3g} mm long, {1e6 * area:.3g} mm² across",
         "to a factor of 2: the holder is not known, and the half-space has part of it already",
         stem=Stem.rod(*rod),
@@ -282,6 +282,7 @@ def _of_film(sweep: Sweep) -> Iterator[Effect]:
         return
     yield _could_be(
         sweep,
+        _OXIDE,
         "disk.film",
         f"{1e9 * thickness:g} nm of {conductivity:g} W/(m K) on the disk",
         "an order of magnitude: thickness and conductivity are not known; in proportion to "
@@ -290,70 +291,119 @@ def _of_film(sweep: Sweep) -> Iterator[Effect]:
     )
 
 
-def _friction(sweep: Sweep) -> tuple[tuple[tuple[float, float], ...], str, str]:
-    """Friction by velocity, as measured or as is usual, in words, and how sure."""
-    usual = sweep.conditions.friction
-    by_velocity = {
-        row.velocity: row.friction for row in sweep.about.measured if row.friction is not None
-    }
-    if len(by_velocity) > 1:
-        measured = sorted(by_velocity.items())
-        frictions = [friction for _, friction in measured]
-        ends = dict.fromkeys((min(frictions), max(frictions)))
-        return (
-            tuple((velocity, friction / usual) for velocity, friction in measured),
-            f"{' to '.join(f'{end:g}' for end in ends)}, as measured at the transitions",
-            "as the measured friction, of which load and velocity changed together",
+def _of_warm_steel(sweep: Sweep) -> Effect:
+    name = "conductivity and specific heat when warm"
+    bodies = {"pin": sweep.scene.pin.material, "disk": sweep.scene.disk}
+    warm = {
+        body: replace(
+            material,
+            thermal_conductivity=_CONDUCTIVITY * material.thermal_conductivity,
+            specific_heat=_SPECIFIC_HEAT * material.specific_heat,
         )
-    slow, *_, fast = _sliding(sweep)
-    return (
-        ((slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)),
-        f"falling by {_FALL:.0%} from {slow:g} to {fast:g} m/s",
-        "assumed: measure friction at two velocities or more",
-    )
-
-
-def _stem_of(sweep: Sweep) -> tuple[float, float]:
-    """Length [m] and cross section [m²] of a pin that is as long as it is wide."""
-    pin = sweep.scene.pin
-    across = math.pi * pin.radius**2
-    if pin.length is not None:
-        across = 2 * pin.radius * pin.length
-    return 2 * pin.radius, across
-
-
-def _warm_steel(sweep: Sweep) -> Effect:
-    name, pin, disk = "conductivity and specific heat when warm", sweep.scene.pin, sweep.scene.disk
-    bodies = {"pin": pin.material, "disk": disk}
-    of_steel = [body for body, material in bodies.items() if _is_carbon_steel(material)]
-    if not of_steel:
+        for body, material in bodies.items()
+        if all(low <= getattr(material, k) <= high for k, (low, high) in _OF_CARBON_STEEL.items())
+    }
+    if not warm:
         reason = "neither body has the constants of a carbon steel, whose change is known"
         return Effect(name, "cannot be sized", reason, "")
-    alone = f", of the {of_steel[0]} alone" if len(of_steel) == 1 else ""
+    alone = f", of the {next(iter(warm))} alone" if len(warm) == 1 else ""
+    both = bodies | warm
     return Effect(
         name,
         "could be counted",
         f"{_CONDUCTIVITY - 1:+.0%} and {_SPECIFIC_HEAT - 1:+.0%}, a carbon steel at 85 °C{alone}",
         "to a few percent: two effects of opposite sign",
-        scene=sweep.changed(pin=replace(pin, material=_warm(pin.material)), disk=_warm(disk)),
+        scene=sweep.changed(pin=replace(sweep.scene.pin, material=both["pin"]), disk=both["disk"]),
     )
 
 
-def _is_carbon_steel(material: Material) -> bool:
-    ranges = _OF_CARBON_STEEL.items()
-    return all(low <= getattr(material, name) <= high for name, (low, high) in ranges)
+def cold_bodies(motion: Motion | None, corrections: Corrections | None) -> tuple[str, ...]:
+    """Bodies that roll as if each turn met a cold track; none unless both bodies roll."""
+    if motion is None or motion.slide_roll_ratio in (-2.0, 2.0):
+        return ()
+    present = corrections or Corrections()
+    tracks = {"pin": present.pin_track, "disk": present.track}
+    return tuple(body for body, track in tracks.items() if track is None)
 
 
-def _warm(material: Material) -> Material:
-    """A carbon steel when warm; another material as it is."""
-    if not _is_carbon_steel(material):
-        return material
-    return replace(
-        material,
-        thermal_conductivity=_CONDUCTIVITY * material.thermal_conductivity,
-        specific_heat=_SPECIFIC_HEAT * material.specific_heat,
+def with_turns(
+    corrections: Corrections | None, pin: Pin, disk: Material, motion: Motion | None
+) -> tuple[Corrections, float]:
+    """Corrections with earlier turns of all cold bodies, and the length of their tracks [m].
+
+    That is the length around the pin by which it wears.
+    """
+    around = (motion and motion.track_length) or 2 * math.pi * pin.radius
+    materials, names = {"pin": pin.material, "disk": disk}, {"pin": "pin_track", "disk": "track"}
+    tracks: Any = {
+        names[body]: Track.under(pin, materials[body], around)
+        for body in cold_bodies(motion, corrections)
+    }
+    return replace(corrections or Corrections(), motion=motion, **tracks), around
+
+
+def note_on_turns(
+    sweep: Sweep, load: float | None = None, velocity: float | None = None
+) -> str | None:
+    """Say that earlier turns of bodies that roll are not counted; None where all are.
+
+    By how much they would warm the contact at a load and velocity, by default those in the middle
+    of the sweep, follows in closed form: the bodies share the heat as their effusivities times the
+    roots of their speeds.
+    """
+    scene, conditions, plane = sweep.scene, sweep.conditions, sweep.plane
+    load = plane.loads[len(plane.loads) // 2] if load is None else load
+    if velocity is None:
+        velocity = plane.velocities[len(plane.velocities) // 2]
+    motion, pin = scene.motion, scene.pin
+    cold = cold_bodies(motion, conditions.corrections)
+    if not cold or motion is None or not velocity:
+        return None
+    turns, around = with_turns(conditions.corrections, pin, scene.disk, motion)
+    alone = Corrections(
+        motion=motion,
+        pin_track=turns.pin_track if "pin" in cold else None,
+        track=turns.track if "disk" in cold else None,
+    )
+    columns = columns_in_closed_form(sweep, load, velocity, _HOT)
+    warming = conditions.friction * float(alone.added_rise(columns)[-1])
+    return on_cold_bodies(
+        cold,
+        around,
+        f"warm the contact by about {warming:.2g} K more at {load:g} N and {velocity:g} m/s",
     )
 
 
-def _with(sweep: Sweep, corrections: Corrections) -> Sweep:
-    return replace(sweep, conditions=replace(sweep.conditions, corrections=corrections))
+def columns_in_closed_form(
+    sweep: Sweep, load: float, velocity: float, rise: float
+) -> dict[str, Array]:
+    """Columns that corrections need, of a smooth contact with a rise at its end [K]."""
+    scene, pin = sweep.scene, sweep.scene.pin
+    stations = list(scene.loading.stations(load, scene.fidelity.increments))
+    times = np.array([station.time for station in stations])
+    part_of_pin, part_of_disk = (
+        body.thermal_effusivity * math.sqrt(abs(speed))
+        for body, speed in zip(
+            (pin.material, scene.disk), scene.velocities_at(velocity), strict=True
+        )
+    )
+    hertz = pin.hertz(load, contact_modulus(pin.material, scene.disk))
+    return {
+        "time": times,
+        "normal_load": np.array([station.normal_load for station in stations]),
+        "sliding_distance": velocity * times,
+        "mean_pressure": np.full_like(times, hertz.peak_pressure),
+        "contact_width": np.full_like(times, 2 * hertz.half_width),
+        "pin_heat_share": np.full_like(times, part_of_pin / (part_of_pin + part_of_disk)),
+        "mean_rise": np.append(np.full(len(times) - 1, np.nan), rise),
+    }
+
+
+def on_cold_bodies(bodies: tuple[str, ...], around: float, by_how_much: str) -> str:
+    """Say that earlier turns of some bodies are not counted, and how much they would matter."""
+    entries = " and ".join(f"{body}.diameter" for body in bodies)
+    return (
+        f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
+        f"track: on tracks of {1e3 * around:.3g} mm they would {by_how_much}; give {entries}, or "
+        "track_length"
+    )

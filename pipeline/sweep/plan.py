@@ -1,10 +1,8 @@
 """The points of a sweep, the chains in which one continues another, and how a point is computed.
 
 At one velocity every load passes through the same trunk of the ramp, so the points of a velocity
-form a chain: each continues the trunk where the next lower load left it. A point computed from
-the start, or from any trunk, has the same numbers, bit for bit. Each random surface has chains of
-its own. So have samples of unknown inputs, of which some share each contact (`contacts`): a
-chain has the points of all of them, load by load.
+form a chain: each continues the trunk where the next lower load left it. A point has the same
+numbers from any trunk, bit for bit. Variants that share a contact are in one chain, load by load.
 """
 
 from __future__ import annotations
@@ -36,28 +34,10 @@ _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trunk:
-    """The ramp at one velocity, as far as it has come.
+    """The ramp at one velocity, as far as it has come."""
 
-    Attributes
-    ----------
-    state : State
-        State at the last step of the trunk, without temperature.
-    ends : mapping of mapping
-        Values of `PointResult.columns` on reaching each load so far, for each variant; None where
-        that failed.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> lower = pipeline.run_point(scene, "400 N", "2.8 m/s")
-    >>> higher = pipeline.run_point(scene, "600 N", "2.8 m/s", trunk=lower.trunk)
-    >>> alone = pipeline.run_point(scene, "600 N", "2.8 m/s")
-    >>> bool((higher.fields["rise"] == alone.fields["rise"]).all())
-    True
-    """
-
-    state: State
+    state: State  # at the last step, without temperature
+    # `PointResult.columns` of each variant on reaching each load so far; None where that failed.
     ends: Mapping[Variant, Mapping[float, Moment | None]] = field(default_factory=dict)
 
     def without(self, failed: Iterable[Point]) -> Trunk:
@@ -92,19 +72,6 @@ class PointResult:
         States with temperature from when the load is reached on, which decide.
     wall_time : float
         Duration of the computation, which may have begun on a trunk [s].
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> result = pipeline.run_point("workflows/first_try.toml", "400 N", "2.8 m/s")
-    >>> print(result)
-    400 N, 2.8 m/s
-      after    2.667 s and 7.467 m
-      contact  264.4 µm wide, 3.67 GPa on average, 6.6 GPa at most
-      wear     3.29 µm deep, 0.00179 mm³
-      rise     1600 K at most, at friction 1
-    >>> sorted(result.fields), result.fields["pressure"].shape == result.shape
-    (['pressure', 'rise', 'wear_depth'], True)
     """
 
     point: Point
@@ -183,14 +150,11 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     return tuple(
         Point(load, velocity, name)
         for name in sweep.variants.names
-        for velocity, load in _places_of(sweep, name)
+        for loads, velocities in [
+            sweep.variants.plane_of(name, sweep.plane.loads, sweep.plane.velocities)
+        ]
+        for velocity, load in itertools.product(velocities, loads)
     )
-
-
-def _places_of(sweep: Sweep, name: Variant) -> Iterable[tuple[float, float]]:
-    """Velocities and loads of a row of the table, loads ascending."""
-    loads, velocities = sweep.variants.plane_of(name, sweep.plane.loads, sweep.plane.velocities)
-    return itertools.product(velocities, loads)
 
 
 def chains(todo: Iterable[Point], sweep: Sweep) -> tuple[tuple[Point, ...], ...]:
@@ -244,47 +208,40 @@ def run_points(
         trunk = _passed(sweep, [point._replace(load=below) for point in points], trunk, failed)
     runs, trunk = _simulated(sweep, points, trunk, stations, progress)
     duration = (time.perf_counter() - began) / len(points)
-    return tuple(
-        PointResult(
-            point=point,
-            columns=_stacked(
-                [
-                    *(end for below in stations.below(load) if (end := ends[below]) is not None),
-                    *run.records,
-                ]
-            ),
-            state=run.states[-1],
-            shape=run.scene.grid.shape,
-            warnings=tuple(warnings(run.scene, run.states[-1])),
-            trunk=trunk,
-            at_load=tuple(state for state in run.states if state.normal_load >= load),
-            wall_time=duration,
+    results = []
+    for point, run in zip(points, runs, strict=True):
+        ends = trunk.ends.get(point.variant, {})
+        passed = [end for below in stations.below(load) if (end := ends[below]) is not None]
+        results.append(
+            PointResult(
+                point=point,
+                columns=_stacked([*passed, *run.records]),
+                state=run.states[-1],
+                shape=run.scene.grid.shape,
+                warnings=tuple(warnings(run.scene, run.states[-1])),
+                trunk=trunk,
+                at_load=tuple(state for state in run.states if state.normal_load >= load),
+                wall_time=duration,
+            )
         )
-        for point, run in zip(points, runs, strict=True)
-        for ends in [trunk.ends.get(point.variant, {})]
-    )
+    return tuple(results)
 
 
 def _passed(
     sweep: Sweep, points: Sequence[Point], trunk: Trunk, failed: Collection[Point]
 ) -> Trunk:
     """The trunk with the ends of points at a load that it passes."""
-    load = points[0].load
-    missing = [point for point in points if load not in trunk.ends.get(point.variant, {})]
-    gone = [point for point in missing if point in failed]
-    trunk = trunk.without(gone)
-    missing = [point for point in missing if point not in gone]
-    if not missing:
-        return trunk
+    new = [p for p in points if p.load not in trunk.ends.get(p.variant, {})]
+    trunk = trunk.without(point for point in new if point in failed)
+    missing = [point for point in new if point not in failed]
     try:
-        _, passed = _simulated(sweep, missing, trunk)
+        return _simulated(sweep, missing, trunk)[1] if missing else trunk
     except Exception:  # such a point is recorded as failed, and is no station
         if len(missing) == 1:
             return trunk.without(missing)
         for point in missing:
             trunk = _passed(sweep, [point], trunk, failed)
         return trunk
-    return passed
 
 
 class _Run(NamedTuple):
@@ -334,7 +291,7 @@ def _simulated(
                 hot = heats[place]
                 if hot.heat is not None:
                     run.states.append(hot)
-                    run.records.append(_record(variant, hot))
+                    run.records.append(record_at(variant, hot))
         if progress:
             progress(number_of_step, steps)
     if not goes_on and trunk.state.normal_load >= load:
@@ -355,16 +312,12 @@ def _with_heat(scene: Scene, velocity: float, contact: State, first: float) -> S
     return contact
 
 
-def stacked_columns(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
-    """Columns of a point at some of its states, as in `PointResult.columns`."""
-    return _stacked([_record(sweep, state) for state in states])
-
-
 def _stacked(records: Sequence[Moment]) -> dict[str, Array]:
     return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
-def _record(sweep: Sweep, state: State) -> Moment:
+def record_at(sweep: Sweep, state: State) -> Moment:
+    """Values at one moment of a point, by variable of the dataset."""
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     record: dict[str, float | Array] = {**measures(sweep.scene, state), "rise_quantile": quantiles}
     if sweep.scene.unequal_bulks:

@@ -63,12 +63,6 @@ class Design:
         """Number of samples beyond which more tell nothing; None where each has another contact.
 
         Contacts that differ in wear number and values of lists alone are soon known.
-
-        Examples
-        --------
-        >>> rate = Unknown(WEAR_RATE, "log-normal", (1.2e-15, 1.5))
-        >>> Design((rate,), ("wear rate",), (0.5, 5.0), seed=0, per_contact=2).sufficient
-        64
         """
         if self.per_contact == 1:
             return None
@@ -152,13 +146,7 @@ class Draw:
 
 
 def _sum(shares: Array, one: float, other: float) -> Array:
-    """Sums of two numbers, each even from 0 to its own end, that shares of them stay below.
-
-    Examples
-    --------
-    >>> print(_sum(np.array([0.0, 0.125, 0.5, 1.0]), 2.0, 1.0).round(3))
-    [0.    0.707 1.5   3.   ]
-    """
+    """Sums of two numbers, each even from 0 to its own end, that shares of them stay below."""
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
     slope, middle = np.sqrt(2 * short * long * half), long * half + short / 2

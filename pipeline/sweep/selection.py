@@ -20,15 +20,6 @@ def velocity_error(attributes: Mapping[str, Any]) -> float | None:
 
     It is the measured error where the fidelity was picked for its accuracy, else the error that its
     preset promises. What a scene stores, and its heat model, do not change that promise.
-
-    Examples
-    --------
-    >>> velocity_error({"preset": "draft"}), velocity_error({"preset": None})
-    (0.08, None)
-
-    >>> changed = {"heat_model": "history", "history_coarsening": 1}
-    >>> velocity_error({"scene": {"fidelity": asdict(PRESETS["draft"]) | changed}})
-    0.08
     """
     if selection := attributes.get("selection"):
         return float(max(selection["error"], selection.get("coarser") or 0.0))
@@ -87,26 +78,6 @@ class Selection:
         Work of the whole probe, in elements times convolutions.
     seconds : float
         Duration of the probe [s].
-
-    Examples
-    --------
-    >>> from pipeline.sweep.selection import Trial
-    >>> from tribo import Fidelity
-    >>> draft = Fidelity()
-    >>> selection = Selection(
-    ...     accuracy=0.05,
-    ...     name="draft",
-    ...     fidelity=draft,
-    ...     error=0.03,
-    ...     coarser=0.02,
-    ...     trials=(Trial("draft", draft, error=0.03, work=1e7),),
-    ...     points=((200.0, 3.5), (750.0, 1.2)),
-    ...     saving=40.0,
-    ...     work=5e8,
-    ...     seconds=2.5,
-    ... )
-    >>> Selection.from_dict(selection.as_dict()) == selection
-    True
     """
 
     accuracy: float
@@ -164,13 +135,7 @@ class Selection:
 
 
 def error_in_words(attributes: Mapping[str, Any]) -> str:
-    """The one error of a store: the largest known of its boundary velocity, and its origin.
-
-    Examples
-    --------
-    >>> error_in_words({"preset": "draft"})
-    'boundary velocities may err by up to 8 %, which preset draft keeps to on most scenes'
-    """
+    """The one error of a store: the largest known of its boundary velocity, and its origin."""
     if selection := attributes.get("selection"):
         return str(Selection.from_dict(selection))
     error = velocity_error(attributes)

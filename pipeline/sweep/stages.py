@@ -22,14 +22,6 @@ def staged(
     """Go through items, and say before each which it is, of how many, and the time to go.
 
     The weight is an item's share of the time, in any unit; the clock gives the time [s].
-
-    Examples
-    --------
-    >>> times = iter([0.0, 0.0, 40.0])
-    >>> for _ in staged(["coarse", "fine"], print, clock=lambda: next(times)):
-    ...     pass
-    1 of 2: coarse
-    2 of 2: fine (about 40 s to go)
     """
     everything = list(items)
     weights = [weight(item) for item in everything]
@@ -46,13 +38,7 @@ def staged(
 
 
 def duration(seconds: float) -> str:
-    """Write a duration in the unit that suits it.
-
-    Examples
-    --------
-    >>> duration(12.3), duration(1500.0), duration(19_800.0), duration(float("nan"))
-    ('12 s', '25 min', '5.5 h', 'more than 100 years')
-    """
+    """Write a duration in the unit that suits it."""
     if not seconds < 100 * _YEAR:
         return "more than 100 years"
     if seconds < 60:

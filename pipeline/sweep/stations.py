@@ -13,40 +13,22 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from tribo import MeasuredLoad, Scene
+from tribo.loading import Station
 
 
 @dataclass(frozen=True, slots=True)
 class Stations:
-    """Stations of all points of a sweep, by the word of its scene.
+    """Stations of all points of a sweep, by the word of its scene."""
 
-    Attributes
-    ----------
-    steps : str or int
-        The word: ``"loads"``, ``"all"``, ``"end"`` or a number.
-    loads : tuple of float
-        Loads of which each is a station of the points at higher loads, ascending [N].
-    interval : float or None
-        Time between steps that are kept of a recorded load, or of a load that is held [s]; 0 for
-        every step, None for those alone that decide.
-    """
-
-    steps: str | int = "end"
-    loads: tuple[float, ...] = ()
+    steps: str | int = "end"  # or "loads", "all" or a number
+    loads: tuple[float, ...] = ()  # that are stations of all higher ones, ascending [N]
+    # Time between stations of a recorded load, or of one that is held [s]: 0 for every step, None
+    # for those alone that decide.
     interval: float | None = None
 
     @classmethod
     def of(cls, sweep: Sweep) -> Self:
-        """Stations of a sweep at its present loads.
-
-        Examples
-        --------
-        >>> import pipeline
-        >>> sweep = pipeline.load_scene("workflows/first_try.toml")
-        >>> Stations.of(sweep).below(600.0)
-        (200.0, 400.0)
-        >>> len(Stations.of(sweep.changed(steps=4)).below(750.0))
-        4
-        """
+        """Stations of a sweep at its present loads."""
         if sweep.record.stations:
             return cls.from_dict(sweep.record.stations)
         steps = sweep.record.steps or _usual(sweep)
@@ -55,19 +37,19 @@ class Stations:
         if steps == "loads":
             return cls(steps, sweep.plane.loads)
         scene, highest = sweep.variant(sweep.variants.names[0]).scene, max(sweep.plane.loads)
-        way = list(scene.loading.stations(highest, scene.fidelity.increments))
-        interval = 0.0 if steps == "all" else way[-1].time / (int(steps) + 1)
+
+        def way(load: float) -> list[Station]:
+            return list(scene.loading.stations(load, scene.fidelity.increments))
+
+        end = way(highest)[-1].time
+        interval = 0.0 if steps == "all" else end / (int(steps) + 1)
         if isinstance(scene.loading, MeasuredLoad):
             return cls(steps, interval=interval)
         loads = set[float]()
         for load in sweep.plane.loads if steps == "all" else (highest,):
-            trunk = [
-                station
-                for station in scene.loading.stations(load, scene.fidelity.increments)
-                if station.on_trunk and station.normal_load < highest
-            ]
-            times, values = ([s.time for s in trunk], [s.normal_load for s in trunk])
-            loads |= {values[number] for number in _even(times, interval, way[-1].time)}
+            trunk = [step for step in way(load) if step.on_trunk and step.normal_load < highest]
+            places = _even([step.time for step in trunk], interval, end)
+            loads |= {trunk[place].normal_load for place in places}
         return cls(steps, tuple(sorted(loads)), interval)
 
     @classmethod
@@ -120,13 +102,7 @@ def _usual(sweep: Sweep) -> str:
 
 
 def _even(times: list[float], interval: float, end: float) -> list[int]:
-    """Places of the times nearest to whole multiples of an interval before an end [s]; 0 for all.
-
-    Examples
-    --------
-    >>> _even([0.5, 1.0, 1.5, 2.0, 2.5], 0.9, 2.7)
-    [1, 3]
-    """
+    """Places of the times nearest to multiples of an interval before an end [s]; all if it is 0."""
     if interval == 0 or not times:
         return list(range(len(times)))
     first = max(1, np.ceil(times[0] / interval - 0.5))

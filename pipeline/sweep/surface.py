@@ -45,13 +45,7 @@ class SurfaceFacts:
 
     @property
     def words(self) -> str:
-        """Roughness, slope, lay and level.
-
-        Examples
-        --------
-        >>> SurfaceFacts(False, 0.3e-6, 0.4e-6).words
-        'random: Ra 0.3 µm, Rq 0.4 µm, no lay'
-        """
+        """Roughness, slope, lay and level."""
         lay = "no lay" if self.lay is None else f"grooves at {self.lay:.0f}° to sliding"
         slope = "" if self.slope is None else f"rms slope {self.slope:.2g}, "
         heights = f"Ra {1e6 * self.ra:.3g} µm, Rq {1e6 * self.rq:.3g} µm, {slope}{lay}"
@@ -230,13 +224,6 @@ class Lubrication:
         """Film parameter Λ of loads [N] and velocities [m/s], broadcast.
 
         The sign of a velocity makes no difference. NaN where either is, and without a load.
-
-        Examples
-        --------
-        >>> oil = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
-        >>> white = Lubrication(oil, 2e-3, 3.4e-3, 115.385e9, 0.338e-6)
-        >>> print(white.film_parameter([750.0, 200.0], [1.25, 3.75], 298.15).round(2))
-        [0.35 0.89]
         """
         loads, velocities = np.broadcast_arrays(load, velocity)
         parameters = np.full(loads.shape, np.nan)

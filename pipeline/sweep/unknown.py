@@ -32,14 +32,7 @@ _OFF_FACES = 2.0**-40  # of the unit cube, on which a normal score is infinite
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit in which values are shown.
-
-    Examples
-    --------
-    >>> celsius = Unit("°C", zero=273.15)
-    >>> f"{celsius.of(418.15):g} {celsius.name}"
-    '145 °C'
-    """
+    """A unit in which values are shown."""
 
     name: str  # of a pure number, ``1``
     size: float = 1.0  # of one [SI]
@@ -67,16 +60,6 @@ class Unknown:
     lowest and highest value; or the values, each as likely [SI]. It may be correlated with inputs
     that stand before it, by their paths and the correlation of the normal scores. The unit in
     the scene is for display alone: another one makes no other input.
-
-    Examples
-    --------
-    >>> usual = Unit("mm^3/(N m)", 1e-9)
-    >>> rate = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1", usual)
-    >>> print(rate)
-    wear.specific_wear_rate: log-normal, median 1.2e-06 mm^3/(N m), factor 1.5
-    >>> low, middle, high = rate.quantile(np.array([0.1586553, 0.5, 0.8413447]))
-    >>> print(f"{low:.3g} {middle:.3g} {high:.3g}")
-    8e-16 1.2e-15 1.8e-15
     """
 
     path: str
@@ -170,14 +153,7 @@ class Unknown:
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
-    """An unknown input that has one value in place of its distribution.
-
-    Examples
-    --------
-    >>> ra = Unknown("disk.roughness.ra", "uniform", (1e-7, 3e-7), "m", Unit("µm", 1e-6))
-    >>> print(Fixed(ra, 2e-7))
-    disk.roughness.ra is fixed at 0.2 µm
-    """
+    """An unknown input that has one value in place of its distribution."""
 
     unknown: Unknown
     value: float  # [SI]
@@ -208,15 +184,7 @@ def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown
 
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
-    """Draw samples of unknown inputs.
-
-    Examples
-    --------
-    >>> friction = Unknown("friction.coefficient", "normal", (0.1, 0.005))
-    >>> values = drawn((friction,), seed=0, count=256)
-    >>> print(f"{values.mean():.4f} {values.std():.4f}")
-    0.1000 0.0050
-    """
+    """Draw samples of unknown inputs."""
     return at_scores(unknown, scipy.special.ndtri(sequence(seed, count)[:, : len(unknown)]))
 
 
@@ -226,14 +194,6 @@ def at_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
     Correlated inputs have a Gaussian copula: with the triangular factor L of the correlations,
     L Lᵀ = R, independent scores z become correlated ones, L z, and each input keeps its own
     distribution (Nelsen, An Introduction to Copulas, 2006).
-
-    Examples
-    --------
-    >>> first = Unknown("wear.specific_wear_rate", "log-normal", (1.0, 2.0))
-    >>> pairs = ((first.path, 0.6),)
-    >>> second = Unknown("friction.coefficient", "normal", (0.0, 1.0), correlated=pairs)
-    >>> print(at_scores([first, second], np.array([[1.0, 0.0]])).round(3))
-    [[2.  0.6]]
     """
     inside = np.clip(scores, -_OUTERMOST, _OUTERMOST)
     joint = inside @ np.linalg.cholesky(correlations(unknown)).T

@@ -38,41 +38,20 @@ _RATE_RATIO = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A label of each row of a table: the value along a dimension, or one that follows from it.
-
-    Attributes
-    ----------
-    name : str
-        Name of the dimension or coordinate in the dataset.
-    values : tuple of float, int or str
-        Value of each row [SI]; or words.
-    unit : str or None
-        Unit of SI; None for words.
-    along : str
-        Dimension that the values follow from; empty if the column is a dimension itself.
-    is_drawn : bool
-        True if rows that differ in this dimension alone differ by chance: each is as likely.
-    meaning : str
-        Meaning in words, for the dataset.
-    texts : tuple of str
-        Values as the scene writes them; as they are if not given.
-    """
+    """A label of each row of a table: the value along a dimension, or one that follows from it."""
 
     name: str
-    values: tuple[Label, ...]
-    unit: str | None = "1"
-    along: str = ""
-    is_drawn: bool = False
+    values: tuple[Label, ...]  # of each row [SI]
+    unit: str | None = "1"  # None for words
+    along: str = ""  # dimension that the values follow from; empty of a dimension
+    is_drawn: bool = False  # rows that differ in it alone differ by chance, each as likely
     meaning: str = ""
-    texts: tuple[Any, ...] = ()
+    texts: tuple[Any, ...] = ()  # values as the scene writes them, if otherwise
 
     def taken(self, numbers: Sequence[int]) -> Column:
         """The column with the values of some rows, in their order."""
         texts = tuple(self.texts[i] for i in numbers) if self.texts else ()
-        return Column(
-            self.name, tuple(self.values[i] for i in numbers), self.unit, self.along,
-            self.is_drawn, self.meaning, texts,
-        )  # fmt: skip
+        return replace(self, values=tuple(self.values[i] for i in numbers), texts=texts)
 
     @property
     def text_of(self) -> dict[Label, Any]:
@@ -87,53 +66,31 @@ class Variants:
     Rows are every combination of the values along its dimensions, the last one first. Rows that are
     not, such as pairs and samples, are numbered along one dimension, ``variant``, and have their
     labels as coordinates along it.
-
-    Attributes
-    ----------
-    columns : tuple of Column
-        Labels of the rows. One named ``velocity``, and one named ``load``, are the place at which
-        each row alone is simulated [m/s, N]; without them all rows share the plane.
-    parts : tuple of tuple
-        What each row changes.
-    given : mapping
-        What each combination of the dimensions changes that are not drawn.
-    draw : Draw or None
-        Rule by which rows were drawn, if they were.
-
-    Raises
-    ------
-    InputError
-        If two tables that are multiplied have the same label, or a row is asked for that is not in
-        the table.
-
-    Examples
-    --------
-    >>> radii = rows("pin", {"small": {"pin.radius": 2e-3}, "large": {"pin.radius": 4e-3}})
-    >>> table = radii * surfaces([3, 4])
-    >>> table.axes
-    {'pin': ('small', 'large'), 'realization': (3, 4)}
-    >>> dict(table.part(table.names[-1]))
-    {'pin.radius': 0.004, 'roughness.seed': 4}
-    >>> fewer = Variants(tuple(one.taken([0, 3]) for one in table.columns), table.parts[::3])
-    >>> fewer.axes, [one.name for one in fewer.coordinates]
-    ({'variant': (0, 1)}, ['pin', 'realization'])
     """
 
+    # Those named "velocity" and "load" are the place at which a row alone is simulated [m/s, N];
+    # without them all rows share the plane.
     columns: tuple[Column, ...] = ()
-    parts: tuple[Part, ...] = ((),)
-    given: Mapping[Variant, Part] = field(default_factory=lambda: {(): ()}, hash=False)
-    draw: Draw | None = None
+    parts: tuple[Part, ...] = ((),)  # what each row changes
+    # What each combination of the dimensions changes that are not drawn; by default each row, or
+    # nothing where rows are drawn.
+    given: Mapping[Variant, Part] = field(default_factory=dict, hash=False)
+    draw: Draw | None = None  # rule by which rows were drawn
     _rows: Mapping[Variant, int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         keys = [column for column in self.columns if not column.along]
         labels = zip(*(key.values for key in keys), strict=True) if keys else [()]
         names = [tuple(zip((key.name for key in keys), row, strict=True)) for row in labels]
-        if tuple(names) != combinations(self.axes):
+        is_product = tuple(names) == combinations(self.axes)
+        if not is_product:
             names = [((VARIANT, number),) for number in range(len(self.parts))]
             columns = (_numbers(len(names)), *(replace(one, along=VARIANT) for one in self.columns))
             object.__setattr__(self, "columns", columns)
-            object.__setattr__(self, "given", dict(zip(names, self.parts, strict=True)))
+        if not (is_product and self.given):
+            is_drawn = is_product and any(key.is_drawn for key in keys)
+            given = {(): ()} if is_drawn else dict(zip(names, self.parts, strict=True))
+            object.__setattr__(self, "given", given)
         object.__setattr__(self, "_rows", {name: number for number, name in enumerate(names)})
 
     def __len__(self) -> int:
@@ -251,22 +208,12 @@ class Variants:
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Loads and velocities of a row: its own place, or those of the plane."""
-        at = self._rows[name]
-        own = [self._places(axis) for axis in ("load", "velocity")]
-        return (
-            (own[0][at],) if own[0] else loads,
-            (own[1][at],) if own[1] else velocities,
-        )
+        at, own = self._rows[name], [self._places(axis) for axis in ("load", "velocity")]
+        return (own[0][at],) if own[0] else loads, (own[1][at],) if own[1] else velocities
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
-    """Every combination of the values of some dimensions; one, ``()``, of no dimensions.
-
-    Examples
-    --------
-    >>> combinations({"realization": (3, 4)})
-    ((('realization', 3),), (('realization', 4),))
-    """
+    """Every combination of the values of some dimensions; one, ``()``, of no dimensions."""
     return tuple(
         tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
     )
@@ -299,11 +246,6 @@ def wear_rates(own: float, low: float, high: float) -> Variants:
     A contact at the velocity V and the own rate k is that of V' and another rate k' where
     kV = k'V'. So the velocities of the plane are those at the own rate k, and a row at the rate k'
     slides at k/k' times these. Rates are even in the logarithm, with the own among them.
-
-    Examples
-    --------
-    >>> wear_rates(own=2e-15, low=1e-15, high=4e-15).axes
-    {'wear_rate': (2e-15, 1e-15, 4e-15)}
     """
     count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
     even = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
@@ -312,11 +254,7 @@ def wear_rates(own: float, low: float, high: float) -> Variants:
     meaning = "specific wear rate; its points slide at the velocity times the own rate over it"
     texts = tuple(f"{1e9 * k:g} mm³/(N m) at {own / k:g} times the velocity" for k in rates)
     column = Column(WEAR_RATE, rates, "m^2/N", meaning=meaning, texts=texts)
-    parts = tuple((("wear.specific_wear_rate", rate),) for rate in rates)
-    given: dict[Variant, Part] = {
-        ((WEAR_RATE, rate),): part for rate, part in zip(rates, parts, strict=True)
-    }
-    return Variants((column,), parts, given)
+    return Variants((column,), tuple((("wear.specific_wear_rate", rate),) for rate in rates))
 
 
 def drawn_rows(draw: Draw, count: int) -> Variants:
@@ -354,8 +292,7 @@ def placed_rows(
     ]
     if rows is not None:
         along.append(Column(PLACE, tuple(rows), "1", VARIANT, meaning="place that a row is about"))
-    given = dict(zip(combinations({VARIANT: numbers.values}), parts, strict=True))
-    return Variants((numbers, *along), tuple(parts), given)
+    return Variants((numbers, *along), tuple(parts))
 
 
 def rows(
@@ -364,34 +301,16 @@ def rows(
     velocities: Sequence[float] | None = None,
     loads: Sequence[float] | None = None,
 ) -> Variants:
-    """Rows by hand, each with what it changes; labels and places of their own if given.
+    """Rows by hand along a dimension: by their labels what each changes, as ``pin.radius`` [SI].
 
-    Parameters
-    ----------
-    name : str
-        Name of the dimension of the rows.
-    changes : mapping
-        For each row, by its label, values of fields of a sweep's parts, such as ``pin``, or of
-        theirs, such as ``pin.radius`` or ``conditions.friction`` [SI].
-    velocities, loads : sequence of float, optional
-        Velocity [m/s], and load [N], at which each row alone is simulated.
-
-    Examples
-    --------
-    >>> pairs = rows("pair", {0: {"pin.radius": 2e-3}, 1: {"disk.hardness": 7e9}})
-    >>> pairs.names
-    ((('pair', 0),), (('pair', 1),))
+    Each may have a velocity [m/s] and a load [N] of its own.
     """
     labels = tuple(changes)
-    unit = None if isinstance(labels[0], str) else "1"
-    parts = tuple(tuple(change.items()) for change in changes.values())
     own = [
         Column(axis, tuple(map(float, values)), unit, name, meaning=f"{axis} of each {name}")
         for axis, values, unit in (("velocity", velocities, "m/s"), ("load", loads, "N"))
         if values is not None
     ]
+    unit = None if isinstance(labels[0], str) else "1"
     key = Column(name, labels, unit, meaning=f"{name} of the scene")
-    given: dict[Variant, Part] = {
-        ((name, label),): part for label, part in zip(labels, parts, strict=True)
-    }
-    return Variants((key, *own), parts, given)
+    return Variants((key, *own), tuple(tuple(change.items()) for change in changes.values()))

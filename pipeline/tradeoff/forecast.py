@@ -15,7 +15,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import require_count
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import points as points_of
-from pipeline.sweep.plan import stacked_columns, step_count
+from pipeline.sweep.plan import record_at, step_count
 from pipeline.sweep.stations import Stations
 from tribo import State
 from tribo.simulation import contacts, heat, leads_to
@@ -218,7 +218,7 @@ def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
     stations = Stations.of(sweep)
-    numbers: int = sum(column[0].size for column in stacked_columns(sweep, [state]).values())
+    numbers = sum(np.size(value) for value in record_at(sweep, state).values())
     fields = (3 + sweep.scene.unequal_bulks) * sweep.record.fields
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
     stored = 8.0 * numbers * max(stations.count(sweep.scene, load) for load in sweep.plane.loads)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.warned import note_on_turns
+from pipeline.sweep.physics import note_on_turns
 
 COLD = {"without": ["pin.diameter", "disk.diameter"]}
 AROUND = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}

@@ -9,11 +9,10 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.warned_points import Warned, has_warning, warned
+from pipeline.analysis.warned_points import NO_WARNING, Warned, has_warning, warned
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
-from pipeline.sweep.warned import NO_WARNING
 from tests.helpers import synthetic, tiny
 from tests.helpers.stores import fail
 from tests.pipeline.conftest import commit_all

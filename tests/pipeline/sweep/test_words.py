@@ -1,0 +1,82 @@
+"""What is said of points, inputs, surfaces and durations, in the words that users read."""
+
+from dataclasses import asdict
+
+import pytest
+
+from pipeline.sweep.about import as_html, as_lines, on_plane
+from pipeline.sweep.model import Point
+from pipeline.sweep.selection import error_in_words, velocity_error
+from pipeline.sweep.stages import duration, staged
+from pipeline.sweep.surface import SurfaceFacts
+from pipeline.sweep.unknown import Fixed, Unit, Unknown
+from tribo import PRESETS
+
+
+def test_rows_are_aligned_below_a_title_and_escaped_in_a_notebook():
+    rows = [("pin", "cylinder"), ("wear", "<none>")]
+    assert as_lines("A scene", rows) == "A scene\n  pin   cylinder\n  wear  <none>"
+    assert as_html("<A>", rows[1:]) == (
+        "<table><caption>&lt;A&gt;</caption><tr><th>wear</th><td>&lt;none&gt;</td></tr></table>"
+    )
+
+
+def test_a_plane_is_said_by_its_ends():
+    said = "600 N, 3 velocities from 1 to 4 m/s"
+    assert on_plane([600.0], [1.0, 2.0, 4.0]) == ("sweep", said)
+
+
+def test_a_point_is_said_with_its_place_and_variant():
+    point = Point(600.0, 1.5, (("pin.radius", 0.002), ("realization", 3)))
+    assert str(point) == "600 N, 1.5 m/s, pin.radius 0.002, surface 3"
+
+
+def test_inputs_are_said_in_the_unit_of_the_scene():
+    celsius = Unit("°C", zero=273.15)
+    assert f"{celsius.of(418.15):g}{celsius.suffix}" == "145 °C"
+    rate = Unknown(
+        "wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1", Unit("mm^3/(N m)", 1e-9)
+    )
+    assert str(rate) == (
+        "wear.specific_wear_rate: log-normal, median 1.2e-06 mm^3/(N m), factor 1.5"
+    )
+    ra = Unknown("disk.roughness.ra", "uniform", (1e-7, 3e-7), "m", Unit("µm", 1e-6))
+    assert str(Fixed(ra, 2e-7)) == "disk.roughness.ra is fixed at 0.2 µm"
+
+
+def test_a_random_surface_is_said_by_its_heights():
+    assert SurfaceFacts(False, 0.3e-6, 0.4e-6).words == "random: Ra 0.3 µm, Rq 0.4 µm, no lay"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (12.3, "12 s"),
+        (1500.0, "25 min"),
+        (19_800.0, "5.5 h"),
+        (float("nan"), "more than 100 years"),
+    ],
+)
+def test_a_duration_is_said_in_the_unit_that_suits_it(seconds, words):
+    assert duration(seconds) == words
+
+
+def test_a_stage_is_said_with_the_time_to_go():
+    times, said = iter([0.0, 0.0, 40.0]), []
+    assert [*staged(["coarse", "fine"], said.append, clock=lambda: next(times))] == [
+        "coarse",
+        "fine",
+    ]
+    assert said == ["1 of 2: coarse", "2 of 2: fine (about 40 s to go)"]
+
+
+def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured():
+    draft = {"preset": "draft"}
+    changed = {"heat_model": "history", "history_coarsening": 1}
+    assert velocity_error(draft) == 0.08
+    assert velocity_error({"scene": {"fidelity": asdict(PRESETS["draft"]) | changed}}) == 0.08
+    assert velocity_error({"preset": None}) is None
+    assert velocity_error(draft | {"selection": {"error": 0.02, "coarser": 0.03}}) == 0.03
+    assert error_in_words(draft) == (
+        "boundary velocities may err by up to 8 %, which preset draft keeps to on most scenes"
+    )
