@@ -13,8 +13,7 @@ be biased towards the sweep's middle.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
@@ -145,27 +144,56 @@ def boundary(
     several = list(friction) if isinstance(friction, Iterable) else [friction]
     if not several:
         raise InputError("friction is an empty list; give one at least, or leave it out")
-    judged = [
-        [(scene, conditions_of(scene, value, *others)) for value in several]
-        for scene in map(plane_of, scenes(ds))
-    ]
-    axis = xr.DataArray(
-        [conditions.friction for _, conditions in judged[0]],
-        dims="friction",
-        name="friction",
-        attrs={"units": "1", "long_name": "friction coefficient"},
-    )
-    frictions = [axis] if isinstance(friction, Iterable) else []
-    return _boundaries(judged, [ds[name] for name in entry_dims(ds)], frictions)
+    rows = []
+    for scene in map(plane_of, scenes(ds)):
+        judged = [conditions_of(scene, value, *others) for value in several]
+        axis = xr.DataArray(
+            [conditions.friction for conditions in judged],
+            dims="friction",
+            name="friction",
+            attrs={"units": "1", "long_name": "friction coefficient"},
+        )
+        frictions = [axis] if isinstance(friction, Iterable) else []
+        rows.append(stacked([_crossings(scene, one) for one in judged], frictions))
+    entries, attributes = [ds[name] for name in entry_dims(ds)], [row.attrs for row in rows]
+    shared = {
+        name: value
+        for name, value in attributes[0].items()
+        if all(name in row and row[name] == value for row in attributes)
+    }
+    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in shared]
+    shared["units_of_attributes"] = ", ".join(units)
+    found = stacked(rows, entries)
+    boundaries = xr.Dataset(coords=found.coords, attrs=shared)
+    boundaries = boundaries.assign_coords(differing(attributes, entries)).assign(found.data_vars)
+    return with_band(boundaries, variant_of(ds))
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """The boundary under some conditions, with a band over several surfaces."""
-    return _boundaries([[(ds, conditions)]], [], [])
+    """The boundary of one scene under some conditions, with a band over several surfaces."""
+    return with_band(_crossings(ds, conditions), variant_of(ds))
 
 
-_Judged = tuple[xr.Dataset, Conditions]
-"""A sweep of one scene, and the conditions that it is judged by."""
+def _crossings(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+    """Crossings of one scene along both axes, and the films there."""
+    rise = decisive_rise(ds, conditions)
+    is_missing = rise.isnull() & asked(ds)
+    found = xr.Dataset(coords=rise.coords, attrs=attributes_by(conditions))
+    found.attrs["missing_points"] = int(is_missing.sum())
+    if "wear_rate" in ds.attrs:
+        found.attrs["wear_rate"] = ds.attrs["wear_rate"]
+    lubrication = Lubrication.stored(attributes_of(ds))
+    for axis, line in (("velocity", "load"), ("load", "velocity")):
+        found = found.assign(_transitions(axis, ds, rise, is_missing, rise_limit(conditions)))
+        if lubrication is not None:
+            crossing = found[f"critical_{axis}"]
+            places = {line: crossing[line].values, axis: crossing.values}
+            film = lubrication.film_parameter(
+                temperature=conditions.mean_bulk_temperature, **places
+            )
+            attributes = {"units": "1", "long_name": "film parameter at the crossing"}
+            found[f"film_parameter_at_{line}"] = crossing.dims, film, attributes
+    return found
 
 
 _UNITS = {
@@ -175,86 +203,15 @@ _UNITS = {
 """Units of the conditions that are attributes of a boundary."""
 
 
-def _boundaries(
-    judged: Sequence[Sequence[_Judged]],
-    entries: Sequence[xr.DataArray],
-    frictions: Sequence[xr.DataArray],
-) -> xr.Dataset:
-    """The boundary of scenes along the dimensions of their entries, each at some frictions.
-
-    Whatever stands in front of load and velocity, there is one search for crossings; the limit of
-    the rise may differ from row to row.
-    """
-    flat, axes = [one for row in judged for one in row], [*entries, *frictions]
-    rises = [decisive_rise(*one) for one in flat]
-    missing = [rise.isnull() & asked(ds) for rise, (ds, _) in zip(rises, flat, strict=True)]
-    attributes = [
-        attributes_by(conditions)
-        | {"missing_points": int(one.sum())}
-        | {name: ds.attrs[name] for name in ("wear_rate",) if name in ds.attrs}
-        for (ds, conditions), one in zip(flat, missing, strict=True)
-    ]
-    count = len(judged[0])
-    of_scenes = [_shared(attributes[begin : begin + count]) for begin in range(0, len(flat), count)]
-    rise = stacked(rises, axes)
-    limit = stacked([xr.DataArray(rise_limit(conditions)) for _, conditions in flat], axes)
-    boundaries = xr.Dataset(coords=rise.coords, attrs=_shared(of_scenes))
-    boundaries = boundaries.assign_coords(differing(of_scenes, entries))
-    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in boundaries.attrs]
-    boundaries.attrs["units_of_attributes"] = ", ".join(units)
-    for axis in ("velocity", "load"):
-        found = _transitions(axis, flat[0][0], rise, stacked(missing, axes), limit)
-        boundaries = boundaries.assign(found | _films(axis, flat, axes, found))
-    variant = variant_of(flat[0][0])
-    return with_band(boundaries, variant) if variant else boundaries
-
-
-def _shared(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Attributes that all rows have alike."""
-    first, *others = rows
-    return {
-        name: value
-        for name, value in first.items()
-        if all(name in row and row[name] == value for row in others)
-    }
-
-
-def _films(
-    axis: str,
-    judged: Sequence[_Judged],
-    axes: Sequence[xr.DataArray],
-    found: Mapping[str, xr.DataArray],
-) -> dict[str, xr.DataArray]:
-    """Film parameters at crossings along an axis, where a scene gives an oil."""
-    line = "load" if axis == "velocity" else "velocity"
-    crossings, films = found[f"critical_{axis}"], []
-    sizes = {one.name: one.size for one in axes}
-    for place, (ds, conditions) in zip(np.ndindex(*sizes.values()), judged, strict=True):
-        here = crossings.isel(dict(zip(sizes, place, strict=True)))
-        lubrication = Lubrication.stored(attributes_of(ds))
-        film = np.full(here.shape, np.nan)
-        if lubrication is not None:
-            film = lubrication.film_parameter(
-                temperature=conditions.mean_bulk_temperature,
-                **{line: here[line].values, axis: here.values},
-            )
-        films.append(here.copy(data=film))
-    if all(Lubrication.stored(attributes_of(ds)) is None for ds, _ in judged):
-        return {}
-    attributes = {"units": "1", "long_name": "film parameter at the crossing"}
-    stack = stacked(films, axes).drop_attrs(deep=False).assign_attrs(attributes)
-    return {f"film_parameter_at_{line}": stack}
-
-
 def _transitions(
-    axis: str, ds: xr.Dataset, rise: xr.DataArray, is_missing: xr.DataArray, limits: xr.DataArray
+    axis: str, ds: xr.Dataset, rise: xr.DataArray, is_missing: xr.DataArray, limit: float
 ) -> dict[str, xr.DataArray]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
     line = "load" if axis == "velocity" else "velocity"
     noun = "velocity" if axis == "velocity" else "normal load"
     x, ends = rise[axis].values, range_of(ds, axis)
 
-    def along(row: Array, missing: Mask, limit: float) -> tuple[float, ...]:
+    def along(row: Array, missing: Mask) -> tuple[float, ...]:
         transition = Crossing.along(x, row, limit, ends, missing)
         slope = exponent(x, row, transition.place)
         return transition.place, transition.outcome, *transition.computed, transition.bridged, slope
@@ -263,8 +220,7 @@ def _transitions(
         along,
         rise,
         is_missing,
-        limits,
-        input_core_dims=[[axis], [axis], []],
+        input_core_dims=[[axis], [axis]],
         output_core_dims=[[]] * 6,
         output_dtypes=[float, np.int8, float, float, int, float],
         vectorize=True,
@@ -301,11 +257,10 @@ BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 
 
-def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
-    """Add quantiles, mean, spread and counts to the boundaries of several surfaces or samples.
-
-    The variant is their dimension.
-    """
+def with_band(boundaries: xr.Dataset, variant: str | None) -> xr.Dataset:
+    """Add quantiles, mean, spread and counts over several surfaces or samples, their dimension."""
+    if variant is None:
+        return boundaries
     shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     with_quantiles = boundaries.assign_coords(quantile=shares)
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
@@ -374,15 +329,6 @@ def quantile(low: Array, high: Array, share: float) -> float:
 
     A bound is infinite where a value lies beyond the sweep. NaN where the quantile is not finite,
     or depends on where between its bounds a value lies.
-
-    Examples
-    --------
-    >>> values = np.array([2.0, 1.0, np.inf, -np.inf, 3.0])
-    >>> quantile(values, values, 0.5), quantile(values, values, 0.375)
-    (2.0, 1.5)
-    >>> beyond = np.array([2.0, 1.0, 2.5, -np.inf, 3.0]), np.array([2.0, 1.0, np.inf, -np.inf, 3.0])
-    >>> quantile(*beyond, 0.5), quantile(*beyond, 0.75)
-    (2.0, nan)
     """
     place = share * (len(low) - 1)
     below, above = math.floor(place), math.ceil(place)

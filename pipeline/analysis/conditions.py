@@ -56,14 +56,7 @@ def conditions_of(
     criterion: str | None = None,
     own_laws: bool = False,
 ) -> Conditions:
-    """Take the sweep's own conditions, and those that are given in their place.
-
-    Raises
-    ------
-    InputError
-        If one lies outside its range, or is neither given nor in the sweep; an `OwnLawError` if
-        the criterion is code, and that is not given and allowed.
-    """
+    """Take the sweep's own conditions, and those that are given in their place."""
     bulk: Any = bulk_temperature
     stored = attributes_of(ds).get("conditions") or {}
     values = {name: value for name, value in stored.items() if name in _STORED} | changes_of(
@@ -220,14 +213,7 @@ def _require_known(rate: float, stored_rate: float, rows: xr.Dataset) -> None:
 
 
 def _power_law(rates: Array, rises: Array, rate: float) -> Array:
-    """Rises at a rate, between those at others along the last axis; NaN where one is not known.
-
-    Examples
-    --------
-    >>> rates = np.array([1.0, 2.0, 4.0])
-    >>> _power_law(rates, np.array([10 * rates**-0.5, [0.0, 0.0, 0.0]]), 3.0).round(3)
-    array([5.774, 0.   ])
-    """
+    """Rises at a rate, between those at others along the last axis; NaN where one is not known."""
     positive = np.all(rises > 0, axis=-1, keepdims=True)
     logarithms = np.log(np.where(positive, rises, 1.0))
     curve = scipy.interpolate.PchipInterpolator(np.log(rates), logarithms, axis=-1)

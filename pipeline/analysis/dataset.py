@@ -53,12 +53,6 @@ def attributes_of(ds: xr.Dataset | xr.DataArray) -> dict[Any, Any]:
     """Attributes of a sweep as plain data, with JSON text read.
 
     The result is cached for the next call: do not change it.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> attributes_of(xr.Dataset(attrs=portable({"measured": [{"friction": 0.1}]})))["measured"]
-    [{'friction': 0.1}]
     """
     attributes = dict(ds.attrs)
     for name in str(attributes.get(_ENCODED, "")).split():

@@ -76,11 +76,6 @@ def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
     """Compare the data of some points, by the given dimensions, with their checksums, each once.
 
     Datasets of no store are left alone.
-
-    Raises
-    ------
-    StoreError
-        If one is damaged; it says which, and how to repair it.
     """
     reader = ds["status"].encoding.get("reader")
     if reader is None:
@@ -106,14 +101,7 @@ def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
 
 
 def _deciding(is_done: Mask, rises: Array, limit: float | None, *dims: str) -> Mask:
-    """Done points without a rise [K], and those beside which it crosses a limit [K].
-
-    Examples
-    --------
-    >>> rises = np.array([[5.0, 7.0, 9.0, np.nan]])
-    >>> _deciding(np.full((1, 4), True), rises, 8.0, "load", "velocity").tolist()
-    [[False, True, True, True]]
-    """
+    """Done points without a rise [K], and those beside which it crosses a limit [K]."""
     mask = is_done & np.isnan(rises)
     for axis, name in enumerate(dims):
         if limit is not None and name in PLANE:
@@ -122,13 +110,7 @@ def _deciding(is_done: Mask, rises: Array, limit: float | None, *dims: str) -> M
 
 
 def turns(rise: Array, limit: float) -> Mask:
-    """Known points of a row with the other kind of wear at the next known one on either side.
-
-    Examples
-    --------
-    >>> turns(np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0]), 4.0)
-    array([False,  True, False,  True,  True,  True])
-    """
+    """Known points of a row with the other kind of wear at the next known one on either side."""
     (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
     turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
     beside = np.zeros(rise.shape, dtype=bool)

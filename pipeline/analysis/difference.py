@@ -54,13 +54,6 @@ class Difference:
         and ``change [%]``.
     alike : int
         Number of points that are done in both, with equal rises.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> difference = pipeline.diff("results/first_try.zarr", "results/first_try.zarr")
-    >>> len(difference.entries), difference.alike
-    (0, 24)
     """
 
     entries: pd.DataFrame
@@ -292,20 +285,7 @@ _UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
 
 
 def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Entries of a store's scene by their paths in a scene file, those that have a value.
-
-    Parameters
-    ----------
-    attributes : mapping
-        Attributes of a sweep as plain data, of `pipeline.analysis.dataset.attributes_of`.
-
-    Examples
-    --------
-    >>> scene = {"pin": {"type": "Ball", "radius": 0.005}, "pixels": {"spacing": [1e-6, 2e-6]}}
-    >>> entries_of({"scene": scene, "conditions": {"critical_temperature": 418.15}})
-    {'pin.shape': 'Ball', 'pin.radius': '5 mm', 'window.pixel_size': '1, 2 µm', \
-'temperature.critical': '145 °C'}
-    """
+    """Entries of a store's scene by their paths in a scene file, those that have a value."""
     entries = {}
     for attribute in _ATTRIBUTES:
         prefix = "" if attribute == "scene" else attribute
@@ -332,13 +312,7 @@ def _is_digest(value: Any) -> bool:
 
 
 def in_usual_unit(path: str, value: Any) -> str:
-    """Write the value of an entry, in SI, in the unit in which such entries are usually given.
-
-    Examples
-    --------
-    >>> in_usual_unit("pin.radius", [0.002, 0.003])
-    '2, 3 mm'
-    """
+    """Write the value of an entry, in SI, in the unit in which such entries are usually given."""
     return _text(value, _UNIT_OF.get(path.split(".")[-1], ""))
 
 

@@ -66,16 +66,6 @@ class Margin:
         Lowest and highest velocity [m/s] and load [N] computed there.
     velocity_bridged, load_bridged : int
         Pending or failed points that the critical velocity and load are interpolated across.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ds = pipeline.open_sweep("results/first_try.zarr")
-    >>> (margin,) = pipeline.margins(ds, "500 N", "1.6 m/s")
-    >>> f"{margin.distance:.0f} K, severe from {margin.velocity_factor:.2f} times the velocity on"
-    '9 K, severe from 1.16 times the velocity on'
-    >>> margin.verdict, f"{margin.temperature_error:.0f} K"
-    ('mild', '6 K')
     """
 
     load: float
@@ -132,13 +122,7 @@ class Margin:
 
 
 def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
-    """Verdict at a distance from severe wear [K] that has an error [K].
-
-    Examples
-    --------
-    >>> verdict_on(True, -3.0, 2.0), verdict_on(True, -3.0, 4.0), verdict_on(False, 3.0, None)
-    ('severe', 'not decided', 'not decided')
-    """
+    """Verdict at a distance from severe wear [K] that has an error [K]."""
     if error is None or abs(distance) <= error:
         return NOT_DECIDED
     return "severe" if is_severe else "mild"
@@ -146,37 +130,17 @@ def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JudgedRow:
-    """Decisive rises of one row of the table of variants by load and velocity, and how to judge.
+    """Decisive rises of one row of the table of variants by load and velocity, and how to judge."""
 
-    Attributes
-    ----------
-    labels, drawn : mapping
-        Value of the row along each dimension in front: of entries, and of those drawn.
-    grid : RisePlane
-        Its rises.
-    is_missing : ndarray of bool, shape (n_load, n_velocity)
-        Points that were asked for, and are not done.
-    conditions : Conditions
-        Conditions of severe wear.
-    promised : float or None
-        Relative error of its boundary velocities.
-    ends : mapping of tuple of float
-        Loads [N] and velocities [m/s] that its scene asks for, from the lowest to the highest.
-    shown : mapping
-        All labels of the row.
-    place : tuple of float or None
-        Load [N] and velocity [m/s] of its own; None if it has a plane.
-    """
-
-    labels: Mapping[str, Any]
-    drawn: Mapping[str, Any]
     grid: RisePlane
-    is_missing: Mask
+    is_missing: Mask  # points asked for and not done, shape (n_load, n_velocity)
     conditions: Conditions
-    promised: float | None
-    ends: Mapping[str, tuple[float, float]]
-    shown: Mapping[str, Any]
-    place: tuple[float, float] | None = None
+    promised: float | None  # relative error of its boundary velocities
+    ends: Mapping[str, tuple[float, float]]  # of the loads [N] and velocities [m/s] asked for
+    realization: int | None
+    entries: Mapping[str, Any]
+    shown: Mapping[str, Any]  # all labels of the row
+    place: tuple[float, float] | None = None  # load [N] and velocity [m/s] if it has no plane
 
     def here(self) -> Margin:
         """The margin at the row's own place."""
@@ -189,15 +153,14 @@ class JudgedRow:
 
     def with_others(self, others: Sequence[JudgedRow]) -> JudgedRow:
         """The row together with the rows around it, which lie on a cross."""
-        every = [self.grid, *(other.grid for other in others)]
-        loads, velocities = (
-            np.unique(np.concatenate([getattr(grid, name) for grid in every]))
-            for name in ("loads", "velocities")
-        )
+        every = (self, *others)
+        loads = np.unique(np.concatenate([row.grid.loads for row in every]))
+        velocities = np.unique(np.concatenate([row.grid.velocities for row in every]))
         shape = len(loads), len(velocities)
         rises, durations = np.full(shape, np.nan), np.zeros(shape)
         flags, is_missing = np.zeros(shape, int), np.zeros(shape, bool)
-        for row, grid in zip((self, *others), every, strict=True):
+        for row in every:
+            grid = row.grid
             here = np.ix_(np.isin(loads, grid.loads), np.isin(velocities, grid.velocities))
             rises[here], flags[here] = grid.rises, grid.flags
             durations[here], is_missing[here] = grid.durations, row.is_missing
@@ -210,21 +173,45 @@ class JudgedRow:
 
     def at(self, load: float, velocity: float) -> Margin:
         """The margin at a load [N] and a velocity [m/s]; an `InputError` where it is not known."""
-        axes = {"load": self.grid.loads, "velocity": self.grid.velocities}
-        for name, value in (("load", load), ("velocity", velocity)):
-            x, ends = axes[name], self.ends[name]
-            lowest, highest = min(x[0], ends[0]), max(x[-1], ends[1])
+        grid, conditions = self.grid, self.conditions
+        for name, x, value in (("load", grid.loads, load), ("velocity", grid.velocities, velocity)):
+            lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
             if not (lowest <= value <= highest and value > 0):
                 raise InputError(
                     f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
                     f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
                 )
-        return _margin(self, load, velocity)
-
-    @property
-    def limit(self) -> float:
-        """Rise at friction 1 above which wear is severe [K]."""
-        return rise_limit(self.conditions)
+        rise = _at(grid.loads, self.at_velocity(velocity, continued=True), load)
+        if not math.isfinite(rise):
+            raise InputError(
+                f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
+                "sweep to its end, or add points there"
+            )
+        is_within = math.isfinite(_at(grid.loads, self.at_velocity(velocity), load))
+        here = grid.rises[np.ix_(grid.loads == load, grid.velocities == velocity)]
+        error = rise_error(grid, load, velocity, self.promised)
+        through = load, velocity, rise if is_within else math.nan
+        by_velocity, by_load = (self.along(axis, *through) for axis in ("velocity", "load"))
+        return Margin(
+            load=load,
+            velocity=velocity,
+            realization=self.realization,
+            decisive_temperature=contact_temperature(rise, conditions),
+            is_severe=bool(Criterion.is_severe(rise, rise_limit(conditions))),
+            error=error.times(conditions.rise_factor * rise),
+            is_computed=bool(np.isfinite(here).any()),
+            is_continued=not is_within,
+            critical_temperature=conditions.known_critical_temperature(),
+            critical_velocity=by_velocity.place,
+            critical_load=by_load.place,
+            velocity_outcome=outcomes("velocity")[by_velocity.outcome],
+            load_outcome=outcomes("load")[by_load.outcome],
+            velocity_range=by_velocity.computed,
+            load_range=by_load.computed,
+            velocity_bridged=by_velocity.bridged,
+            load_bridged=by_load.bridged,
+            entries=self.entries,
+        )
 
     def at_velocity(self, velocity: float, continued: bool = False) -> Array:
         """Rise by load at one velocity [K]."""
@@ -238,14 +225,16 @@ class JudgedRow:
         beyond those computed where wear is certainly mild or severe.
         """
         x, other, place, along = self.grid.velocities, self.grid.loads, load, velocity
-        rises, limit, ends = self.grid.rises, self.limit, self.ends[axis]
+        rises, limit, ends = self.grid.rises, rise_limit(self.conditions), self.ends[axis]
         is_missing = self.is_missing
         if axis == "load":
             x, other, place, along = other, x, velocity, load
             rises, is_missing = rises.T, is_missing.T
-        missing = np.logical_or.reduce(is_missing[_beside(other, place)])
+        above = int(np.searchsorted(other, place))
+        is_between = above < len(other) and other[above] != place
+        missing = np.logical_or.reduce(is_missing[above - is_between : above + 1])
         if place in other:
-            return Crossing.along(x, rises[other == place][0], limit, ends, missing)
+            return Crossing.along(x, rises[above], limit, ends, missing)
         if axis == "load":
             computed, here = self.at_velocity(velocity), np.array([velocity])
             going_on = np.array([certain(other, row, here, limit)[0] for row in self.grid.rises])
@@ -266,51 +255,9 @@ class JudgedRow:
         return Crossing.along(x, going_on, limit, ends, missing, is_done)
 
 
-def _margin(row: JudgedRow, load: float, velocity: float) -> Margin:
-    """The margin of one row."""
-    grid, conditions = row.grid, row.conditions
-    rise = _at(grid.loads, row.at_velocity(velocity, continued=True), load)
-    if not math.isfinite(rise):
-        raise InputError(
-            f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep "
-            "to its end, or add points there"
-        )
-    is_within = math.isfinite(_at(grid.loads, row.at_velocity(velocity), load))
-    here = grid.rises[np.ix_(grid.loads == load, grid.velocities == velocity)]
-    error = rise_error(grid, load, velocity, row.promised)
-    through = load, velocity, rise if is_within else math.nan
-    along_velocity, along_load = (row.along(axis, *through) for axis in ("velocity", "load"))
-    return Margin(
-        load=load,
-        velocity=velocity,
-        realization=row.drawn.get("realization"),
-        decisive_temperature=contact_temperature(rise, conditions),
-        is_severe=bool(Criterion.is_severe(rise, row.limit)),
-        error=error.times(conditions.rise_factor * rise),
-        is_computed=bool(np.isfinite(here).any()),
-        is_continued=not is_within,
-        critical_temperature=conditions.known_critical_temperature(),
-        critical_velocity=along_velocity.place,
-        critical_load=along_load.place,
-        velocity_outcome=outcomes("velocity")[along_velocity.outcome],
-        load_outcome=outcomes("load")[along_load.outcome],
-        velocity_range=along_velocity.computed,
-        load_range=along_load.computed,
-        velocity_bridged=along_velocity.bridged,
-        load_bridged=along_load.bridged,
-        entries=row.labels,
-    )
-
-
 def _at(x: Array, y: Array, place: float, continued: bool = False) -> float:
     """Value at one abscissa; that of a point itself where there is one."""
     (same,) = np.nonzero((x == place) & np.isfinite(y))
     if same.size:
         return float(y[same[0]])
     return float(interpolated(x, y, np.array([place]), continued)[0])
-
-
-def _beside(x: Array, place: float) -> slice:
-    """The abscissa of a place, or the two that it lies between."""
-    above = int(np.searchsorted(x, place))
-    return slice(above - (above < len(x) and x[above] != place), above + 1)

@@ -48,13 +48,7 @@ The table of ACCURACY.md; 5 % is that of loads that jump late, also in longer te
 
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Relative error of a rise by its three parts; None where a part is not known.
-
-    Examples
-    --------
-    >>> RiseError(0.01, 0.05, 0.0).total, RiseError(None, 0.05, 0.0).total
-    (0.060000000000000005, None)
-    """
+    """Relative error of a rise by its three parts; None where a part is not known."""
 
     interpolation: float | None
     preset: float | None
@@ -68,13 +62,7 @@ class RiseError:
 
     @property
     def worded(self) -> str:
-        """The error [K] and its parts in words.
-
-        Examples
-        --------
-        >>> RiseError(0.0, 3.0, 1.0).worded
-        '± 4 K: preset 3 K, warned points 1 K'
-        """
+        """The error [K] and its parts in words."""
         parts = {
             "interpolation": self.interpolation,
             "preset": self.preset,
@@ -148,13 +136,7 @@ def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
 
 
 def _with_middles(x: Array) -> list[float]:
-    """Abscissae, and those midway between each two of them.
-
-    Examples
-    --------
-    >>> _with_middles(np.array([1.0, 2.0, 4.0]))
-    [1.0, 1.5, 2.0, 3.0, 4.0]
-    """
+    """Abscissae, and those midway between each two of them."""
     ends = np.repeat(x, 2)
     middles: list[float] = ((ends[1:] + ends[:-1]) / 2).tolist()
     return middles
@@ -180,11 +162,6 @@ def error_of_point(flags: int, duration: float, velocity_error: float | None) ->
     """Relative error of the rise of a point that was computed by itself, by its warnings.
 
     The error of its preset in velocity counts in full: no rise grows faster than with exponent 1.
-
-    Examples
-    --------
-    >>> error_of_point(0, 5.0, 0.08).total, error_of_point(0, 5.0, None).total
-    (0.08, None)
     """
     return RiseError(0.0, velocity_error, warned_error([(flags, duration)]))
 
@@ -193,12 +170,6 @@ def _beside(x: Array, is_done: Array, place: float) -> Indices:
     """Indices of the done abscissa at a place, or of the nearest on either side.
 
     Beyond the outermost of them the last two, through which a power law goes on.
-
-    Examples
-    --------
-    >>> x, done = np.array([1.0, 2.0, 3.0, 4.0]), np.array([True, False, True, True])
-    >>> [_beside(x, done, place).tolist() for place in (2.0, 3.0, 5.0)]
-    [[0, 2], [2], [2, 3]]
     """
     (done,) = np.nonzero(is_done)
     same: Indices = done[x[done] == place]
@@ -299,14 +270,7 @@ def _preset(
 
 
 def _exponent(x: Array, y: Array, place: float) -> float:
-    """Exponent d ln(y)/d ln(x) between the done points about a place; 1 where it is not known.
-
-    Examples
-    --------
-    >>> x = np.array([1.0, 2.0, 4.0])
-    >>> round(_exponent(x, 10 * x**0.6, 2.0), 12), _exponent(x[:1], x[:1], 1.0)
-    (0.6, 1.0)
-    """
+    """Exponent d ln(y)/d ln(x) between the done points about a place; 1 where it is not known."""
     is_known = np.isfinite(y) & (y > 0) & (x > 0)
     x, y = x[is_known], y[is_known]
     if len(x) < 2:
@@ -317,14 +281,7 @@ def _exponent(x: Array, y: Array, place: float) -> float:
 
 
 def warned_error(points: Iterable[tuple[int, float]]) -> float | None:
-    """Error that warnings of points stand for, by their flags and durations [s]; None if unknown.
-
-    Examples
-    --------
-    >>> heat = int(WarningKind.PRESENT_HEAT)
-    >>> [warned_error([(heat, duration)]) for duration in (1e-3, 1e-2, 5.0)]
-    [0.25, 0.11, 0.05]
-    """
+    """Error that warnings of points stand for, by flags and durations [s]; None if unknown."""
     errors = [0.0]
     for flags, duration in points:
         kinds = {kind for kind in WarningKind if kind & flags}

@@ -20,6 +20,7 @@ from pipeline.analysis.dataset import (
     attributes_of,
     dataset_of,
     has_plane,
+    is_emulated,
     require_plane,
     with_wear_rates,
 )
@@ -112,43 +113,41 @@ def margins_at(
 def rows_of(ds: xr.Dataset | PathLike, *others: Any, **given: Any) -> tuple[JudgedRow, ...]:
     """The planes of a sweep along whatever stands in front, each judged by its conditions."""
     ds, rows = with_wear_rates(ds), list[JudgedRow]()
+    if is_emulated(ds):
+        require_plane(ds)
     if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long
         ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
     for scene in scenes(ds):
-        is_placed = any(name not in scene.dims for name in PLANE)
+        placed = [name for name in PLANE if name not in scene.dims]
+        place = tuple(scene[name].item() for name in PLANE) if placed else None
         coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
         shown = {name: label.item() for name, label in coords.items() if not label.ndim}
-        scene = scene.expand_dims([name for name in PLANE if name not in scene.dims])
+        scene = scene.expand_dims(placed)
         conditions, about = conditions_of(scene, *others, **given), attributes_of(scene)
         rise = decisive_rise(scene, conditions)
-        labels = {path: scene[path].item() for path in about.get("entries", {})}
-        place = tuple(scene[name].item() for name in PLANE) if is_placed else None
+        ends = {
+            name: (at, at) if place else range_of(scene, name)
+            for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
+        }
+        entries = {path: scene[path].item() for path in about.get("entries", {})}
         front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
         is_missing = (rise.isnull() & asked(scene)).values.reshape(-1, *rise.shape[-2:])
-        drawn = itertools.product(*front.values())
+        drawn = (dict(zip(front, row, strict=True)) for row in itertools.product(*front.values()))
         rows += [
             JudgedRow(
-                labels=labels,
-                drawn=dict(zip(front, values, strict=True)),
                 grid=grid,
                 is_missing=missing,
                 conditions=conditions,
                 promised=velocity_error(about),
-                ends={name: _ends(scene, name, is_placed) for name in PLANE},
-                shown=shown | dict(zip(front, values, strict=True)),
+                ends=ends,
+                realization=labels.get("realization"),
+                entries=entries,
+                shown=shown | labels,
                 place=place,
             )
-            for grid, missing, values in zip(grids_of(scene, rise), is_missing, drawn, strict=True)
+            for grid, missing, labels in zip(grids_of(scene, rise), is_missing, drawn, strict=True)
         ]
     return tuple(_about_places(rows))
-
-
-def _ends(scene: xr.Dataset, name: str, is_placed: bool) -> tuple[float, float]:
-    """Lowest and highest load [N] or velocity [m/s] that a row is asked for at."""
-    if not is_placed:
-        return range_of(scene, name)
-    here = float(scene[name].item())
-    return here, here
 
 
 def _about_places(rows: Iterable[JudgedRow]) -> Iterator[JudgedRow]:
@@ -286,14 +285,7 @@ _HEADS_OF_SEVERAL = (
 
 
 def in_counts(frame: pd.DataFrame) -> str:
-    """Numbers of operating points by verdict in words, and which of them is the nearest.
-
-    Examples
-    --------
-    >>> heads = "load [N]", "velocity [m/s]", "verdict", "distance [K]"
-    >>> in_counts(frame_of(heads, [(300.0, 1.0, "mild", 30.0), (600.0, 2.0, "severe", -4.0)]))
-    '1 mild, 1 severe; the least margin is -4 K, at 600 N and 2 m/s'
-    """
+    """Numbers of operating points by verdict in words, and which of them is the nearest."""
     counts = Counter(frame["verdict"])
     said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
     if len(frame) == 1 or frame["distance [K]"].isna().all():

@@ -24,15 +24,7 @@ _LONG = 1e4  # from which a number in text has no decimals
 
 
 def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
-    """Data frame of rows in SI, in the units of its heads such as ``load [N]``.
-
-    Examples
-    --------
-    >>> frame_of(["load [N]", "bulk temperature [°C]"], [(400.0, 298.15), (600.0, None)])
-       load [N]  bulk temperature [°C]
-    0     400.0                   25.0
-    1     600.0                    NaN
-    """
+    """Data frame of rows in SI, in the units of its heads such as ``load [N]``."""
     units = [_parts(head)[1] for head in heads]
     shown = [
         tuple(
@@ -48,11 +40,6 @@ def as_dict(frame: pd.DataFrame) -> dict[str, list[Any]]:
     """Values in SI, by the heads without units and blanks, as JSON documents have them.
 
     A head with a unit that is none of ours stays as it is, with its values.
-
-    Examples
-    --------
-    >>> as_dict(pd.DataFrame({"load [N]": [400.0], "bulk temperature [°C]": [25.0]}))
-    {'load': [400.0], 'bulk_temperature': [298.15]}
     """
     held = {}
     for head in frame:
@@ -70,29 +57,14 @@ def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
 
 
 def upright(frame: pd.DataFrame) -> pd.DataFrame:
-    r"""A frame of one row as a row for each of its columns that hold something.
-
-    Examples
-    --------
-    >>> print(*lines_of(upright(frame_of(["load [N]", "outcome"], [(400.0, "mild")]))), sep="\n")
-    quantity   value
-    load [N]   400
-    outcome    mild
-    """
+    """A frame of one row as a row for each of its columns that hold something."""
     held = short(frame)
     (cells,) = _cells(held, "-")
     return pd.DataFrame({"quantity": [*map(str, held)], "value": cells})
 
 
 def lines_of(frame: pd.DataFrame) -> list[str]:
-    r"""Lines of text with aligned columns, the heads first.
-
-    Examples
-    --------
-    >>> print(*lines_of(pd.DataFrame({"load [N]": [400.0], "is severe": [True]})), sep="\n")
-    load [N]   is severe
-    400        yes
-    """
+    """Lines of text with aligned columns, the heads first."""
     rows = [[*map(str, frame)], *_cells(frame, "-")]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
@@ -151,13 +123,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 
 def _parts(head: str) -> tuple[str, str]:
-    """Name and unit of a head; no unit where it is none of ours, as in a column that is passed on.
-
-    Examples
-    --------
-    >>> _parts("load [N]"), _parts("width [inch]"), _parts("verdict")
-    (('load', 'N'), ('width [inch]', ''), ('verdict', ''))
-    """
+    """Name and unit of a head; no unit where it is none of ours, as of a column passed on."""
     match = _HEAD.fullmatch(head)
     return (match[1], match[2]) if match and is_shown_unit(match[2]) else (head, "")
 

@@ -35,13 +35,7 @@ BEYOND = (ABOVE, BELOW)
 
 @functools.cache
 def outcomes(axis: str) -> Mapping[int, str]:
-    """Meanings of the outcomes along ``"velocity"`` or ``"load"``, in the words used everywhere.
-
-    Examples
-    --------
-    >>> outcomes("velocity")[MILD], outcomes("load")[ABOVE]
-    ('mild throughout', 'mild at every load computed')
-    """
+    """Meanings of the outcomes along ``"velocity"`` or ``"load"``, in the words used everywhere."""
     words = {
         CROSSES: "crosses",
         MILD: "mild throughout",
@@ -58,34 +52,12 @@ UNITS = {"velocity": "m/s", "load": "N"}
 
 @dataclass(frozen=True, slots=True)
 class Crossing:
-    """The first crossing from mild to severe wear along a line of points.
+    """The first crossing from mild to severe wear along a line of points."""
 
-    Attributes
-    ----------
-    place : float
-        Velocity [m/s] or load [N] of the crossing; NaN where there is none.
-    outcome : int
-        Key of `outcomes`.
-    computed : tuple of float
-        Lowest and highest velocity [m/s] or load [N] computed; NaN where no point is done.
-    bridged : int
-        Points that were asked for and are not done, between the two next to the crossing that are.
-
-    Examples
-    --------
-    >>> velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
-    >>> Crossing.along(velocity, rise, 1200.0, (1.0, 4.0)).worded("velocity")
-    'mild at every velocity computed (to 2.2 m/s)'
-    >>> Crossing.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
-    'mild throughout'
-    >>> Crossing.along(velocity, rise, 600.0, (1.0, 4.0)).worded("velocity")
-    'severe at every velocity computed (from 1.2 m/s)'
-    """
-
-    place: float
-    outcome: int
-    computed: tuple[float, float]
-    bridged: int = 0
+    place: float  # velocity [m/s] or load [N]; NaN where there is none
+    outcome: int  # key of `outcomes`
+    computed: tuple[float, float]  # lowest and highest that is done; NaN where none is
+    bridged: int = 0  # points asked for and not done between the two done ones next to it
 
     @classmethod
     def along(
@@ -109,7 +81,11 @@ class Crossing:
         place = crossing(x, rise, limit)
         if math.isfinite(place):
             is_missing = np.zeros_like(is_done) if is_missing is None else is_missing
-            across = _bridged(x[is_done & ~is_missing], x[is_missing], place)
+            held, missing = x[is_done & ~is_missing], x[is_missing]
+            below, above = held[held <= place], held[held >= place]
+            across = 0
+            if below.size and above.size:
+                across = int(np.sum((missing > below[-1]) & (missing < above[0])))
             return cls(place, CROSSES, computed, across)
         if not done.size:
             outcome = UNKNOWN
@@ -124,30 +100,8 @@ class Crossing:
         return in_words(outcomes(along)[self.outcome], self.computed, along)
 
 
-def _bridged(done: Array, missing: Array, place: float) -> int:
-    """Number of missing points between the two done ones next to a place.
-
-    Examples
-    --------
-    >>> _bridged(np.array([1.0, 2.0, 4.0]), np.array([1.5, 2.5, 3.0]), 3.7)
-    2
-    """
-    below, above = done[done <= place], done[done >= place]
-    if not (below.size and above.size):
-        return 0
-    return int(np.sum((missing > below[-1]) & (missing < above[0])))
-
-
 def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:
-    """One of `outcomes` along ``"velocity"`` or ``"load"``, with how far was computed.
-
-    Examples
-    --------
-    >>> in_words("severe throughout", (1.6, 4.0), "velocity")
-    'severe throughout'
-    >>> in_words("severe at every load computed", (600.0, 750.0), "load")
-    'severe at every load computed (from 600 N)'
-    """
+    """One of `outcomes` along ``"velocity"`` or ``"load"``, with how far was computed."""
     low, high = (f"{end:.4g} {UNITS[along]}" for end in computed)
     words = outcomes(along)
     ends = {words[ABOVE]: f" (to {high})", words[BELOW]: f" (from {low})"}
@@ -158,19 +112,11 @@ def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of the scene that a sweep is of.
 
     Velocity 0 is left out where the sweep has no point at it, such as in a search of the boundary.
-
-    Examples
-    --------
-    >>> ds = xr.Dataset(coords={"velocity": [1.2, 2.2]}, attrs={"velocities": [0.0, 1.0, 4.0]})
-    >>> range_of(ds, "velocity")
-    (1.0, 4.0)
     """
-    names = {"load": "loads", "velocity": "velocities"}
     present = ds[axis].values.tolist()
-    asked = [
-        value for value in attributes_of(ds).get(names[axis]) or present if value or 0.0 in present
-    ]
-    return float(min(asked or present)), float(max(asked or present))
+    of_scene = attributes_of(ds).get({"load": "loads", "velocity": "velocities"}[axis]) or present
+    asked = [value for value in of_scene if value or 0.0 in present] or present
+    return float(min(asked)), float(max(asked))
 
 
 ENTRIES = {
@@ -191,14 +137,6 @@ def crossing(x: Array, y: Array, limit: float) -> float:
     """Place at which y first rises above a limit; NaN if it does not.
 
     Abscissae ascend, and points where y is NaN are skipped.
-
-    Examples
-    --------
-    >>> velocity = np.array([0.0, 1.0, 2.0, 3.0])
-    >>> f"{crossing(velocity, 100 * velocity**0.7, limit=100 * 1.5**0.7):.12f}"
-    '1.500000000000'
-    >>> crossing(velocity, 100 * velocity**0.7, limit=300.0)
-    nan
     """
     is_finite = np.isfinite(y)
     x, y = x[is_finite], y[is_finite]
@@ -224,11 +162,6 @@ def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> 
 
     If continued, the power law through the last two points goes on beyond them, where x and y are
     positive.
-
-    Examples
-    --------
-    >>> interpolated(np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.5, 2.0, 4.0]))
-    array([        nan, 14.14213562, 20.        ])
     """
     result = np.full(places.shape, np.nan)
     is_finite = np.isfinite(y)
@@ -247,14 +180,6 @@ def certain(x: Array, y: Array, places: Array, limit: float) -> Array:
     """Interpolate y, and extrapolate it by a power law where that cannot cross a limit.
 
     It is extrapolated below points that do not exceed the limit, and above points that do.
-
-    Examples
-    --------
-    >>> x, y = np.array([1.0, 4.0]), np.array([10.0, 20.0])
-    >>> certain(x, y, np.array([0.25, 4.0, 16.0]), limit=30.0)
-    array([ 5., 20., nan])
-    >>> certain(x, y, np.array([0.25, 4.0, 16.0]), limit=15.0)
-    array([ 5., 20., 40.])
     """
     within, finite = interpolated(x, y, places), np.flatnonzero(np.isfinite(y))
     if len(finite) < 2:
@@ -269,14 +194,7 @@ def certain(x: Array, y: Array, places: Array, limit: float) -> Array:
 
 
 def exponent(x: Array, y: Array, place: float) -> float:
-    """Exponent d ln(y)/d ln(x) of the interpolated y at an abscissa, NaN where that is NaN.
-
-    Examples
-    --------
-    >>> velocity = np.array([1.0, 2.0, 3.0])
-    >>> f"{exponent(velocity, 100 * velocity**0.7, place=2.5):.12f}"
-    '0.700000000000'
-    """
+    """Exponent d ln(y)/d ln(x) of the interpolated y at an abscissa, NaN where that is NaN."""
     is_finite = np.isfinite(y)
     if not place > 0 or np.count_nonzero(is_finite) < 2:
         return math.nan

@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.transition import crossing, exponent, interpolated
+from pipeline.analysis.decisive import turns
+from pipeline.analysis.transition import certain, crossing, exponent, interpolated
+from pipeline.analysis.warned_points import exponents
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))
@@ -74,3 +76,19 @@ def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begi
     slope = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))(np.log(0.5), nu=1)
     assert interpolated(x, y, np.array([0.25])) == pytest.approx([10.0 * 0.5**slope], rel=1e-12)
     assert crossing(x, y, 10.0 * 0.5**slope) == pytest.approx(0.25, rel=1e-12)
+
+
+def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
+    x, y, places = np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.25, 4.0, 16.0])
+    assert certain(x, y, places, limit=30.0) == pytest.approx([5.0, 20.0, np.nan], nan_ok=True)
+    assert certain(x, y, places, limit=15.0) == pytest.approx([5.0, 20.0, 40.0])
+
+
+def test_exponents_are_taken_between_neighbours_that_lie_far_enough_apart():
+    x, y = np.array([1.0, 2.0, 2.01, 4.0]), np.array([10.0, 20.0, np.nan, 20.0])
+    assert exponents(x, y) == pytest.approx([1.0, 0.5, np.nan, 0.0], nan_ok=True)
+
+
+def test_points_turn_where_the_next_known_one_has_the_other_wear():
+    marked = turns(np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0]), 4.0)
+    assert marked.tolist() == [False, True, False, True, True, True]
