@@ -160,11 +160,12 @@ def crossing(x: Array, y: Array, limit: float) -> float:
 def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> Array:
     """Interpolate y at places along x; NaN beyond the outermost points that are finite.
 
+    y may have columns, if they are finite at the same points and all are positive there, as x is.
     If continued, the power law through the last two points goes on beyond them, where x and y are
     positive.
     """
-    result = np.full(places.shape, np.nan)
-    is_finite = np.isfinite(y)
+    result = np.full((*places.shape, *y.shape[1:]), np.nan)
+    is_finite = np.isfinite(y if y.ndim == 1 else y[:, 0])
     if np.count_nonzero(is_finite) >= 2:
         x, y = x[is_finite], y[is_finite]
         inside = (places >= x[0]) & (places <= x[-1])
