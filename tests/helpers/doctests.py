@@ -4,11 +4,14 @@ A plugin of pytest, so that it reaches the packages: their folders hold no tests
 """
 
 import itertools
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from _pytest.doctest import DoctestItem
+
+from tests.helpers.shared import made_once
 
 ROOT = Path(__file__).parents[2]
 UNKNOWN = """
@@ -17,7 +20,7 @@ extends = "workflows/first_try.toml"
 "friction.coefficient" = { mean = 0.1, sd = 0.005 }
 "temperature.critical" = { mean = "145 degC", sd = "8 K" }
 [sweep]
-samples = 64
+samples = 16
 """
 
 
@@ -35,13 +38,16 @@ def folder_with_results(tmp_path_factory):
 
     Both are of `workflows/first_try.toml`, ``unknown.zarr`` with two unknown inputs.
     """
-    folder = tmp_path_factory.mktemp("examples")
+    made = made_once(tmp_path_factory, "examples", _fill)
+    return shutil.copytree(made, tmp_path_factory.mktemp("examples") / "own", symlinks=True)
+
+
+def _fill(folder):
     (folder / "workflows").symlink_to(ROOT / "workflows")
     (folder / "results").mkdir()
     (folder / "unknown.toml").write_text(UNKNOWN)
     for scene in (folder / "workflows/first_try.toml", folder / "unknown.toml"):
         _compute(scene, folder / f"results/{scene.stem}.zarr")
-    return folder
 
 
 def _compute(scene, path):
