@@ -25,6 +25,14 @@ LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "
 ALL = (CRITICAL, RATE, FRICTION, LENGTH)
 JOINT = (CRITICAL, RATE, replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 EXPONENT = 0.7  # of the rise over the velocity
+
+
+class Memory(dict):
+    """What a store keeps."""
+
+    kept, keep = dict.get, dict.setdefault
+
+
 _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 

@@ -35,6 +35,7 @@ from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 from tribo import InputError
 
+OWN_WORKERS = True
 ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
 SHORT = tiny.sweep(velocities=(1.0,))

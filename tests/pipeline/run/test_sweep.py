@@ -32,6 +32,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, run_point
 from tests.helpers import tiny
 
+OWN_WORKERS = True
 ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
 

@@ -8,13 +8,7 @@ import pytest
 
 from pipeline.sweep.unknown import drawn
 from pipeline.uncertain import certify, emulator
-from tests.helpers.samples import ALL, ensemble, rise
-
-
-class Memory(dict):
-    """What a store keeps."""
-
-    kept, keep = dict.get, dict.setdefault
+from tests.helpers.samples import ALL, Memory, ensemble, rise
 
 
 @pytest.fixture
