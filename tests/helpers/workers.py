@@ -5,8 +5,7 @@ from contextlib import ExitStack
 import dask
 from distributed import Client
 
-from pipeline.run.cluster import connected, processes
-from pipeline.run.source import CONFIGURATION
+from pipeline.run.cluster import CONFIGURATION, connected, processes
 
 
 class Workers:
@@ -22,7 +21,7 @@ class Workers:
     def _client(self, workers):
         if workers not in self._clients:
             self._stack.enter_context(dask.config.set(CONFIGURATION))
-            cluster = self._stack.enter_context(processes(workers)).cluster
+            cluster = self._stack.enter_context(processes(workers))
             client = Client(cluster, set_as_default=False)
             self._clients[workers] = self._stack.enter_context(client)
         return self._clients[workers]
