@@ -24,9 +24,8 @@ from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
 from pipeline.scene.units import difference_in_si
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
-from pipeline.uncertain.next_tests import load_of_target
+from pipeline.uncertain.next_tests import MOST, load_of_target, programme
 from pipeline.uncertain.posterior import differences
-from pipeline.uncertain.programme import MOST, programme
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -34,9 +33,8 @@ if TYPE_CHECKING:
 
     from pipeline.sweep.unknown import Unknown
     from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.next_tests import Candidate
+    from pipeline.uncertain.next_tests import Candidate, Programme
     from pipeline.uncertain.posterior import Difference, Judged, Posterior
-    from pipeline.uncertain.programme import Programme
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
 _SURE = math.log(1000.0)  # from which a power of ten will do

@@ -10,7 +10,7 @@ import xarray as xr
 
 from pipeline.analysis.tables import frame_of
 from pipeline.uncertain.emulator import Groups
-from pipeline.uncertain.ensemble import Axis, Ensemble
+from pipeline.uncertain.ensemble import Axis, Ensemble, Excess
 from pipeline.uncertain.inputs import QUANTILES, Draws, prior
 from tribo.types import Array
 
@@ -28,6 +28,20 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
     return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights)
+
+
+def probability_of(excess: Excess, draws: Draws) -> tuple[float, float]:
+    """Probability that the excess of draws (n,) is above 0, and its standard error.
+
+    The error is from the numbers of draws and of samples. What neighbours share is taken as shared
+    by all draws, which errs to the safe side.
+    """
+    by_draw = excess.probability
+    probability = float(np.clip(draws.mean(by_draw), 0.0, 1.0))
+    by_draws = math.sqrt(float(np.sum((draws.weights * (by_draw - probability)) ** 2)))
+    density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
+    by_samples = float(draws.mean(density * excess.shared / excess.error))
+    return probability, math.hypot(by_draws, by_samples)
 
 
 def probabilities(
@@ -77,26 +91,9 @@ def probabilities(
 
 
 def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
-    """Velocities at which wear is severe with some probabilities, by load.
+    """Probabilities, and the velocities (n_load, n_share) at which wear is severe with them [m/s].
 
-    Parameters
-    ----------
-    plane : DataArray, dims (load, velocity)
-        Result of `probabilities`.
-
-    Returns
-    -------
-    tuple of float, ndarray, shape (n_load, n_share)
-        The probabilities, and the velocities [m/s]: 0 where they lie below those of the plane,
-        infinite where they lie above them.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> shares, lines = risk_lines(pipeline.probabilities(ensemble))
-    >>> shares, lines.shape
-    ((0.05, 0.5, 0.95), (45, 3))
+    They are 0 where they lie below those of the plane of `probabilities`, infinite above them.
     """
     velocities = plane["velocity"].values
     rows = np.maximum.accumulate(plane.values, axis=1)
@@ -119,19 +116,8 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
     """First place along an axis where an excess (..., m) rises through 0, each of shape (...).
 
     The axis (m,) are velocities [m/s] or loads [N], beyond which the excess goes on as a power.
-
-    Returns
-    -------
-    tuple of ndarray
-        Logarithm of the place, slope of the excess over the logarithm of the axis there, and
-        number of the value of the axis that follows.
-
-    Examples
-    --------
-    >>> axis = np.array([1.0, 2.0, 4.0])
-    >>> places, *_ = log_crossings(axis, np.log(axis / np.array([[1.5], [8.0]])))
-    >>> print(np.exp(places).round(3))
-    [1.5 8. ]
+    Returned are the logarithm of the place, the slope of the excess over the logarithm of the axis
+    there, and the number of the value of the axis that follows.
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)
     right = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)

@@ -26,26 +26,10 @@ COUNT = 25
 class Certificate:
     """Boundaries found directly, beside those of the emulator, and runs anywhere.
 
-    Attributes
-    ----------
-    loads : tuple of float
-        Normal loads [N].
-    found, emulated : tuple of float
-        Critical velocities, by simulations and by the emulator [m/s].
-    errors : tuple of float
-        Standard errors of the emulator's, as it states them, relative.
-    at_loads, between_loads, at_ends : tuple of float
-        Differences of emulated rises from simulated ones over their stated error: amid the
-        velocities at the loads of the samples and between them, and at the ends of the velocities.
-
-    Examples
-    --------
-    >>> rows = (400.0, 500.0), (2.0, 1.8), (2.04, 1.8), (0.01, 0.01)
-    >>> certificate = Certificate(*rows, (0.1, 0.5), (0.2, -1.5), (3.29, 3.29))
-    >>> print(certificate)
-    2 boundaries were found directly: the emulator's are 1.4 % off, its 90 % bands hold 1
-    >>> print(certificate.factors(np.array([0.5, 1.0])))
-    [1. 2.]
+    At ``loads`` [N] critical velocities are ``found`` by simulations and ``emulated`` [m/s], the
+    latter with standard ``errors``, relative. The others are differences of emulated rises from
+    simulated ones over their stated error: amid the velocities at the loads of the samples and
+    between them, and at the ends of the velocities.
     """
 
     loads: tuple[float, ...]

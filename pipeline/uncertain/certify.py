@@ -34,7 +34,7 @@ SceneWith = Callable[[Mapping[str, Any]], Sweep]
 
 def log_rise(sweep: Sweep, load: float, velocity: float) -> float:
     """Logarithm of the rise that decides at friction 1, by a simulation from the start on."""
-    columns = run_point(sweep, load, velocity).columns
+    columns = run_point(sweep.changed(steps="end"), load, velocity).columns
     return math.log(float(worst_rises(columns, load, sweep.conditions)))
 
 
@@ -60,16 +60,8 @@ def certify(
 ) -> Certificate:
     """Find boundaries of random inputs by simulations, and keep the errors of the emulator there.
 
-    Parameters
-    ----------
-    ensemble : Ensemble
-        Samples of a sweep.
-    scene_with : callable
-        See `SceneWith`.
-    count : int
-        Number of boundaries, and of runs of each kind.
-    progress : callable, optional
-        Called with the boundaries found and their number.
+    There are ``count`` boundaries, and as many runs of each kind. ``progress`` is called with the
+    boundaries found and their number.
     """
     inputs = prior(ensemble.unknown, ensemble.design.seed + _SEED, _DRAWS).inputs
     chance = np.random.default_rng([ensemble.design.seed, _SEED])

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from pipeline.scene.along import Place
 from pipeline.sweep.unknown import OF_90, Unknown
-from pipeline.uncertain.answers import draws_of
+from pipeline.uncertain.answers import draws_of, probability_of
 from pipeline.uncertain.certify import SceneWith, as_in_a_scene, log_rise
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
@@ -162,7 +162,7 @@ def design(
         """Highest probability over the places, its error, and the number of the place."""
         inputs = with_values(ensemble, draws.inputs, {**(at or {}), over: value})
         found = [
-            _probability(_excess(ensemble, inputs, place, goal.margin), draws)
+            probability_of(_excess(ensemble, inputs, place, goal.margin), draws)
             for place in goal.places
         ]
         number = int(np.argmax([probability for probability, _ in found]))
@@ -233,15 +233,6 @@ def _excess(ensemble: Ensemble, inputs: Array, place: Place, margin: float) -> E
     return excess._replace(values=excess.values + limits[0] - limits[1])
 
 
-def _probability(excess: Excess, draws: Draws) -> tuple[float, float]:
-    """Probability that the excess is above 0, and its standard error."""
-    by_draw = excess.probability
-    chance = float(np.clip(draws.mean(by_draw), 0.0, 1.0))
-    of_draws = math.sqrt(float(np.sum((draws.weights * (by_draw - chance)) ** 2)))
-    density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
-    return chance, math.hypot(of_draws, float(draws.mean(density * excess.shared / excess.error)))
-
-
 def _run(fits: Mask, place: int) -> tuple[int, int]:
     """First and last number of the run of true values that a place is in."""
     (wrong,) = np.nonzero(~fits)
@@ -254,20 +245,9 @@ def _run(fits: Mask, place: int) -> tuple[int, int]:
 
 @dataclass(frozen=True, slots=True)
 class Direct:
-    """Probability by direct simulations of the draws that are near the limit.
+    """Probability by direct simulations of the draws that are near the limit, with its error.
 
-    Attributes
-    ----------
-    probability, error : float
-        The probability, and its standard error.
-    draws, simulated : int
-        New draws, and how many of them were simulated: the 400 nearest to the limit at most. The
-        others are judged by the emulator.
-
-    Examples
-    --------
-    >>> Direct(0.009, 0.0022, draws=2048, simulated=61).agrees_with(0.01)
-    True
+    Of new draws the 400 nearest to the limit at most are simulated; the emulator judges the others.
     """
 
     probability: float
@@ -295,18 +275,8 @@ def confirmed(
 ) -> Direct:
     """Find a probability anew, with direct simulations where the emulator is not sure.
 
-    Parameters
-    ----------
-    ensemble, goal, draws
-        Those of `design`.
-    place : Place
-        Operating point.
-    values : mapping of str to float
-        Values of the designed inputs by their paths [SI].
-    scene_with : callable
-        Gives the scene with entries by their paths, as a scene file has them.
-    progress : callable, optional
-        Called with the simulations done and their number.
+    The designed inputs have ``values`` by their paths [SI]. ``progress`` is called with the
+    simulations done and their number.
     """
     rng = np.random.default_rng([ensemble.design.seed, 2718])
     if draws is None:

@@ -137,17 +137,6 @@ def fitted(
     """Fit a Gaussian process to outputs (n, n_output) of rows, some of which share a contact.
 
     The constants of its kernel are kept in a store, and taken from there.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(0)
-    >>> u = rng.standard_normal((60, 2))
-    >>> def truth(u):
-    ...     return (0.5 * u[:, :1] + 0.1 * u[:, :1] * u[:, 1:])
-    >>> emulator = fitted(u, np.arange(2), np.arange(60), truth(u))
-    >>> values, error, _ = emulator(np.array([[0.3, -0.4]]), np.eye(1))
-    >>> print(f"{values[0, 0]:.4f}", bool(error[0] < 1e-3))
-    0.1380 True
     """
     mean = outputs.mean(axis=0)
     groups, parts = _parts(features[:, 0], contacts)
@@ -266,13 +255,6 @@ def factor(scores: Array, count: int) -> float:
     Of scores in so many independent groups it is the quantile that the next group stays below with
     90 % probability (Dunn, Wasserman & Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). Groups too few
     for one have the largest, and do not make the band narrower.
-
-    Examples
-    --------
-    >>> print(round(factor(np.linspace(-3.29, 3.29, 201), count=201), 2))
-    1.82
-    >>> print(factor(np.array([0.1, -0.3]), count=2))
-    1.0
     """
     if count < 1:
         return 1.0
@@ -400,18 +382,7 @@ class Keeper(Protocol):
 def kept_or_found(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers found from data, or those cached when they were found from the same data.
-
-    Examples
-    --------
-    >>> class Memory(dict):
-    ...     kept, keep = dict.get, dict.setdefault
-    >>> memory, data = Memory(), [np.arange(3.0)]
-    >>> kept_or_found(memory, data, lambda: np.array([0.1]))
-    array([0.1])
-    >>> kept_or_found(memory, data, lambda: np.array([0.2]))
-    array([0.1])
-    """
+    """Numbers found from data, or those cached when they were found from the same data."""
     if keeper is None:
         return find()
     name = "fit-" + _hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]

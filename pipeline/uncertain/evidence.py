@@ -156,14 +156,6 @@ def log_likelihoods(
 
     Both by test, draw and scatter, shape (n_test, n, n_scatter). Scatters are the relative standard
     deviations of velocities of tests that do not give their own.
-
-    Examples
-    --------
-    >>> tests = [{"velocity": 2.0}, {"velocity": 2.0, "outcome": "severe"}]
-    >>> apart = Distances(np.array([[0.0], [0.0]]), np.zeros((2, 1)))
-    >>> _, logarithms = log_likelihoods(tests, apart, [0.05])
-    >>> print(np.exp(logarithms).round(2).ravel())
-    [20.   0.5]
     """
     by_test = np.tile(scatters, (len(tests), 1, 1))
     for scatter, test in zip(by_test, tests, strict=True):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.special import ndtr
@@ -25,15 +26,7 @@ _AT_A_TIME = 256
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draws:
-    """Values of the unknown inputs, each with a weight.
-
-    Attributes
-    ----------
-    inputs : ndarray, shape (n, n_unknown)
-        Values [SI].
-    weights : ndarray, shape (n,)
-        Probabilities; their sum is 1.
-    """
+    """Values of the unknown inputs (n, n_unknown) [SI], each with a weight; their sum is 1."""
 
     inputs: Array
     weights: Array
@@ -53,6 +46,10 @@ class Draws:
         """Weighted mean over the draws, the first axis."""
         return np.tensordot(self.weights, values, axes=1)
 
+    def spread(self, values: Array) -> float:
+        """Weighted standard deviation over the draws, the first axis."""
+        return math.sqrt(float(self.mean((values - self.mean(values)) ** 2)))
+
     def quantile(self, values: Array, share: float) -> float:
         """Value that a share of the probability stays below; values may be infinite."""
         order = np.argsort(values)
@@ -66,15 +63,7 @@ class Draws:
 
 
 def prior(unknown: Sequence[Unknown], seed: int, count: int = COUNT) -> Draws:
-    """Draw from the distributions that the scene gives its unknown inputs.
-
-    Examples
-    --------
-    >>> friction = Unknown("friction.coefficient", "normal", (0.1, 0.005))
-    >>> draws = prior([friction], seed=0)
-    >>> print(f"{draws.mean(draws.inputs)[0]:.4f}")
-    0.1000
-    """
+    """Draw from the distributions that the scene gives its unknown inputs."""
     inputs = drawn(tuple(unknown), seed, count)
     return Draws(inputs, np.full(count, 1 / count))
 
@@ -85,32 +74,26 @@ FRICTION, BULK, CRITICAL, SHARE = (
 _ROUNDED = 1e-9  # of a range, beyond which a value is outside
 
 
-class _Condition(NamedTuple):
-    """Name of a condition among those that `pipeline.boundary` takes, and in `Conditions`."""
-
-    name: str
-    field: str
-
-
-_CONDITIONS = {
-    FRICTION: _Condition("friction", "friction"),
-    BULK: _Condition("bulk_temperature", "bulk_temperature"),
-    CRITICAL: _Condition("critical_temperature", "critical_temperature"),
-    SHARE: _Condition("share", "failing_share"),
+_FIELDS = {
+    FRICTION: "friction",
+    BULK: "bulk_temperature",
+    CRITICAL: "critical_temperature",
+    SHARE: "failing_share",
 }
+_NAMES = _FIELDS | {SHARE: "share"}  # as `pipeline.boundary` takes them
 
 
 def condition(conditions: Conditions, path: str) -> float | None:
     """Value of a condition by the path of its entry [SI]; None if not known, or no condition."""
-    return getattr(conditions, _CONDITIONS[path].field) if path in _CONDITIONS else None
+    return getattr(conditions, _FIELDS[path]) if path in _FIELDS else None
 
 
 def with_conditions(at: Mapping[str, float | str], changed: Mapping[str, Any]) -> dict[str, Any]:
     """Conditions that are changed, with those among the values to fix inputs at."""
     both = {name: value for name, value in changed.items() if value is not None}
     for path, value in at.items():
-        if path in _CONDITIONS:
-            name = _CONDITIONS[path].name
+        if path in _NAMES:
+            name = _NAMES[path]
             if name in both:
                 raise InputError(f"{path} is given twice, also as {name}; give it once")
             both[name] = value
@@ -130,7 +113,7 @@ def fixed_at(
     """
     by_path = {one.path: one for one in (*(one.unknown for one in stored), *unknown)}
     for path in at:
-        if path not in by_path and path not in _CONDITIONS:
+        if path not in by_path and path not in _NAMES:
             raise InputError(
                 f"{path} is not an unknown input of these samples, which have "
                 f"{', '.join(by_path)}; give one of these, or run the scene with it into another "
@@ -138,9 +121,8 @@ def fixed_at(
             )
     fixed = []
     for path, one in by_path.items():
-        if path in _CONDITIONS and _CONDITIONS[path].name in changed:
-            value = float(getattr(conditions, _CONDITIONS[path].field))
-            fixed.append(Fixed(one, value))
+        if _NAMES.get(path) in changed:
+            fixed.append(Fixed(one, float(getattr(conditions, _FIELDS[path]))))
         elif path in at:
             fixed.append(Fixed(one, _within(one, at[path])))
     return tuple(fixed)

@@ -94,7 +94,7 @@ def _spread(one: Unknown, draws: Draws, column: Array) -> Any:
         shares = [draws.mean(column == value) for value in one.parameters]
         return np.sqrt(np.maximum(shares, 1e-12))
     values = np.log(column) if one.is_relative else column
-    return max(math.sqrt(float(draws.mean((values - draws.mean(values)) ** 2))), _LEAST)
+    return max(draws.spread(values), _LEAST)
 
 
 def _with_column(inputs: Array, number: int, column: Array) -> Array:
@@ -208,14 +208,7 @@ def _hazard(score: Array) -> Array:
 
 
 def _explained(low: Array, high: Array) -> Array:
-    """Share of the variance of a result that is learnt if only the side is known beyond two ends.
-
-    Examples
-    --------
-    >>> infinite = np.array([8.0])
-    >>> print(_explained(-infinite, infinite).round(6), _explained(0 * infinite, 0 * infinite))
-    [1.] [0.63661977]
-    """
+    """Share of a result's variance that is learnt if only the side is known beyond two ends."""
     density = [np.exp(-0.5 * end**2 - _LOG_ROOT) for end in (low, high)]
     within = ndtr(high) - ndtr(low) - high * density[1] + low * density[0]
     return np.asarray(within + density[0] * _hazard(low) + density[1] * _hazard(-high))

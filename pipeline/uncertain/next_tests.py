@@ -1,5 +1,8 @@
 """The next test: candidates, ranked by the spread of a target that each is expected to leave.
 
+A programme is tests in their order until a target is known well enough, or they help no more; then
+it looks for other measurements that help.
+
 A candidate is tried on truths drawn from the posterior. A test at each truth has a result, with
 scatter and measured friction, which updates a filter (`pipeline.uncertain.learning`); the spread
 that is left is averaged over the truths. No truth is among the draws that it is compared with, so
@@ -10,7 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -120,9 +123,8 @@ def candidates(
     >>> best.spread < best.before
     True
     """
-    plan = Plan(posterior, target, bulk_temperatures)
-    ranked = [plan.candidate(one, plan.left(one)) for one in plan.measurements()]
-    return tuple(sorted([*ranked, *plan.lists()], key=lambda candidate: candidate.spread))
+    plan = _Plan(posterior, target, bulk_temperatures)
+    return tuple(plan.ranked([*plan.tests, *plan.others]))
 
 
 def plan_tests(
@@ -152,17 +154,61 @@ def plan_tests(
     """
     if count < 1:
         raise InputError(f"count is {count}; it must be at least 1")
-    plan = Plan(posterior, target, bulk_temperatures)
-    tests = [one for one in plan.measurements() if one.test]
-    planned = []
-    for _ in range(count):
-        best = min(tests, key=plan.left)
-        plan.learn(best)
-        planned.append(plan.candidate(best))
-    return tuple(planned)
+    return tuple(itertools.islice(_Plan(posterior, target, bulk_temperatures).best(), count))
 
 
-class Plan:
+MOST = 40
+"""Tests of a programme."""
+_LITTLE, _IN_A_ROW = 0.02, 3  # of the spread: what so many tests in a row at least take away
+_HELPS = 0.1  # of the spread, that another measurement takes away at least
+
+
+@dataclass(frozen=True, slots=True)
+class Programme:
+    """Tests that lead to a goal, as far as they do.
+
+    ``until`` is the standard deviation of the target that is sought, ``before`` that of today; see
+    `Candidate.spread`. Where the tests do not suffice, ``others`` are measurements beside them, the
+    best first.
+    """
+
+    until: float
+    before: float
+    tests: tuple[Candidate, ...]
+    is_reached: bool
+    is_stuck: bool
+    others: tuple[Candidate, ...]
+
+
+def programme(
+    posterior: Posterior,
+    until: float,
+    target: str | None = None,
+    bulk_temperatures: Sequence[float | str] = (),
+    most: int = MOST,
+) -> Programme:
+    """Plan tests until the target has a given spread, or further tests help little.
+
+    The arguments are those of `candidates`, and the most tests.
+    """
+    if not until > 0:
+        raise InputError(f"until is {until:g}; give a spread above 0, such as 0.05")
+    plan = _Plan(posterior, target, bulk_temperatures)
+    tests: list[Candidate] = []
+    spreads, following, is_stuck = [plan.before], plan.best(), False
+    while plan.spread > until and len(tests) < most and not is_stuck:
+        tests.append(next(following))
+        spreads.append(tests[-1].spread)
+        earlier = spreads[-_IN_A_ROW - 1] if len(tests) >= _IN_A_ROW else math.inf
+        is_stuck = spreads[-1] > (1 - _LITTLE) ** _IN_A_ROW * earlier
+    if plan.spread <= until:
+        return Programme(until, plan.before, tuple(tests), True, False, ())
+    enough = (1 - _HELPS) * plan.spread
+    others = tuple(one for one in plan.ranked(plan.others) if one.spread < enough)
+    return Programme(until, plan.before, tuple(tests), False, is_stuck, others)
+
+
+class _Plan:
     """Truths drawn from what is known today, what each has learnt so far, and the target."""
 
     def __init__(
@@ -180,6 +226,7 @@ class Plan:
         self._known = Knowledge.of(self._features)
         self._path = target
         self.before = self.spread
+        self.tests, self.others = tuple(self._tests()), tuple(self._others())
 
     def _of_sweep(self, inputs: Array) -> Array:
         """Inputs of the sweep whose tests are planned, among all."""
@@ -213,22 +260,29 @@ class Plan:
         """Spread of the target by what is known so far."""
         return self._known.spread(self._target)
 
-    def left(self, measurement: Observable) -> float:
+    def _left(self, measurement: Observable) -> float:
         """Spread of the target that a measurement is expected to leave."""
         return self._known.expected(measurement, self._target)
 
-    def learn(self, measurement: Observable) -> None:
-        """Let each truth learn the result that a measurement has of it."""
-        self._known = self._known.after(measurement, self._chance)
+    def best(self) -> Iterator[Candidate]:
+        """Tests without end, each the best beside those before it, of which each truth learns."""
+        while True:
+            test = min(self.tests, key=self._left)
+            self._known = self._known.after(test, self._chance)
+            yield Candidate(test.what, self.spread, self.before, test.test)
 
-    def candidate(self, measurement: Observable, spread: float | None = None) -> Candidate:
-        """A measurement with the spread that it leaves; that of today if not given."""
-        left = self.spread if spread is None else spread
-        return Candidate(measurement.what, left, self.before, measurement.test)
+    def ranked(self, measurements: Iterable[Observable]) -> list[Candidate]:
+        """Measurements, and values of lists that could be found out, the best first."""
+        ranked = [Candidate(m.what, self._left(m), self.before, m.test) for m in measurements]
+        for number, quantity in enumerate(self._posterior.unknown):
+            if quantity.kind == "list":
+                known = self._known.knowing(self._features.numbers(number))
+                left = known.spread(self._target)
+                ranked.append(Candidate(f"{quantity.path} itself", left, self.before))
+        return sorted(ranked, key=lambda candidate: candidate.spread)
 
-    def measurements(self) -> Iterator[Observable]:
-        """All that could be measured."""
-        yield from self._tests()
+    def _others(self) -> Iterator[Observable]:
+        """What could be measured beside tests: worn widths, and inputs."""
         truths, loads = self._of_sweep(self._features.truths), self._ensemble.loads
         boundary, _ = log_boundary(self._ensemble, truths, loads, with_error=False)
         for load, column in zip(loads.tolist(), boundary.T, strict=True):
@@ -252,14 +306,6 @@ class Plan:
     def _log_width(self, load: float, velocity: float, inputs: Array) -> Array:
         """Logarithm of the contact's width at a point, shape (1, n)."""
         return self._ensemble.width(self._of_sweep(inputs), load, velocity).values[None]
-
-    def lists(self) -> Iterator[Candidate]:
-        """Inputs that are one of a list, whose value could be found out."""
-        for number, quantity in enumerate(self._posterior.unknown):
-            if quantity.kind == "list":
-                known = self._known.knowing(self._features.numbers(number))
-                left = known.spread(self._target)
-                yield Candidate(f"{quantity.path} itself", left, self.before)
 
     def _tests(self) -> Iterator[Observable]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""

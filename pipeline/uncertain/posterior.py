@@ -23,26 +23,11 @@ _CONTRADICTS = 0.02  # probability, by all others, below which a test contradict
 
 
 class Judged(NamedTuple):
-    """A test, judged by all other tests, and by all tests together.
+    """A test of a sweep, by its number, judged by all other tests, and by all tests together.
 
-    Attributes
-    ----------
-    test : mapping
-        Entries of the test.
-    sweep : int
-        Number of the sweep that it belongs to.
-    critical_velocity : tuple of float
-        Critical velocity there that 5, 50 and 95 % stay below, given all tests [m/s].
-    probability : float
-        Probability of its outcome, or of a transition as far off, given all others.
-    is_blamed : bool
-        False if the model does not fit the others, either, so that it may be wrong instead.
-
-    Examples
-    --------
-    >>> test = {"normal_load": 750.0, "velocity": 2.5}
-    >>> Judged(test, 0, (1.06, 1.14, 1.22), probability=0.003).contradicts
-    True
+    5, 50 and 95 % of the probability given all tests stay below the critical velocities there
+    [m/s]. ``probability`` is that of its outcome, or of a transition as far off, given all others.
+    It is not blamed if the model does not fit the others, either, and may be wrong instead.
     """
 
     test: Test
@@ -147,13 +132,9 @@ class Posterior:
                     odds = {f"{v:g}": float(draws.mean(column == v)) for v in quantity.parameters}
                     row[name] = {"probability": odds}
                     continue
-                mean = float(draws.mean(column))
                 low, _, high = draws.interval(column)
-                row[name] = {
-                    "mean": mean,
-                    "sd": math.sqrt(float(draws.mean((column - mean) ** 2))),
-                    "interval": [low, high],
-                }
+                mean, sd = float(draws.mean(column)), draws.spread(column)
+                row[name] = {"mean": mean, "sd": sd, "interval": [low, high]}
             yield row
 
     @property
@@ -222,16 +203,8 @@ def faults(
 ) -> tuple[str, ...]:
     """Reasons why the model does not fit, in words; none if nothing speaks against it.
 
-    Parameters
-    ----------
-    unknown : sequence of Unknown
-        Inputs.
-    draws : Draws
-        Values that the tests leave.
-    scatter : float
-        Relative standard deviation that velocities are said to have.
-    inferred : sequence of float
-        That which 5, 50 and 95 % stay below, given the tests.
+    Velocities are said to have a relative standard deviation of ``scatter``; 5, 50 and 95 % of the
+    probability stay below the ``inferred`` ones, given the tests.
     """
     words = []
     if inferred[0] > scatter:
@@ -254,13 +227,7 @@ def explains(
 
 
 def cut_off(weights: Array) -> str:
-    """End at which the scatters that are considered cut off the inferred one; empty if none.
-
-    Examples
-    --------
-    >>> cut_off(np.array([0.01, 0.29, 0.7])), cut_off(np.array([0.01, 0.98, 0.01]))
-    ('above', '')
-    """
+    """End at which the scatters that are considered cut off the inferred one; empty if none."""
     if weights[-1] > _CUT_OFF:
         return "above"
     return "below" if weights[0] > _CUT_OFF else ""
@@ -284,23 +251,8 @@ def _is_outer(unknown: Unknown, column: Array) -> Array:
 class Difference:
     """Difference of a quantity between two sweeps, the second less the first.
 
-    Attributes
-    ----------
-    what : str
-        Quantity, in words.
-    unit : str
-        Unit: of a temperature K; 1 for the logarithm of a velocity.
-    mean, sd : float
-        Mean and standard deviation of the difference.
-    interval : tuple of float
-        Differences that 5, 50 and 95 % stay below.
-    probability : float
-        Probability that the second has more.
-
-    Examples
-    --------
-    >>> Difference("critical temperature", "K", 12.0, 6.6, (1.1, 12.0, 22.9), 0.97).probability
-    0.97
+    Of velocities it is that of their logarithms. 5, 50 and 95 % stay below the ``interval``;
+    ``probability`` is that the second has more.
     """
 
     what: str
@@ -336,12 +288,6 @@ def differences(posterior: Posterior) -> Iterator[Difference]:
 
 def _difference(posterior: Posterior, what: str, unit: str, values: Array) -> Difference:
     draws = posterior.draws
-    mean = float(draws.mean(values))
-    return Difference(
-        what,
-        unit,
-        mean,
-        math.sqrt(float(draws.mean((values - mean) ** 2))),
-        draws.interval(values),
-        float(draws.mean(np.where(values > 0, 1.0, 0.0))),
-    )
+    more = float(draws.mean(np.where(values > 0, 1.0, 0.0)))
+    moments = float(draws.mean(values)), draws.spread(values)
+    return Difference(what, unit, *moments, draws.interval(values), more)

@@ -15,7 +15,7 @@ and the bulk temperature of each test, V₀ in the middle of the sweep and T₀ 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -83,29 +83,21 @@ def with_rigs(
     ]
     if not any(has_rig):
         return unknown, (None,) * len(ensembles)
-    others = list(_others(ensembles, has_rig))
-    joint = (*unknown, *(one for one in others if one), SCATTER)
-    places: list[Places | None] = []
-    following = len(unknown)
-    for ensemble, of_sweep, has, other in zip(ensembles, columns, has_rig, others, strict=True):
+    joint, columns_of_rigs = list(unknown), list[int | None]()
+    rows = zip(ensembles, columns, has_rig, strict=True)
+    for number, (ensemble, of_sweep, has) in enumerate(rows, 1):
         if not has:
-            places.append(None)
+            columns_of_rigs.append(None)
             continue
         own = [one.path for one in ensemble.unknown].index(FRICTION)
-        places.append(Places(following if other else int(of_sweep[own]), len(joint) - 1))
-        following += other is not None
-    return joint, tuple(places)
-
-
-def _others(ensembles: Sequence[Ensemble], has_rig: Sequence[bool]) -> Iterator[Unknown | None]:
-    """Friction of each sweep's rig, where it is another input than that of the scene."""
-    for number, (ensemble, has) in enumerate(zip(ensembles, has_rig, strict=True), 1):
-        if not has or ensemble.same_rig:
-            yield None
-            continue
-        (friction,) = (one for one in ensemble.unknown if one.path == FRICTION)
-        path = f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
-        yield replace(friction, path=path, correlated=())
+        column = int(of_sweep[own])
+        if not ensemble.same_rig:
+            column, path = len(joint), f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
+            joint.append(replace(ensemble.unknown[own], path=path, correlated=()))
+        columns_of_rigs.append(column)
+    scatter = len(joint)
+    places = (None if one is None else Places(one, scatter) for one in columns_of_rigs)
+    return (*joint, SCATTER), tuple(places)
 
 
 SLOPES = (
@@ -132,12 +124,6 @@ class Slopes(NamedTuple):
 
         Velocities (n_velocity,) are over the middle one, the bulk temperature is so much warmer
         than that of the scene [K].
-
-        Examples
-        --------
-        >>> slopes = Slopes(np.array([0.5]), np.array([0.1]))
-        >>> print(slopes.log_factor(np.array([-1.0, 1.0]), warmer=50.0))
-        [[-0.45  0.55]]
         """
         by_velocity = self.velocity[:, None] * log_velocities
         return np.asarray(by_velocity + self.bulk[:, None] * warmer / _KELVINS)

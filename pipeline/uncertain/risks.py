@@ -15,7 +15,7 @@ from pipeline.analysis.margins import frame_of_points
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
-from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
+from pipeline.uncertain.answers import STEPS, draws_of, log_crossings, probability_of
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, QUANTILES, Draws
 from tribo.simulation.point_warnings import SLOWEST
@@ -115,15 +115,7 @@ def risk(
 class Interval:
     """Values that 5, 50 and 95 % of the probability stay below.
 
-    Attributes
-    ----------
-    low, middle, high : float
-        The three values; of a boundary 0 or infinite where it lies below or above the sweep.
-
-    Examples
-    --------
-    >>> Interval(1.6, 2.1, 2.7).middle
-    2.1
+    Of a boundary they are 0 or infinite where it lies below or above the sweep.
     """
 
     low: float
@@ -290,20 +282,16 @@ def _judged(
     """Risk at an operating point, its deciding temperature, and the distance to the critical."""
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     excess, off = _with_error(ensemble, draws, load, velocity)
-
-    lowest, probability, highest = (
-        float(np.clip(draws.mean(excess._replace(values=values).probability), 0.0, 1.0))
-        for values in (excess.values - off, excess.values, excess.values + off)
+    probability, error = probability_of(excess, draws)
+    lowest, highest = (
+        probability_of(excess._replace(values=excess.values + sign * off), draws)[0]
+        for sign in (-1.0, 1.0)
     )
-    by_draws = math.sqrt(float(np.sum((draws.weights * (excess.probability - probability)) ** 2)))
-    # What neighbours share is taken as shared by all draws, which errs to the safe side.
-    density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
-    by_samples = float(draws.mean(density * excess.shared / excess.error))
     risk = Risk(
         load=load,
         velocity=velocity,
         probability=probability,
-        error=math.hypot(by_draws, by_samples),
+        error=error,
         rise_error=math.sqrt(float(draws.mean(excess.error**2))),
         samples=len(ensemble.inputs),
         lowest=lowest if ensemble.velocity_error is not None else 0.0,

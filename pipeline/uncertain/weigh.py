@@ -197,17 +197,6 @@ def tempered(
 
     The logarithm of the likelihood is called with draws (n, n_unknown) [SI], and gives (n,). The
     second result is the logarithm of the evidence, the mean of the likelihood over the prior.
-
-    Examples
-    --------
-    A normal prior of 0 ± 1 and a measurement of 3 ± 0.1:
-
-    >>> inputs = [Unknown("friction.coefficient", "normal", (0.0, 1.0))]
-    >>> def log_likelihood(x):
-    ...     return -0.5 * ((x[:, 0] - 3) / 0.1) ** 2
-    >>> draws, evidence = tempered(inputs, log_likelihood, seed=0, count=1000)
-    >>> print(f"{draws.mean():.2f} {draws.std():.1f} {abs(evidence + 6.76) < 0.2}")
-    2.97 0.1 True
     """
     rng = np.random.default_rng(seed)
     scores = ndtri(sequence(seed, count)[:, : len(unknown)])

@@ -3,8 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.uncertain.next_tests import candidates
-from pipeline.uncertain.programme import programme
+from pipeline.uncertain.next_tests import candidates, programme
 from tests.helpers.samples import CRITICAL, FRICTION, ensemble
 from tribo import InputError
 
