@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,16 +17,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.scene.bodies import LOAD, SPEED
-from pipeline.scene.document import Document, FileEntries
+from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, with_value
 from pipeline.scene.headings import Sheet, heading_of, read_sheet, sheet_of
-from pipeline.scene.over import scene_with
+from pipeline.scene.over import column_of, scene_with
 from pipeline.scene.rows import may_be_thousands
 from pipeline.scene.schema import flat
-from pipeline.scene.units import UnitError, is_shown_unit, si_unit, to_si
+from pipeline.scene.units import is_shown_unit
 from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import Column, Label, placed_rows
+from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 
 _PLACE = {"load": LOAD, "velocity": SPEED}
@@ -50,45 +51,17 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class OperatingPoints:
-    """Operating points of a table, and its further columns.
-
-    Attributes
-    ----------
-    places : tuple of Place
-        Loads and velocities.
-    others : mapping of str to sequence
-        Further columns, by their headings.
-
-    Examples
-    --------
-    >>> OperatingPoints((Place(500.0, 2.0),), {"gear": [3]}).places[0].velocity
-    2.0
-    """
+    """Operating points of a table, and its further columns by their headings."""
 
     places: tuple[Place, ...]
     others: Mapping[str, Sequence[Any]]
 
     @classmethod
     def read(cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]]) -> OperatingPoints:
-        """Read operating points.
+        """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        Parameters
-        ----------
-        source : path or mapping of str to sequence
-            A file as CSV or Excel, or columns by heading, such as a data frame: ``load`` and
-            ``velocity``, or such as ``Normalkraft / N``, with units in the heading or in each
-            cell; bare numbers of a mapping are in N and m/s. Further columns are passed on.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be read, or for all of its faults at once, by row and column.
-
-        Examples
-        --------
-        >>> points = OperatingPoints.read({"load [kN]": [0.5], "velocity": ["2 m/s"], "gear": [3]})
-        >>> points.places, dict(points.others)
-        ((Place(load=500.0, velocity=2.0),), {'gear': [3]})
+        Units stand in the heading or in each cell; bare numbers of a mapping are in N and m/s.
+        `InputError` is raised for all faults at once, by row and column.
         """
         if isinstance(source, Mapping) or not isinstance(source, str | os.PathLike):
             name, sheet = "points", _sheet_of(source)
@@ -114,8 +87,7 @@ class OperatingPoints:
             for place, head in enumerate(heads)
             if place not in sheet.places.values()
         }
-        places = zip(values["load"], values["velocity"], strict=True)
-        return cls(tuple(Place(*place) for place in places), others)
+        return cls(tuple(map(Place, values["load"], values["velocity"])), others)
 
 
 def _sheet_of(columns: Any) -> Sheet:
@@ -154,108 +126,71 @@ def _quantity(sheet: Sheet, name: str, faults: list[str]) -> list[float]:
     return values
 
 
-@dataclass(frozen=True, slots=True)
-class Pairs:
-    """Rows of pairs, as they are written.
-
-    Attributes
-    ----------
-    places : tuple of tuple
-        Load [N] and velocity [m/s] of each row.
-    entries : tuple of mapping
-        Values of entries in each row, by their paths as TOML has them.
-    labels : mapping
-        Cells of the other columns, by their headings without units.
-    around : int or None
-        Number of velocities, and of loads, about each place.
-    """
-
-    places: tuple[tuple[float, float], ...]
-    entries: tuple[Mapping[str, Any], ...]
-    labels: Mapping[str, Sequence[Any]]
-    around: int | None
-
-
-def pairs_of(document: Document, faults: Faults) -> Pairs | None:
-    """The pairs that a scene asks for; None if there are none, or a noted fault."""
+def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
+    """Rows of ``sweep.along``, places in SI and else as written; none if not asked or if faulty."""
     sweep = document.entries().get("sweep")
     asked = sweep.get("along") if isinstance(sweep, dict) else None
-    wrong = Faults()
+    before = len(faults)
     if isinstance(sweep, dict) and asked is None and "around" in sweep:
         faults.note("sweep.around", "sweep.along is not given, which it belongs to; leave it out")
     if isinstance(asked, str) and asked:
-        rows = _of_file(document.file_of("sweep.along").parent / asked, wrong)
-    elif isinstance(asked, list) and asked and all(isinstance(row, dict) for row in asked):
+        rows = _of_file(document.file_of("sweep.along").parent / asked, faults)
+    elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
         rows = [dict(flat(row)) for row in asked]
     else:
-        return None  # which the format tells
-    faults += wrong
-    if wrong or not rows:
-        return None
-    for number, row in enumerate(rows):
-        for name in _PLACE.keys() - row.keys():
-            wrong.note(f"sweep.along[{number}].{name}", f"missing; give {_PLACE[name]}")
+        return []  # which the format tells
+    for number, row in enumerate(rows if len(faults) == before else ()):
+        for name in _PLACE:
+            if name not in row:
+                faults.note(f"sweep.along[{number}].{name}", f"missing; give {_PLACE[name]}")
         if row.keys() != rows[0].keys():
             other = ", ".join(sorted(row.keys() ^ rows[0].keys()))
-            wrong.note(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
-    places = (
-        ()
-        if wrong
-        else tuple(
-            (
-                LOAD.read(row.get("load"), f"sweep.along[{number}].load", wrong),
-                SPEED.read(row.get("velocity"), f"sweep.along[{number}].velocity", wrong),
-            )
-            for number, row in enumerate(rows)
-        )
-    )
-    faults += wrong
-    if wrong:
-        return None
-    paths = [path for path in rows[0] if "." in path]
-    others = [head for head in rows[0] if head not in (*paths, *_PLACE)]
-    around = sweep.get("around") if isinstance(sweep, dict) else None
-    return Pairs(
-        places,
-        tuple({path: row[path] for path in paths} for row in rows),
-        {head: [row[head] for row in rows] for head in others},
-        around if isinstance(around, int) else None,
-    )
+            faults.note(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
+    for number, row in enumerate(rows if len(faults) == before else ()):
+        for name, kind in _PLACE.items():
+            row[name] = kind.read(row[name], f"sweep.along[{number}].{name}", faults)
+    return rows if len(faults) == before else []
 
 
-def with_first_row(document: Document, pairs: Pairs | None) -> Document:
+def with_first_row(document: Document, pairs: list[dict[str, Any]]) -> Document:
     """The document with the first row's values and all places as its lowest layer."""
-    if pairs is None:
+    if not pairs:
         return document
-    axes = zip(("loads", "velocities"), zip(*pairs.places, strict=True), ("N", "m/s"), strict=True)
+    axes = (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
     below: dict[str, Any] = {
-        "sweep": {name: [f"{one!r} {unit}" for one in sorted({*held})] for name, held, unit in axes}
+        "sweep": {
+            axis: [f"{one!r} {unit}" for one in sorted({row[name] for row in pairs})]
+            for axis, name, unit in axes
+        }
     }
-    for path, value in pairs.entries[0].items():
-        below = with_value(below, path, value)
-    return Document((*document.layers, FileEntries(document.file, below)))
+    for path in filter(_is_path, pairs[0]):
+        below = with_value(below, path, pairs[0][path])
+    return document.above(below)
 
 
-def along_of(pairs: Pairs, sweep: Sweep, make: Make) -> Sweep:
+def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make: Make) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
     if sweep.variants.sets_velocities:
         raise InputError(
             "sweep.along: its rows have places of their own, as samples have, and wear_rates have "
             "a plane; leave out one or the other"
         )
-    factors = [f for f in np.geomspace(1 / _REACH, _REACH, pairs.around or 1) if f != 1.0]
-    factors = [float(f"{f:.4g}") for f in factors] if pairs.around else []
+    steps = np.geomspace(1 / _REACH, _REACH, around) if around else ()
+    factors = [float(f"{f:.4g}") for f in steps if f != 1.0]
     about = [(1.0, 1.0), *((1.0, f) for f in factors), *((f, 1.0) for f in factors)]
-    if (count := len(pairs.places) * len(about)) > _MOST:
+    if (count := len(pairs) * len(about)) > _MOST:
         raise InputError(f"sweep.along: {count} places are too many; give {_MOST} at most")
-    scenes = [scene_with(entries, sweep, make, "sweep.along") for entries in pairs.entries]
-    numbers = [number for number in range(len(scenes)) for _ in about]
-    loads, velocities = (
-        [place[k] * by[k] for place in pairs.places for by in about] for k in (0, 1)
-    )
+    paths = [head for head in pairs[0] if _is_path(head)]
+    written = [{path: row[path] for path in paths} for row in pairs]
+    scenes = [scene_with(values, sweep, make, "sweep.along") for values in written]
     parts = [tuple(differing_inputs(sweep, scene)) for scene in scenes]
-    columns = [_column(path, [row[path] for row in pairs.entries]) for path in pairs.entries[0]]
-    columns += [_label(head, cells) for head, cells in pairs.labels.items()]
+    columns = [column_of(path, [row[path] for row in pairs], "row") for path in paths]
+    labels = [head for head in pairs[0] if head not in (*paths, *_PLACE)]
+    columns += [_label(head, [row[head] for row in pairs]) for head in labels]
+    numbers = [number for number in range(len(pairs)) for _ in about]
+    loads, velocities = (
+        [row[name] * by[k] for row in pairs for by in about] for k, name in enumerate(_PLACE)
+    )
     table = placed_rows(
         [parts[number] for number in numbers],
         [column.taken(numbers) for column in columns],
@@ -267,40 +202,22 @@ def along_of(pairs: Pairs, sweep: Sweep, make: Make) -> Sweep:
     return sweep.changed(variants=table * sweep.variants, **plane)
 
 
-def _column(path: str, cells: Sequence[Any]) -> Column:
-    """Values of an entry in SI, or words."""
-    meaning, first = f"{path} of the row", cells[0]
-    try:
-        if isinstance(first, str):
-            values = tuple(to_si(str(cell), like=first) for cell in cells)
-            return Column(path, values, si_unit(first), meaning=meaning, texts=tuple(cells))
-        return Column(path, tuple(float(cell) for cell in cells), meaning=meaning)
-    except (UnitError, TypeError, ValueError):
-        words: tuple[Label, ...] = tuple(str(cell) for cell in cells)
-        return Column(path, words, None, meaning=meaning)
+def _is_path(head: str) -> bool:
+    """True of the path of an entry, others are labels or the place."""
+    return "." in head
 
 
 def _label(head: str, cells: Sequence[Any]) -> Column:
-    """A label of the rows: numbers in SI, or in their own unit if that is never shown; or words.
-
-    Examples
-    --------
-    >>> labels = {"angle": ["5 deg", "10 deg"], "time": ["2 min"], "gear": ["2a", "3"]}
-    >>> for head, cells in labels.items():
-    ...     column = _label(head, cells)
-    ...     print(column.values, column.unit)
-    (5.0, 10.0) deg
-    (120.0,) s
-    ('2a', '3') None
-    """
+    """A label of the rows: numbers in SI, or in their own unit if that is never shown; or words."""
     numbers, _, (unit, *others) = zip(*(str(cell).partition(" ") for cell in cells), strict=True)
-    column = _column(head, cells) if unit else Column(head, (), "1", meaning=f"{head} of the row")
+    words = Column(head, tuple(map(str, cells)), None, meaning=f"{head} of the row")
+    column = column_of(head, cells, "row") if unit else replace(words, unit="1")
     try:
         own = tuple(map(float, numbers))
     except ValueError:
         own = ()
     if not own or {unit, *others} != {unit} or column.unit is None:
-        return replace(column, values=tuple(map(str, cells)), unit=None, texts=())
+        return words
     if unit and is_shown_unit(column.unit):
         return replace(column, texts=())
     return replace(column, values=own, unit=unit or "1", texts=())
@@ -335,18 +252,10 @@ def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
 
 
 def _value(cell: str, unit: str) -> Any:
-    """A cell as a scene file has it: a number, or text with a unit.
-
-    Examples
-    --------
-    >>> _value("3.3", "mm"), _value("0.1", ""), _value("7", ""), _value("local", "")
-    ('3.3 mm', 0.1, 7, 'local')
-    """
+    """A cell as a scene file has it: a number, or text with a unit."""
     if unit:
         return f"{cell} {unit}"
     for number in (int, float):
-        try:
+        with suppress(ValueError):
             return number(cell)
-        except ValueError:
-            continue
     return cell

@@ -53,6 +53,10 @@ class Document(NamedTuple):
         """The entries as if the scene were written in full."""
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
+    def above(self, entries: dict[str, Any]) -> Document:
+        """The document above other entries, which hold where it gives none."""
+        return Document((*self.layers, FileEntries(self.file, entries)))
+
     def file_of(self, key: str) -> Path:
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")
@@ -75,15 +79,13 @@ class Document(NamedTuple):
 
     def _is_out_of_place(self, fault: Fault, table: str) -> bool:
         """True for an inherited key of a table that what stands here does not know."""
-        is_unknown = fault.problem.startswith("unknown key") and "[" not in fault.key
         is_within = fault.key.rpartition(".")[0] == table != ""
-        return is_unknown and is_within and self.file_of(fault.key) != self.file
+        return fault.is_unknown and is_within and self.file_of(fault.key) != self.file
 
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with the file that it stands in if that is another one."""
         # Beside what this scene gives, keys that suit the other one may be out of place.
-        is_unknown = fault.problem.startswith("unknown key") and "[" not in fault.key
-        doubtful = [fault.key, fault.rival] if fault.rival else [fault.key] * is_unknown
+        doubtful = [fault.key, fault.rival] if fault.rival else [fault.key] * fault.is_unknown
         inherited = [key for key in doubtful if self.file_of(key) != self.file]
         hint = f'; or leave it out here: without = ["{inherited[0]}"]' if inherited else ""
         file = fault.file or self.file_of(fault.key)
@@ -104,8 +106,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
         if without is not None:
             faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
         return document
-    wrong = Faults()
-    name = FORMAT.keys["extends"].kind.read(extends, "extends", wrong)
+    name = FORMAT.keys["extends"].kind.read(extends, "extends", wrong := Faults())
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
     other, chain = scene_path(name, path.parent), (*above, path)
@@ -140,9 +141,8 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: Fault
 
 def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults: Faults) -> None:
     """Remove the entries that ``without`` names from a document, and its fidelity for a preset."""
-    wrong = Faults()
+    wrong, entries = Faults(), base.entries()
     keys = [] if value is None else FORMAT.keys["without"].kind.read(value, "without", wrong) or []
-    entries = base.entries()
     for index, key in enumerate(keys):
         parts = key.split(".")
         depth = _depth(entries, parts)
@@ -190,27 +190,17 @@ def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS)
 
 
 def as_toml(value: Any) -> str:
-    """Write a value as it stands in a scene file.
-
-    Examples
-    --------
-    >>> as_toml({"from": "1 m/s", "pin.radius": [0.1, True]})
-    '{ from = "1 m/s", "pin.radius" = [0.1, true] }'
-    """
+    """Write a value as it stands in a scene file."""
     match value:
         case dict():
-            items = (f"{_key(key)} = {as_toml(item)}" for key, item in value.items())
+            keys = (key if _BARE_KEY.fullmatch(key) else as_toml(key) for key in value)
+            items = map(" = ".join, zip(keys, map(as_toml, value.values()), strict=True))
             return f"{{ {', '.join(items)} }}"
         case list():
             return f"[{', '.join(map(as_toml, value))}]"
         case float():
             return short if float(short := f"{value:g}") == value else repr(value)
     return json.dumps(value, ensure_ascii=False, default=str)
-
-
-def _key(name: str) -> str:
-    """A key, in quotes where TOML needs them."""
-    return name if _BARE_KEY.fullmatch(name) else json.dumps(name, ensure_ascii=False)
 
 
 def _toml(path: Path) -> dict[str, Any]:

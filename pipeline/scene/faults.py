@@ -27,6 +27,11 @@ class Fault(NamedTuple):
     file: Path | None = None
     rival: str = ""
 
+    @property
+    def is_unknown(self) -> bool:
+        """True of a key that the format does not have, outside lists."""
+        return self.problem.startswith("unknown key") and "[" not in self.key
+
 
 class Faults(list[Fault]):
     """All that is wrong with a scene, and notes on what is not."""

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from pipeline.scene.document import Document, FileEntries
+from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, quoted, with_value
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, display, si_unit, to_si
@@ -21,9 +22,7 @@ from tribo import InputError, Wear
 from tribo.simulation import inseparable
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
-_SAME = (
-    "loads", "velocities", "variants", "unequal_bulks", "independent", "steps",
-)  # fmt: skip
+_SAME = ("loads", "velocities", "variants", "unequal_bulks", "independent", "steps")
 _ASKED_BY = {VARIANT: "along", WEAR_RATE: "wear_rates"}  # entries that fill these dimensions
 _MOST = 10_000  # combinations, each of which is read as a scene
 _RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
@@ -43,20 +42,16 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
             f"sweep.over: {len(names)} combinations are too many; give {_MOST} at most"
         )
     texts = {path: axis.text_of for path, axis in axes.items()}
-    scenes = [
-        scene_with({path: texts[path][value] for path, value in name}, sweep, make, "sweep.over")
-        for name in names
-    ]
+    written = [{path: texts[path][value] for path, value in name} for name in names]
+    scenes = [scene_with(values, sweep, make, "sweep.over") for values in written]
     parts = tuple(tuple(differing_inputs(sweep, scene)) for scene in scenes)
     if len(parts) > 1 and all(part == parts[0] for part in parts):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
         )
     columns = tuple(
-        axis.taken([axis.values.index(value) for value in values])
-        for axis, values in zip(
-            axes.values(), zip(*([v for _, v in name] for name in names), strict=True), strict=True
-        )
+        axis.taken([axis.values.index(dict(name)[path]) for name in names])
+        for path, axis in axes.items()
     )
     return Variants(columns, parts)
 
@@ -69,12 +64,11 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
                 f"note: sweep.{asked_by} is ignored here; the scene's own values are taken, or "
                 "those of its first row: --set takes others"
             )
-            continue
-        yield (
-            f"note: sweep.over is ignored here; {column.name} is the scene's own or the first "
-            "listed: "
-            f'--set "{column.name}=..." takes another'
-        )
+        else:
+            yield (
+                f"note: sweep.over is ignored here; {column.name} is the scene's own or the first "
+                f'listed: --set "{column.name}=..." takes another'
+            )
 
 
 def with_first_values(document: Document) -> Document:
@@ -84,33 +78,41 @@ def with_first_values(document: Document) -> Document:
     for path, values in flat(over) if isinstance(over, dict) else ():
         if isinstance(values, list) and values:
             first = with_value(first, path, values[0])
-    return Document((*document.layers, FileEntries(document.file, first)))
+    return document.above(first)
+
+
+def column_of(path: str, values: Sequence[Any], owner: str) -> Column:
+    """Values of an entry in SI, or words where they are not of one dimension."""
+    meaning, first = f"{path} of the {owner}", values[0]
+    try:
+        if isinstance(first, str):
+            in_si = tuple(to_si(str(value), like=first) for value in values)
+            return Column(path, in_si, si_unit(first), meaning=meaning, texts=tuple(values))
+        return Column(path, tuple(map(float, values)), meaning=meaning)
+    except (UnitError, TypeError, ValueError):
+        return Column(path, tuple(map(str, values)), None, meaning=meaning)
 
 
 def _axis(path: str, values: tuple[Any, ...]) -> Column:
-    """An entry with its values in SI, or as words."""
+    """An entry with its values in SI in rising order, or as words."""
     key = f"sweep.over.{quoted(path)}"
     if path.partition(".")[0] in _FIXED:
         raise InputError(
             f"{key}: this cannot take several values; give an entry of the scene, such as "
             '"pin.radius"'
         )
-    first, unit = values[0], "1"
-    if any(isinstance(value, str) != isinstance(first, str) for value in values):
+    if len({isinstance(value, str) for value in values}) > 1:
         raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
-    labels = values
-    if isinstance(first, str):
-        try:
-            labels, unit = tuple(to_si(value, like=first) for value in values), si_unit(first)
-        except UnitError:
-            return Column(path, values, None, meaning=f"{path} of the scene")
-    pairs = sorted(zip(map(float, labels), values, strict=True), key=lambda pair: pair[0])
+    column = column_of(path, values, "scene")
+    if column.unit is None:
+        return column
+    pairs = sorted(zip(column.values, values, strict=True), key=lambda pair: pair[0])
     for (one, text), (other, again) in itertools.pairwise(pairs):
         if one == other:
             both = f"{quoted(text)} and {quoted(again)}"
             raise InputError(f"{key}: {both} are the same; give each value once")
-    labels, values = zip(*pairs, strict=True)
-    return Column(path, labels, unit, meaning=f"{path} of the scene", texts=values)
+    labels, texts = zip(*pairs, strict=True)
+    return replace(column, values=labels, texts=texts)
 
 
 def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) -> Sweep:
@@ -180,12 +182,6 @@ def with_rates_of(asked: Mapping[str, float] | None, sweep: Sweep, notes: list[s
 
 
 def _beyond(velocity: float, factor: float) -> list[float]:
-    """Velocities from one, without it, to a multiple of it [m/s].
-
-    Examples
-    --------
-    >>> _beyond(4.0, 2.0), _beyond(1.0, 0.9), _beyond(1.0, 1.0)
-    ([5.04, 6.35, 8.0], [0.9], [])
-    """
+    """Velocities from one, without it, to a multiple of it [m/s]."""
     count = math.ceil(abs(math.log(factor)) / math.log(_RATIO) - 1e-9)
     return [float(f"{velocity * factor ** (n / count):.4g}") for n in range(1, count + 1)]

@@ -12,7 +12,7 @@ from typing import Any
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
-from pipeline.sweep.own_laws import WEAR, Laws, Own, OwnLawError
+from pipeline.sweep.own_laws import CRITERION, WEAR, Laws, Own, OwnLawError
 from tribo.simulation.pins import sizes_of
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
@@ -75,6 +75,14 @@ def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
     if "law" in table:
         return own_of("wear.law", WEAR, table["law"], laws, faults, table["parameters"])
     return tribo.Wear(**table)
+
+
+def criterion_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Own | None:
+    """A user's own criterion; None where it is one of ours."""
+    name = (table or {}).get("criterion")
+    if name is None or ":" not in name:
+        return None
+    return own_of("temperature.criterion", CRITERION, name, laws, faults)
 
 
 def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:

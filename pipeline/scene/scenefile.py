@@ -12,7 +12,7 @@ from os import PathLike, fspath
 from typing import Any
 
 import tribo
-from pipeline.scene.along import Pairs, along_of, pairs_of, with_first_row
+from pipeline.scene.along import along_of, pairs_of, with_first_row
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
 from pipeline.scene.facts import track_faults
@@ -23,10 +23,10 @@ from pipeline.scene.logs import with_rows
 from pipeline.scene.over import over_of, with_first_values, with_rates_of
 from pipeline.scene.parts import (
     corrections_of,
+    criterion_of,
     loading_of,
     motion_of,
     oil_of,
-    own_of,
     pin_of,
     wear_of,
 )
@@ -39,7 +39,7 @@ from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Plane, Record, Sweep
-from pipeline.sweep.own_laws import CRITERION, Laws, Own
+from pipeline.sweep.own_laws import Laws, Own
 from pipeline.sweep.variants import surfaces
 
 
@@ -84,7 +84,9 @@ def load_scene(
     faults = Faults()
     replaced = _by_path(overrides or {}, preset, faults)
     document = with_entries(read_document(path, faults), replaced, faults)
-    document, pairs = _with_first_variant(document, faults)
+    document = with_first_values(document)
+    pairs = pairs_of(document, faults)
+    document = with_first_row(document, pairs)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
@@ -130,15 +132,12 @@ class _Reader:
             lambda: roughness_of(tables, self.document, self.laws, faults),
         )
         loading = self._once(
-            [tables["loading"]],
-            lambda: loading_of(tables["loading"], self.document, faults),
+            [tables["loading"]], lambda: loading_of(tables["loading"], self.document, faults)
         )
         check_tables(tables, fidelity, roughness, faults)
         oil = oil_of(tables["oil"], faults)
-        wear = self._once(
-            ["wear", tables["wear"]], lambda: wear_of(tables["wear"], self.laws, faults)
-        )
-        own_criterion = self._own_criterion(entry_at(tables, "temperature.criterion"), faults)
+        wear = wear_of(tables["wear"], self.laws, faults)
+        own_criterion = criterion_of(tables["temperature"], self.laws, faults)
         if faults or loading is None:
             return None, tables
         made = _scene_of(tables, loading=loading, roughness=roughness, wear=wear, fidelity=fidelity)
@@ -171,37 +170,18 @@ class _Reader:
             faults.note(f"{body}.{given}", fault)
         return sweep, tables
 
-    def _own_criterion(self, name: str | None, faults: Faults) -> Own | None:
-        """The criterion of a name, if that is code."""
-        if name is None or ":" not in name:
-            return None
-        key = "temperature.criterion"
-        own: Own | None = self._once(
-            [key, name], lambda: own_of(key, CRITERION, name, self.laws, faults)
-        )
-        return own
-
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
-        """The part of a scene that is made of some tables."""
+        """The part of a scene that is made of some tables; a faulty one is told each time."""
         key = repr(tables)
-        part = self.parts.get(key) or make()
-        if part is not None:  # a faulty one is told each time
-            self.parts[key] = part
-        return part
-
-
-def _with_first_variant(document: Document, faults: Faults) -> tuple[Document, Pairs | None]:
-    """The document with the values of the first row below all it has itself, and its pairs."""
-    document = with_first_values(document)
-    pairs = pairs_of(document, faults)
-    return with_first_row(document, pairs), pairs
+        self.parts[key] = self.parts.get(key) or make()
+        return self.parts[key]
 
 
 def _with_variants(
     sweep: Sweep,
     tables: dict[str, Any],
     document: Document,
-    pairs: Pairs | None,
+    pairs: list[dict[str, Any]],
     make: Make,
     faults: Faults,
 ) -> Sweep:
@@ -215,7 +195,7 @@ def _with_variants(
     samples = samples_of(tables, sweep, over, make, faults, fixed_paths(document))
     sweep = sweep.changed(variants=samples or over * sweep.variants)
     sweep = with_rates_of(asked["wear_rates"], sweep, faults.notes)
-    return along_of(pairs, sweep, make) if pairs else sweep
+    return along_of(pairs, asked["around"], sweep, make) if pairs else sweep
 
 
 def _arguments(
