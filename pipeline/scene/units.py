@@ -32,90 +32,51 @@ _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?![\d,.])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
 _RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
 
-_USUAL = {
-    "m": {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"},
-    "m s-1": {"m/s": "1", "mm/s": "1e-3"},
-    "s": {"s": "1"},
-    "K": {"K": "1", "degC": "1"},
-    "N": {"N": "1", "kN": "1e3"},
-    "N s-1": {"N/s": "1"},
-    "Pa": {"Pa": "1", "MPa": "1e6", "GPa": "1e9"},
-    "Pa s": {"Pa s": "1", "mPa s": "1e-3"},
-    "kg m-3": {"kg/m^3": "1"},
-    "W m-1 K-1": {"W/(m K)": "1"},
-    "J kg-1 K-1": {"J/(kg K)": "1"},
-    "m2 s-1": {"m^2/s": "1", "mm^2/s": "1e-6"},
-    "m2 N-1": {"m^2/N": "1", "mm^3/(N m)": "1e-9", "1/GPa": "1e-9"},
-    "m2": {"m^2": "1", "mm^2": "1e-6"},
-    "K W-1": {"K/W": "1"},
-    "J K-1": {"J/K": "1"},
-    "W K-1": {"W/K": "1"},
-}
-"""Values in SI of such units as most scenes are written in, for which pint need not be loaded.
+_UNITS = {
+    "m": (
+        "1e-12", "1e5",
+        {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"},
+    ),
+    "m s-1": ("1e-9", "1e5", {"m/s": "1", "mm/s": "1e-3"}),
+    "s": ("1e-9", "1e12", {"s": "1"}),
+    "K": ("1e-9", "1e5", {"K": "1", "degC": "1"}),
+    "N": ("1e-9", "1e9", {"N": "1", "kN": "1e3"}),
+    "N s-1": ("1e-9", "1e12", {"N/s": "1"}),
+    "Pa": ("1e-3", "1e15", {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}),
+    "Pa s": ("1e-9", "1e9", {"Pa s": "1", "mPa s": "1e-3"}),
+    "kg m-3": ("1e-3", "1e6", {"kg/m^3": "1"}),
+    "W m-1 K-1": ("1e-6", "1e6", {"W/(m K)": "1"}),
+    "J kg-1 K-1": ("1e-3", "1e7", {"J/(kg K)": "1"}),
+    "m2 s-1": ("1e-12", "1e3", {"m^2/s": "1", "mm^2/s": "1e-6"}),
+    "m2 N-1": ("1e-30", "1e-3", {"m^2/N": "1", "mm^3/(N m)": "1e-9", "1/GPa": "1e-9"}),
+    "m2": ("1e-18", "1e6", {"m^2": "1", "mm^2": "1e-6"}),
+    "K W-1": ("1e-12", "1e12", {"K/W": "1"}),
+    "J K-1": ("1e-12", "1e12", {"J/K": "1"}),
+    "W K-1": ("1e-12", "1e12", {"W/K": "1"}),
+}  # fmt: skip
+"""Smallest and largest value in a scene by unit of SI as CF writes it, and values of usual units.
 
-The keys are the units in SI as CF writes them, the first entries as scenes do.
+The limits are far beyond any machine, and far from where products of them leave double precision.
+For usual units, of which the first is that of SI as scenes write it, pint need not be loaded.
 """
-
-SI_UNITS = {*_USUAL, *(next(iter(units)) for units in _USUAL.values())}
-"""Units of SI, as CF and as scenes write them."""
-
+_USUAL = {cf: units for cf, (_, _, units) in _UNITS.items()}
 RANGES = {
-    "m": ("1e-12 m", "1e5 m"),
-    "m s-1": ("1e-9 m/s", "1e5 m/s"),
-    "s": ("1e-9 s", "1e12 s"),
-    "K": ("1e-9 K", "1e5 K"),
-    "N": ("1e-9 N", "1e9 N"),
-    "N s-1": ("1e-9 N/s", "1e12 N/s"),
-    "Pa": ("1e-3 Pa", "1e15 Pa"),
-    "Pa s": ("1e-9 Pa s", "1e9 Pa s"),
-    "kg m-3": ("1e-3 kg/m^3", "1e6 kg/m^3"),
-    "W m-1 K-1": ("1e-6 W/(m K)", "1e6 W/(m K)"),
-    "J kg-1 K-1": ("1e-3 J/(kg K)", "1e7 J/(kg K)"),
-    "m2 s-1": ("1e-12 m^2/s", "1e3 m^2/s"),
-    "m2 N-1": ("1e-30 m^2/N", "1e-3 m^2/N"),
-    "m2": ("1e-18 m^2", "1e6 m^2"),
-    "K W-1": ("1e-12 K/W", "1e12 K/W"),
-    "J K-1": ("1e-12 J/K", "1e12 J/K"),
-    "W K-1": ("1e-12 W/K", "1e12 W/K"),
+    cf: (f"{low} {next(iter(units))}", f"{high} {next(iter(units))}")
+    for cf, (low, high, units) in _UNITS.items()
 }
-"""Smallest and largest value of each unit in a scene.
-
-They are far beyond any machine, and far from where products of them leave double precision.
-"""
-
+"""Smallest and largest value in a scene, as text with a unit, by unit of SI."""
 _ZERO = {"degC": Decimal("273.15")}
 """Temperatures that these units have at 0 [K]."""
-
 _DEGREES = {"C": "degC", "F": "degF"}
 """Units meant by those of charge and of capacitance, where a temperature is due."""
 
 
 class UnitError(TriboError, ValueError):
-    """Text that is not a quantity of the dimension that is needed.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> try:
-    ...     pipeline.to_si("7 kg", like="750 N")
-    ... except UnitError as error:
-    ...     print(error)
-    "7 kg" cannot be converted to N; its weight is 68.65 N
-    """
+    """Text that is not a quantity of the dimension that is needed."""
 
 
 def exact_si(text: str, like: str) -> Decimal:
-    """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure.
-
-    Examples
-    --------
-    >>> exact_si("25 degC", like="300 K")
-    Decimal('298.15')
-    >>> f"{exact_si('62 HRC', like='6.6 GPa'):.4g}"
-    '7.316e+9'
-    >>> f"{exact_si('600 rpm at radius 25 mm', like='1 m/s'):.4g}"
-    '1.571'
-    """
+    """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure."""
     needed = _parts(like)[1]
     if needed in ("m/s", "mm/s") and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
@@ -168,17 +129,7 @@ def to_si(text: str, like: str) -> float:
 
 
 def difference_in_si(text: str, like: str) -> float:
-    """Value in SI of a difference of quantities, which is in K for temperatures.
-
-    Examples
-    --------
-    >>> difference_in_si("8 K", like="145 degC")
-    8.0
-    >>> difference_in_si("8 degC", like="145 degC")
-    Traceback (most recent call last):
-        ...
-    pipeline.scene.units.UnitError: "8 degC" is a temperature; give a difference, such as "8 K"
-    """
+    """Value in SI of a difference of quantities, which is in K for temperatures."""
     difference = to_si(text, like)
     unit = text.strip().partition(" ")[2]
     if unit and to_si(f"0 {unit}", like) != 0:
@@ -187,13 +138,7 @@ def difference_in_si(text: str, like: str) -> float:
 
 
 def si_unit(text: str) -> str:
-    """SI unit of the dimension of a quantity, as CF writes units.
-
-    Examples
-    --------
-    >>> si_unit("145 degC"), si_unit("1.2e-6 mm^3/(N m)"), si_unit("20 W/(m K)")
-    ('K', 'm2 N-1', 'W m-1 K-1')
-    """
+    """SI unit of the dimension of a quantity, as CF writes units, such as ``"W m-1 K-1"``."""
     unit = _with_pressure(text)[1]
     for cf, units in _USUAL.items():
         if unit in units:
@@ -203,9 +148,9 @@ def si_unit(text: str) -> str:
         if quantity.check(_parsed(f"1 {next(iter(units))}").dimensionality):
             return cf
     parts: Any = quantity.to_base_units().unit_items()
-    powers = [(f"{_registry().get_symbol(name)}", int(power)) for name, power in parts]
+    powers = [(_registry().get_symbol(name), int(power)) for name, power in parts]
     powers.sort(key=lambda power: power[1] < 0)
-    return " ".join(name + ("" if power == 1 else f"{power}") for name, power in powers) or "1"
+    return " ".join(f"{name}{power if power != 1 else ''}" for name, power in powers) or "1"
 
 
 @functools.cache
@@ -249,11 +194,8 @@ def _parsed(text: str) -> pint.Quantity[Decimal]:
     try:
         return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
     except pint.UndefinedUnitError as error:
-        hint = (
-            '; write powers as in "mm^3", products as in "N m"'
-            if _RUN_TOGETHER.search(unit)
-            else ""
-        )
+        is_joined = _RUN_TOGETHER.search(unit)
+        hint = '; write powers as in "mm^3", products as in "N m"' if is_joined else ""
         raise UnitError(f"{_quoted(text)} has an unknown unit: {error}{hint}") from error
     except Exception as error:  # pint raises more than its own
         raise UnitError(f"{_quoted(text)} has a unit that cannot be read") from error
@@ -324,13 +266,7 @@ _FACTORS = {
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """Value in SI of a number in SI, or of text with a unit like that of the example.
-
-    Examples
-    --------
-    >>> in_si("load", 600.0, like="750 N"), in_si("load", "0.6 kN", like="750 N")
-    (600.0, 600.0)
-    """
+    """Value in SI of a number in SI, or of text with a unit like that of the example."""
     if not isinstance(value, str):
         return float(value)
     try:
@@ -346,47 +282,30 @@ def require_count(name: str, value: float) -> None:
 
 
 def share_of(value: float | str) -> float:
-    """Value of a share, as a number or as text such as ``"10%"``.
-
-    Examples
-    --------
-    >>> share_of(0.1), share_of("10%"), share_of("0.1")
-    (0.1, 0.1, 0.1)
-    """
+    """Value of a share, as a number or as text such as ``"10%"``."""
     if not isinstance(value, str):
         return value
-    number = value.strip().removesuffix("%")
+    text = value.strip()
     try:
-        return float(number) / 100 if number != value.strip() else float(number)
+        return float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
     except ValueError:
         raise InputError(f'"{value}": give a share such as 10% or 0.1') from None
 
 
 def shown_in(value: float, unit: str) -> float:
-    """Value of a quantity in a unit in which such quantities are shown.
-
-    Examples
-    --------
-    >>> shown_in(298.15, "°C"), shown_in(2e-3, "mm")
-    (25.0, 2.0)
-    """
+    """Value of a quantity in a unit in which such quantities are shown."""
     return value - 273.15 if unit == "°C" else value * _FACTORS.get(unit, 1.0)
 
 
 def si_of(value: float, unit: str) -> float:
-    """Value in SI of one in a unit in which such quantities are shown.
-
-    Examples
-    --------
-    >>> si_of(25.0, "°C"), si_of(2.0, "mm")
-    (298.15, 0.002)
-    """
+    """Value in SI of one in a unit in which such quantities are shown."""
     return round(value + 273.15, 9) if unit == "°C" else value / _FACTORS.get(unit, 1.0)
 
 
 def is_shown_unit(unit: str) -> bool:
     """Whether quantities are shown in a unit: one of SI, or of those that have factors here."""
-    return unit == "°C" or unit in _FACTORS or unit in SI_UNITS
+    of_si = {*_USUAL, *(next(iter(units)) for units in _USUAL.values())}
+    return unit == "°C" or unit in _FACTORS or unit in of_si
 
 
 def display(value: float, unit: str, digits: int = 6) -> str:
