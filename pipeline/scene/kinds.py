@@ -24,6 +24,12 @@ class UnfitError(Exception):
     """A value that does not fit its kind; the message says why."""
 
 
+def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
+    """Raise `UnfitError` unless a value is of a type; true and false are no numbers."""
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+        raise UnfitError(f"{quoted(value)} {problem}")
+
+
 class Kind(ABC):
     """Values allowed at one place of a file."""
 
@@ -47,13 +53,12 @@ class Text(Kind):
         return "text in quotes"
 
     def _read(self, value: Any, place: str, faults: Faults) -> str:
-        if not isinstance(value, str):
-            raise UnfitError(f"{quoted(value)} is not text")
+        require(value, str, "is not text")
         if not value:
             raise UnfitError("the text is empty")
         if "\0" in value:  # which no name of a file may have
             raise UnfitError(f"{quoted(value)} has a null character")
-        return value
+        return str(value)
 
 
 class Flag(Kind):
@@ -63,9 +68,8 @@ class Flag(Kind):
         return "true or false"
 
     def _read(self, value: Any, place: str, faults: Faults) -> bool:
-        if not isinstance(value, bool):
-            raise UnfitError(f"{quoted(value)} is neither true nor false")
-        return value
+        require(value, bool, "is neither true nor false")
+        return bool(value)
 
 
 @dataclass(frozen=True)
@@ -79,11 +83,10 @@ class OneOf(Kind):
         return f"{', '.join(others)} or {last}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> str:
-        if not isinstance(value, str):
-            raise UnfitError(f"{quoted(value)} is not text")
+        require(value, str, "is not text")
         if value not in self.options:
             raise UnfitError(f"{quoted(value)} is unknown{did_you_mean(value, self.options)}")
-        return value
+        return str(value)
 
 
 @dataclass(frozen=True)
@@ -99,8 +102,7 @@ class Number(Kind):
         return f"a number without a unit{self._limits()}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise UnfitError(f"{quoted(value)} is not a plain number")
+        require(value, (int, float), "is not a plain number")
         self._require_fit(value, _SMALLEST, _LARGEST)
         return float(value)
 
@@ -145,10 +147,9 @@ class Whole(Number):
         return f"a whole number{self._limits()}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> int:
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise UnfitError(f"{quoted(value)} is not a whole number")
+        require(value, int, "is not a whole number")
         self._require_fit(value, 1, _MOST)
-        return value
+        return int(value)
 
 
 class Scalar(Kind):
@@ -157,9 +158,8 @@ class Scalar(Kind):
     def __str__(self) -> str:
         return "a number, or a quantity in quotes"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float | int | str:
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise UnfitError(f"{quoted(value)} is neither a number nor a quantity")
+    def _read(self, value: Any, place: str, faults: Faults) -> Any:
+        require(value, (int, float, str), "is neither a number nor a quantity")
         return value
 
 

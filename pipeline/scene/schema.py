@@ -14,7 +14,7 @@ from decimal import Decimal
 from typing import Any, NamedTuple, get_type_hints
 
 from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
-from pipeline.scene.kinds import Kind, OneOf, Quantity, UnfitError, Whole, kind_of
+from pipeline.scene.kinds import Kind, OneOf, Quantity, UnfitError, Whole, kind_of, require
 from pipeline.scene.units import exact_si
 
 _MOST_STEPS = 100_000
@@ -49,8 +49,7 @@ class List(Kind):
         return f"a list{f' of {self.length}' if self.length else ''}, each {self.of}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
-        if not isinstance(value, list):
-            raise UnfitError(f"{quoted(value)} is not a list")
+        require(value, list, "is not a list")
         if len(value) != (self.length or max(len(value), 1)):
             count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
             raise UnfitError(f"{quoted(value)} {count if value else 'is empty'}")
@@ -176,8 +175,7 @@ class Table(Kind):
         return [key for key, entry in self.keys.items() if not isinstance(entry, Optional)]
 
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
-        if not isinstance(value, dict):
-            raise UnfitError(f"{quoted(value)} is not a table")
+        require(value, dict, "is not a table")
         for key in value:
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys)
@@ -258,8 +256,7 @@ class ByPath(Kind):
         return f"a table with {self.keys}, each with {self.of}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
-        if not isinstance(value, dict):
-            raise UnfitError(f"{quoted(value)} is not a table")
+        require(value, dict, "is not a table")
         read = {
             path: self.of.read(leaf, f"{place}.{quoted(path)}", faults)
             for path, leaf in self.leaves(value)
