@@ -77,39 +77,19 @@ class Heading:
 
     @property
     def name(self) -> str:
-        """Entry of a scene that it names exactly, if it is one.
-
-        Examples
-        --------
-        >>> heading_of("Normal load [kN]").name, heading_of("outcome").name
-        ('load', 'outcome')
-        """
+        """Entry of a scene that it names exactly, if it is one."""
         name = self.title.lower().replace(" ", "_")
         return _EXACT.get(name, name)
 
 
 def heading_of(text: str) -> Heading:
-    """Split a heading into title and unit: in brackets, in parentheses, after / or "in".
-
-    Examples
-    --------
-    >>> for text in ("F_N / N", "T_oil (°C)", "v in m/s", "load [kN]", "pass/fail"):
-    ...     heading = heading_of(text)
-    ...     print(f"{heading.title}: {heading.unit or None}")
-    F_N: N
-    T_oil: °C
-    v: m/s
-    load: kN
-    pass/fail: None
-    """
+    """Split a heading into title and unit: in brackets, in parentheses, after / or "in"."""
     text = text.strip().strip('"')
     for number, way in enumerate(_UNIT_AT_END):
-        match = way.fullmatch(text)
-        if match is None:
-            continue
-        unit = _usual_unit(match["unit"])
-        if number == 0 or unit in ("", "1") or (match["title"] and is_unit(unit)):
-            return Heading(text, match["title"].strip(" /"), unit)
+        if match := way.fullmatch(text):
+            unit = _usual_unit(match["unit"])
+            if number == 0 or unit in ("", "1") or (match["title"] and is_unit(unit)):
+                return Heading(text, match["title"].strip(" /"), unit)
     return Heading(text, text, "")
 
 
@@ -139,16 +119,12 @@ def columns_for(
 
     A column is one that the user chose by its heading, or that names the quantity exactly, or the
     only one whose words and unit are of that quantity.
-
-    Examples
-    --------
-    >>> columns_for(["Nr", "Normalkraft F_N / N", "v in m/s"], ["load", "velocity"])
-    ({'load': 1, 'velocity': 2}, [])
     """
     headings = [heading_of(head) for head in heads]
+    chosen = chosen or {}
     places: dict[str, int] = {}
     faults = []
-    for name, head in (chosen or {}).items():
+    for name, head in chosen.items():
         if name not in wanted:
             hint = did_you_mean(name, wanted)
             faults.append(f"columns.{name}: no entry{hint}; give one of {', '.join(wanted)}")
@@ -157,7 +133,7 @@ def columns_for(
         else:
             faults.append(f"columns.{name}: there is no column {_listed([head])}")
     for name in wanted:
-        if name in places or name in (chosen or {}):
+        if name in chosen:
             continue
         free = [place for place in range(len(heads)) if place not in places.values()]
         found = [place for place in free if headings[place].name == name]
@@ -208,14 +184,7 @@ def with_units_below(heads: list[str], rows: list[Row]) -> tuple[list[str], list
 
 
 def with_velocity_of_turns(read: Rows) -> Rows:
-    """Rows with a velocity in place of a rotation, where a column has the radius or diameter.
-
-    Examples
-    --------
-    >>> read = Rows(["n [rpm]", "radius [mm]"], [Row(2, ["600", "25"])], ".", [], [])
-    >>> with_velocity_of_turns(read).rows[0].cells
-    ['600 rpm at radius 25 mm', '25']
-    """
+    """Rows with a velocity in place of a rotation, where a column has the radius or diameter."""
     headings = [heading_of(head) for head in read.heads]
     turning = [k for k, heading in enumerate(headings) if heading.unit in TURNS]
     lengths = [
@@ -228,43 +197,26 @@ def with_velocity_of_turns(read: Rows) -> Rows:
     if not headings[length].unit:
         fault = f'column "{read.heads[length]}" has no unit; name it like "track {which} [mm]"'
         return read._replace(faults=[*read.faults, fault])
-    heads = [*read.heads]
-    heads[turn] = "velocity"
+    heads = [*read.heads[:turn], "velocity", *read.heads[turn + 1 :]]
     rows = []
     for number, cells in read.rows:
         track = f" at {which} {cells[length]} {headings[length].unit}" if cells[length] else ""
         said = f"{cells[turn]} rpm{track}" if cells[turn] else ""
-        rows.append(Row(number, [said if k == turn else c for k, c in enumerate(cells)]))
+        rows.append(Row(number, [*cells[:turn], said, *cells[turn + 1 :]]))
     return read._replace(heads=heads, rows=rows)
 
 
 class Sheet(NamedTuple):
-    """Rows of a file or of columns, and the columns for wanted quantities.
-
-    Attributes
-    ----------
-    heads, labelled : list of str
-        Headings as they stand there, and with units that stand in a row below them.
-    places : dict of str to int
-        Column of each quantity that was found.
-    rows : list of Row
-        Rows below the headings.
-    decimal : str
-        Mark of decimals.
-    form : list of str
-        Words on the form of the file.
-    faults, of_rows : list of str
-        What is wrong with its columns, and with its rows.
-    """
+    """Rows of a file or of columns, as `Rows`, and the columns for wanted quantities."""
 
     heads: list[str]
-    labelled: list[str]
-    places: dict[str, int]
+    labelled: list[str]  # headings with units that stand in a row below them
+    places: dict[str, int]  # column of each quantity that was found
     rows: list[Row]
     decimal: str
     form: list[str]
-    faults: list[str]
-    of_rows: list[str]
+    faults: list[str]  # of columns
+    of_rows: list[str]  # faults of rows
 
     def heading(self, name: str) -> Heading:
         """Heading of a quantity."""

@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +38,7 @@ _SHOWN = 6  # rows of a fault that are named
 
 
 def outcome_of(word: str, heading: str) -> str | None:
-    """Outcome that a word below a heading means, None if it is not known.
-
-    Examples
-    --------
-    >>> outcome_of("ok", "Ergebnis"), outcome_of("n.i.O.", "Ergebnis"), outcome_of("no", "scuffing")
-    ('mild', 'severe', 'mild')
-    """
+    """Outcome that a word below a heading means, None if it is not known."""
     mild, severe, asked = set(_MILD.split()), set(_SEVERE.split()), heading.lower()
     if re.search(r"scuff|fress|seiz|sever", asked):
         mild, severe = mild | set(_NO.split()), severe | set(_YES.split())
@@ -55,30 +50,14 @@ def outcome_of(word: str, heading: str) -> str | None:
 
 @dataclass(frozen=True, slots=True)
 class Log:
-    """Rows of a log, and how they are understood.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    sheet : Sheet
-        Its columns, and the entries of a test that they give.
-    words : dict of str to str
-        Outcome for each word of the log that is not one itself.
-    rows : list of Row
-        Rows of tests.
-    left_out : list of int
-        Numbers of rows without load and velocity.
-    faults : list of str
-        What is wrong with the file as a whole.
-    """
+    """Rows of a log, and how they are understood."""
 
     path: Path
-    sheet: Sheet
-    words: dict[str, str]
-    rows: list[Row]
-    left_out: list[int]
-    faults: list[str]
+    sheet: Sheet  # its columns, and the entries of a test that they give
+    words: dict[str, str]  # outcome for each word of the log that is not one itself
+    rows: list[Row]  # of tests
+    left_out: list[int]  # numbers of rows without load and velocity
+    faults: list[str]  # of the file as a whole
 
     def cells(self, name: str) -> list[str]:
         """Cells of an entry."""
@@ -104,19 +83,7 @@ class Log:
 def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table = TEST) -> Log:
     """Read a log, and find the columns for the entries of a test.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    entries : mapping, optional
-        Columns, words and decimal mark, as a scene gives them beside the file.
-    row_of : Table
-        Entries of a row.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
+    `entries` are columns, words and decimal mark, as a scene gives them beside the file.
     """
     given = entries or {}
     chosen = given.get("columns") or {}
@@ -197,13 +164,7 @@ def _hint(log: Log, name: str, row: Row, problem: str) -> str:
 
 
 def _rows(numbers: Sequence[int]) -> str:
-    """Rows in words.
-
-    Examples
-    --------
-    >>> _rows([2]), _rows([2, 3, 5])
-    ('row 2', 'rows 2, 3 and 5')
-    """
+    """Rows in words, such as "rows 2, 3 and 5"."""
     if len(numbers) == 1:
         return f"row {numbers[0]}"
     shown = [str(number) for number in numbers[:_SHOWN]]
@@ -269,44 +230,30 @@ _STANDARD_DEVIATIONS = 4.0  # of friction before, below which a rise is scatter
 _LEAST_RISE = 0.2  # of friction before; less is running-in or a warmer film
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Trace:
-    r"""Friction over time, and the row from which on it is high.
+    """Friction over time."""
 
-    Attributes
-    ----------
-    time, friction : array, shape (n,)
-        Time [s] and coefficient of friction.
-    load, velocity : array, shape (n,), or None
-        Normal load [N] and sliding velocity [m/s], where they were recorded.
-    row : int or None
-        Row from which on friction is high; None if it does not rise.
-
-    Examples
-    --------
-    >>> friction = np.r_[np.full(30, 0.1), np.full(30, 0.3)]
-    >>> trace = Trace.of(np.arange(60.0), friction, load=np.linspace(0, 590, 60))
-    >>> trace.row
-    30
-    >>> print(*trace.toml(), sep="\n")
-    [[measured]]
-    load = "300 N"
-    velocity = "... m/s"  # not in the trace
-    friction = 0.1
-    """
-
-    time: Array
+    time: Array  # [s]
     friction: Array
-    load: Array | None
-    velocity: Array | None
-    row: int | None
+    load: Array | None = None  # [N], where it was recorded
+    velocity: Array | None = None  # [m/s]
 
-    @classmethod
-    def of(
-        cls, time: Array, friction: Array, load: Array | None = None, velocity: Array | None = None
-    ) -> Trace:
-        """The trace of some columns, with its rise."""
-        return cls(time, friction, load, velocity, rise(friction))
+    @cached_property
+    def row(self) -> int | None:
+        """Row from which on friction is high, by least squares of one step upwards, if any is."""
+        friction, count = self.friction, len(self.friction)
+        if count < _LEAST_ROWS:
+            return None
+        before = np.arange(1, count)
+        sums = np.cumsum(friction)
+        low, high = sums[:-1] / before, (sums[-1] - sums[:-1]) / (count - before)
+        gain = np.where(high > low, before * (count - before) * (high - low) ** 2, 0.0)
+        row = 1 + int(np.argmax(gain))
+        level = float(np.median(friction[:row]))
+        scatter = 1.4826 * float(np.median(np.abs(friction[:row] - level)))
+        step = float(np.median(friction[row:])) - level
+        return row if step > max(_STANDARD_DEVIATIONS * scatter, _LEAST_RISE * level) else None
 
     def lines(self) -> Iterator[str]:
         """Say where friction rises, or that it does not."""
@@ -336,36 +283,8 @@ class Trace:
             yield 'outcome = "mild"'
 
 
-def rise(friction: Array) -> int | None:
-    """Row from which on friction is high, by least squares of one step upwards; None without one.
-
-    Examples
-    --------
-    >>> rise(np.r_[np.full(30, 0.1), np.full(30, 0.3)]), rise(np.full(60, 0.1))
-    (30, None)
-    """
-    count = len(friction)
-    if count < _LEAST_ROWS:
-        return None
-    before = np.arange(1, count)
-    sums = np.cumsum(friction)
-    low, high = sums[:-1] / before, (sums[-1] - sums[:-1]) / (count - before)
-    gain = np.where(high > low, before * (count - before) * (high - low) ** 2, 0.0)
-    row = 1 + int(np.argmax(gain))
-    level = float(np.median(friction[:row]))
-    scatter = 1.4826 * float(np.median(np.abs(friction[:row] - level)))
-    step = float(np.median(friction[row:])) - level
-    return row if step > max(_STANDARD_DEVIATIONS * scatter, _LEAST_RISE * level) else None
-
-
 def read_trace(path: Path) -> Trace | None:
-    """Read a trace of friction over time; None from a file of another kind.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
-    """
+    """Read a trace of friction over time; None from a file of another kind."""
 
     def is_heading(cells: list[str]) -> bool:
         found = columns_for(cells, _LIKE)[0].keys()
@@ -390,4 +309,4 @@ def read_trace(path: Path) -> Trace | None:
             columns["friction"] = np.abs(force) / columns["load"]
     known = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
     columns = {name: column[known] for name, column in columns.items()}
-    return Trace.of(**columns) if known.sum() >= _LEAST_ROWS else None
+    return Trace(**columns) if known.sum() >= _LEAST_ROWS else None

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import re
+import statistics
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,27 +30,13 @@ class Row(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Headings of a file, the rows below them that are not empty, and how it was read.
-
-    Attributes
-    ----------
-    heads : list of str
-        Headings.
-    rows : list of Row
-        Rows, with decimal points; those of another length than the headings are left out.
-    decimal : str
-        Mark of decimals in the file.
-    form : list of str
-        Words on the file: its separators, decimals and encoding.
-    faults : list of str
-        Rows whose length is wrong.
-    """
+    """Headings of a file, the rows below them that are not empty, and how it was read."""
 
     heads: list[str]
-    rows: list[Row]
-    decimal: str
-    form: list[str]
-    faults: list[str]
+    rows: list[Row]  # with decimal points; without those of another length than the headings
+    decimal: str  # mark of decimals in the file
+    form: list[str]  # words on separators, decimals and encoding
+    faults: list[str]  # rows whose length is wrong
 
 
 def read_rows(
@@ -59,11 +47,6 @@ def read_rows(
     Cells stand between semicolons, tabs or commas. Lines above the heading, and lines that begin
     with ``#``, are comments. A file with semicolons or tabs has decimal commas where any cell has
     one, unless `decimal` says otherwise.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
     """
     require_file(path)
     if path.suffix.lower() not in ROW_FILES:
@@ -78,10 +61,9 @@ def read_rows(
         raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
     filled = [row for row in lines if any(row.cells)]
     plain = [Row(row.number, _uncommented(row.cells)) for row in filled]
-    heading = next((row for row in plain if is_heading(row.cells)), None)
-    if heading is None:
-        shortlist = [row for row in filled if not row.cells[0].startswith("#")]
-        heading = next(iter(shortlist or plain), Row(0, []))
+    said = (row for row in plain if is_heading(row.cells))
+    bare = (row for row in filled if not row.cells[0].startswith("#"))
+    heading = next(itertools.chain(said, bare, plain), Row(0, []))
     heads = _without_empty_end(heading.cells)
     below = [
         Row(row.number, _without_empty_end(row.cells, len(heads)))
@@ -107,22 +89,16 @@ def read_rows(
 
 
 def decoded(content: bytes) -> tuple[str, bool]:
-    """Text of a file in UTF-8, UTF-16 or Latin-1; true if it is the last.
-
-    Examples
-    --------
-    >>> decoded("1,5 µm".encode("latin-1")), decoded("1,5 µm".encode("utf-16"))
-    (('1,5 µm', True), ('1,5 µm', False))
-    """
-    encoding, is_latin = "utf-8-sig", False
+    """Text of a file in UTF-8, UTF-16 or Latin-1; true if it is the last."""
+    is_latin = False
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        encoding = "utf-16"
+        text = content.decode("utf-16", errors="replace")
     else:
         try:
-            content.decode(encoding)
+            text = content.decode("utf-8-sig")
         except UnicodeDecodeError:
-            encoding, is_latin = "cp1252", True
-    return content.decode(encoding, errors="replace").replace("\0", ""), is_latin
+            text, is_latin = content.decode("cp1252", errors="replace"), True
+    return text.replace("\0", ""), is_latin
 
 
 def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
@@ -134,8 +110,7 @@ def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
     # In a file with decimal commas these may be as many as semicolons.
     usual = [mark for mark in _NAMES if 2 * sum(mark in line for line in filled) >= len(filled) > 0]
     blanks = [re.sub(r"^\s*#\s*", "#", line).split() for line in lines]
-    columns = max((len(row) for row in blanks if row), key=[*map(len, blanks)].count, default=0)
-    if not usual and columns > 1:
+    if not usual and filled and statistics.mode(len(row) for row in blanks if row) > 1:
         rows = [Row(number, row or [""]) for number, row in enumerate(blanks, 1)]
         return rows, ["blanks between cells", *form], " "
     separator = (usual or [","])[0]
@@ -193,15 +168,7 @@ def _without_empty_end(cells: Sequence[str], least: int = 0) -> list[str]:
 
 
 def _plain(cell: str, decimal: str) -> str:
-    """Cell with a decimal point and no marks of thousands; one that may have them stays a fault.
-
-    Examples
-    --------
-    >>> [_plain(cell, ",") for cell in ("1,75", "1.250,5 N", "0.4", "04.05.2026")]
-    ['1.75', '1250.5 N', '0.4', '04.05.2026']
-    >>> _plain("1,250.5 N", "."), _plain("1,250", ".")
-    ('1250.5 N', '1,250')
-    """
+    """Cell with a decimal point and no marks of thousands; one that may have them stays a fault."""
     if decimal == "," and (match := _COMMA.fullmatch(cell)):
         whole, decimals, unit = match.groups()
         return f"{whole.replace('.', '')}.{decimals}{unit}"
@@ -209,11 +176,5 @@ def _plain(cell: str, decimal: str) -> str:
 
 
 def may_be_thousands(cell: str) -> bool:
-    """True of ``1.250`` beside decimal commas, which is 1.25 or 1250.
-
-    Examples
-    --------
-    >>> may_be_thousands("1.250"), may_be_thousands("0.250"), may_be_thousands("1.25")
-    (True, False, False)
-    """
+    """True of ``1.250`` beside decimal commas, which is 1.25 or 1250."""
     return _MAYBE_THOUSANDS.fullmatch(cell.split(" ")[0]) is not None
