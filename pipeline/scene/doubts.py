@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any
 
-from pipeline.scene.facts import USUAL_HARDNESS, Facts, tracks_of
+from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import MELTS, columns_in_closed_form, note_on_turns
 from pipeline.sweep.surface import SurfaceFacts
@@ -20,43 +20,14 @@ from tribo.simulation.point_warnings import (
     WIDEST,
 )
 
-
-class Usual(NamedTuple):
-    """Usual range of a quantity, in a unit of which one in SI has a number, the factor."""
-
-    name: str
-    low: float
-    high: float
-    unit: str
-    factor: float = 1.0
-
-    def doubt(self, owner: str, value: float) -> Iterator[str]:
-        """Say so if a value in SI is outside the range."""
-        if math.isfinite(value) and not self.low <= value * self.factor <= self.high:
-            yield (
-                f"{owner}{self.name} is {value * self.factor:.3g} {self.unit}, where "
-                f"{self.low:g} to {self.high:g} {self.unit} are usual: check the number and its "
-                "unit"
-            )
-
-
-_MATERIAL = {
-    "elastic_modulus": Usual("elastic modulus", 1, 1200, "GPa", 1e-9),
-    "hardness": Usual("hardness", 0.01, 100, "GPa", 1e-9),
-    "thermal_conductivity": Usual("thermal conductivity", 0.05, 2500, "W/(m K)"),
-    "density": Usual("density", 500, 25000, "kg/m³"),
-    "specific_heat": Usual("specific heat", 100, 5000, "J/(kg K)"),
+_MATERIAL: dict[str, tuple[Any, ...]] = {
+    "elastic_modulus": ("elastic modulus", 1e-9, 1, 1200, "GPa"),
+    "hardness": ("hardness", 1e-9, 0.01, 100, "GPa"),
+    "thermal_conductivity": ("thermal conductivity", 1, 0.05, 2500, "W/(m K)"),
+    "density": ("density", 1, 500, 25000, "kg/m³"),
+    "specific_heat": ("specific heat", 1, 100, 5000, "J/(kg K)"),
 }
-_RADIUS = Usual("radius", 0.1, 1000, "mm", 1e3)
-_CROWN = Usual("crown radius", 0.1, 100_000, "mm", 1e3)
-_LENGTH = Usual("length", 0.1, 1000, "mm", 1e3)
-_RA = Usual("Ra", 0.001, 10, "µm", 1e6)
-_TRACK = Usual("track", 20, 10_000, "mm", 1e3)
-_WEAR_RATE = Usual("specific wear rate", 1e-11, 1e-2, "mm³/(N m)", 1e9)
-_VELOCITY = Usual("velocity", 0, 100, "m/s")
-_DURATION = Usual("time until the end", 0.05, 1e6, "s")
-_VISCOSITY = Usual("kinematic viscosity", 0.5, 1e5, "mm²/s", 1e6)
-_BULK = Usual("bulk temperature", 200, 800, "K")
+"""Words for a constant; the number that 1 of it in SI has in a unit; its usual range in that."""
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
 _MOST_RISE = 2.0  # of the mean plane over the window, in Rq
@@ -77,22 +48,32 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     )
 
 
+def _unusual(name: str, value: float, low: float, high: float, unit: str) -> Iterator[str]:
+    """Say so if a value is outside its usual range, all three in a unit."""
+    if math.isfinite(value) and not low <= value <= high:
+        yield (
+            f"{name} is {value:.3g} {unit}, where {low:g} to {high:g} {unit} are usual: check the "
+            "number and its unit"
+        )
+
+
 def _of_bodies(sweep: Sweep) -> Iterator[str]:
     pin, disk = sweep.scene.pin.material, sweep.scene.disk
     owners = {"the ": pin} if pin == disk else {"the pin's ": pin, "the disk's ": disk}
     for owner, material in owners.items():
         yield from _of_material(owner, material)
     body = sweep.scene.pin
-    yield from _RADIUS.doubt("the pin's ", body.radius)
+    yield from _unusual("the pin's radius", body.radius * 1e3, 0.1, 1000, "mm")
     if body.crown_radius is not None:
-        yield from _CROWN.doubt("the pin's ", body.crown_radius)
+        crown = body.crown_radius * 1e3
+        yield from _unusual("the pin's crown radius", crown, 0.1, 100_000, "mm")
     if body.length is not None:
-        yield from _LENGTH.doubt("the pin's ", body.length)
+        yield from _unusual("the pin's length", body.length * 1e3, 0.1, 1000, "mm")
 
 
 def _of_material(owner: str, material: Material) -> Iterator[str]:
-    for name, usual in _MATERIAL.items():
-        yield from usual.doubt(owner, getattr(material, name))
+    for name, (words, factor, *usual) in _MATERIAL.items():
+        yield from _unusual(f"{owner}{words}", getattr(material, name) * factor, *usual)
     share = material.hardness / material.elastic_modulus
     low, high = USUAL_HARDNESS
     if math.isfinite(share) and not low <= share <= high:
@@ -106,21 +87,23 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
     friction = max([sweep.conditions.friction, *(sweep.about.friction_band or [])])
     if friction > 1:
         yield f"friction is {friction:g}, where 0 to 1 is usual: check the number"
-    yield from _VELOCITY.doubt("the highest ", max(sweep.plane.velocities))
-    yield from _BULK.doubt("the ", sweep.conditions.bulk_temperature)
+    yield from _unusual("the highest velocity", max(sweep.plane.velocities), 0, 100, "m/s")
+    bulk = sweep.conditions.bulk_temperature
+    yield from _unusual("the bulk temperature", bulk, 200, 800, "K")
     for body, track in tracks_of(sweep).items():
-        yield from _TRACK.doubt(f"the {body}'s ", track.length)
+        yield from _unusual(f"the {body}'s track", track.length * 1e3, 20, 10_000, "mm")
     if sweep.scene.wear is None:
         yield (
             "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "
             "hotter than a worn one"
         )
     elif isinstance(sweep.scene.wear, Wear) and sweep.scene.wears:
-        yield from _WEAR_RATE.doubt("the ", sweep.scene.wear.specific_wear_rate)
+        rate = sweep.scene.wear.specific_wear_rate * 1e9
+        yield from _unusual("the specific wear rate", rate, 1e-11, 1e-2, "mm³/(N m)")
 
 
 def _of_loading(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    yield from _DURATION.doubt("the ", facts.duration.high)
+    yield from _unusual("the time until the end", facts.duration.high, 0.05, 1e6, "s")
     loading, highest = sweep.scene.loading, max(sweep.plane.loads)
     reference = loading.reference_load if isinstance(loading, Ramp) else highest
     if not 0.01 <= reference / highest <= 100.0:
@@ -129,7 +112,8 @@ def _of_loading(sweep: Sweep, facts: Facts) -> Iterator[str]:
             "check its unit, since it sets the steps of the ramp"
         )
     if oil := sweep.about.oil:
-        yield from _VISCOSITY.doubt("the oil's ", max(oil.viscosities))
+        viscosity = max(oil.viscosities) * 1e6
+        yield from _unusual("the oil's kinematic viscosity", viscosity, 0.5, 1e5, "mm²/s")
 
 
 def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
@@ -190,22 +174,20 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
         yield (
             f"the contact is expected to grow up to {1e6 * max(wide):.3g} µm wide, the {window} is "
             f"{1e6 * side:.3g} µm: it carries too little load at its edges at about {len(wide)} of "
-            f"{points} points, those of high load and velocity; "
-            "give more window.pixels if these matter"
+            f"{points} points, those of high load and velocity; give more window.pixels if these "
+            "matter"
         )
 
 
 def _of_heat(sweep: Sweep, facts: Facts) -> Iterator[str]:
     """Points at which steel would melt."""
     grid = itertools.product(sweep.plane.loads, sweep.plane.velocities)
+    widths = itertools.chain(*facts.contact_widths)
     places = [
         (_smooth_temperature(sweep, load, velocity, width), load, velocity)
-        for (load, velocity), width in zip(
-            grid, itertools.chain(*facts.contact_widths), strict=False
-        )
+        for (load, velocity), width in zip(grid, widths, strict=True)
     ]
-    molten = sum(temperature > MELTS for temperature, _, _ in places)
-    if molten:
+    if molten := sum(temperature > MELTS for temperature, _, _ in places):
         temperature, load, velocity = max(places)
         yield (
             f"steel would melt at about {molten} of {len(places)} points: at {load:g} N and "
@@ -240,19 +222,15 @@ def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float
 
 def _of_tests(sweep: Sweep) -> Iterator[str]:
     """Tests so far outside the sweep that their units are in doubt."""
-    tests = [*sweep.about.measured, *sweep.about.tested]
-    loads, velocities = sweep.plane.loads, sweep.plane.velocities
-    places = [(test.normal_load, test.velocity) for test in tests]
+    loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
     far = [
-        f"{load:g} N at {velocity:g} m/s"
-        for load, velocity in places
-        if not (
-            min(loads) / _REACH <= load <= max(loads) * _REACH
-            and min(velocities) / _REACH <= velocity <= max(velocities) * _REACH
-        )
+        f"{test.normal_load:g} N at {test.velocity:g} m/s"
+        for test in [*sweep.about.measured, *sweep.about.tested]
+        if not loads.low / _REACH <= test.normal_load <= loads.high * _REACH
+        or not velocities.low / _REACH <= test.velocity <= velocities.high * _REACH
     ]
     if far:
-        spans = f"{min(loads):g} to {max(loads):g} N and {min(velocities):g} to {max(velocities):g}"
+        spans = f"{loads.low:g} to {loads.high:g} N and {velocities.low:g} to {velocities.high:g}"
         more = f" and {len(far) - 1} more" if len(far) > 1 else ""
         verb = "lie" if len(far) > 1 else "lies"
         yield (
@@ -262,7 +240,7 @@ def _of_tests(sweep: Sweep) -> Iterator[str]:
 
 
 def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
-    yield from _RA.doubt("the disk's ", surface.ra)
+    yield from _unusual("the disk's Ra", surface.ra * 1e6, 0.001, 10, "µm")
     for axis, rise in zip("xy", surface.rise, strict=True):
         if surface.measured and abs(rise) > _MOST_RISE * surface.rq:
             yield (

@@ -15,7 +15,6 @@ from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
-FACTS = {id(sweep): facts_of(sweep) for sweep in (SMOOTH, BALL, CROWNED)}
 HALF_WIDTH = SMOOTH.scene.pin.radius  # as a unit
 JUST_LESS, JUST_MORE = 1 - 1e-6, 1 + 1e-6
 
@@ -60,8 +59,8 @@ def with_pin(**changes):
     return SMOOTH.changed(pin=replace(SMOOTH.scene.pin, **changes))
 
 
-def said_of(sweep, base=SMOOTH, **facts):
-    return doubts(sweep, replace(FACTS[id(base)], **facts))
+def said_of(sweep, **facts):
+    return doubts(sweep, replace(facts_of(sweep), **facts))
 
 
 def surface(**changes):
@@ -78,7 +77,7 @@ USUAL = [
     ("specific heat is", 100, 5000, lambda v: said_of(of_both(specific_heat=v))),
     ("pin's radius is", 1e-4, 1.0, lambda v: said_of(with_pin(radius=v))),
     ("pin's length is", 1e-4, 1.0, lambda v: said_of(with_pin(length=v))),
-    ("crown radius is", 1e-4, 100.0, lambda v: said_of(crowned(v), CROWNED)),
+    ("crown radius is", 1e-4, 100.0, lambda v: said_of(crowned(v))),
     ("bulk temperature is", 200.0, 800.0, lambda v: said_of(warmer(v))),
     ("wear rate is", 1e-20, 1e-11, lambda v: said_of(SMOOTH.changed(wear=tribo.Wear(v)))),
     ("disk's Ra is", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
@@ -152,7 +151,7 @@ def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, is_doub
 )
 def test_a_contact_of_few_pixels_is_doubted(base, across, is_doubted):
     width = across * base.scene.pixels.spacing[0]
-    said = said_of(base, base, contact_width=Span(width, 2 * width))
+    said = said_of(base, contact_width=Span(width, 2 * width))
     assert any("pixels wide" in doubt for doubt in said) is is_doubted
 
 
@@ -192,16 +191,14 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
 
 
 def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
-    half = Span(1e-6, 49e-6)
+    contact = {"hertz_half_width": Span(1e-6, 49e-6), "contact_widths": ((80e-6,),)}
     wide, narrow = (1.0, 90e-6), (1.0, 110e-6)
-    assert said_of(BALL, BALL, hertz_half_width=half, window=narrow, contact_widths=()) == (
-        *said_of(BALL, BALL),
-    )
-    (*_, last) = said_of(BALL, BALL, hertz_half_width=half, window=wide, contact_widths=())
+    assert said_of(BALL, **contact, window=narrow) == said_of(BALL)
+    (*_, last) = said_of(BALL, **contact, window=wide)
     assert "the room for it in the window, by its length along y, 90 µm" in last
     ratio = tribo.analytic.hertz_ellipse(1.0, 2e-3, 8e-3, 1e11)
     longer = ratio[1] / ratio[0]
     for room, fits in ((0.97, False), (0.99, True)):  # beside a contact of 98 µm
         window = (1.0, room * 100e-6 * longer)
-        doubts = said_of(CROWNED, CROWNED, hertz_half_width=half, window=window, contact_widths=())
+        doubts = said_of(CROWNED, **contact, window=window)
         assert any("by its length" in doubt for doubt in doubts) is not fits
