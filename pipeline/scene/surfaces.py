@@ -22,7 +22,7 @@ import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.parts import own_of
-from pipeline.scene.text_scan import TEXT, TextScan, read_text
+from pipeline.scene.text_scan import TEXT, read_text
 from pipeline.scene.units import display
 from pipeline.sweep.own_laws import SURFACE, Laws
 from tribo import InputError, read_heights
@@ -55,42 +55,41 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     """
     path = Path(path)
     if path.suffix.lower() in TEXT:
-        require_file(path)
-        try:
-            read = read_text(path)
-        except InputError:
-            if path.suffix.lower() not in (".csv", ".xyz") and _knows_more():
-                with suppress(InputError):  # an instrument's own text
-                    return _of_instrument(path, height_unit)
-            raise
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
-        return _of_text(path, read, height_unit)
-    if path.suffix.lower() in PLAIN:
-        if height_unit is None:
-            raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
-        try:
-            return Surface(read_heights(path, height_unit, allow_missing=True))
-        except InputError:
-            raise
-        except Exception as error:  # a damaged file makes NumPy raise errors of any kind
-            raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
-    return _of_instrument(path, height_unit)
+        return _of_text(path, height_unit)
+    if path.suffix.lower() not in PLAIN:
+        return _of_instrument(path, height_unit)
+    if height_unit is None:
+        raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
+    try:
+        return Surface(read_heights(path, height_unit, allow_missing=True))
+    except InputError:
+        raise
+    except Exception as error:  # a damaged file makes NumPy raise errors of any kind
+        raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
 
 
-def _of_text(path: Path, read: TextScan, height_unit: float | None) -> Surface:
+def _of_text(path: Path, height_unit: float | None) -> Surface:
     """A surface of text, whose comments may say the unit and the size of its pixels."""
-    unit = height_unit or read.unit
-    if unit is None:
+    require_file(path)
+    try:
+        heights, pixel_size, said = read_text(path)
+    except InputError:
+        if path.suffix.lower() not in (".csv", ".xyz") and _knows_more():
+            with suppress(InputError):  # an instrument's own text
+                return _of_instrument(path, height_unit)
+        raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
+    if (unit := height_unit or said) is None:
         raise InputError(f"{path}: the text says no unit of its heights; give height_unit")
-    heights = read.heights * unit
+    heights = heights * unit
     if (infinite := np.argwhere(np.isinf(heights))).size:
         row, column = infinite[0].tolist()
         raise InputError(
             f"{path}: the height at row {row}, column {column} (counted from 0) is infinite; write "
             "holes as NaN"
         )
-    return Surface(heights, read.pixel_size)
+    return Surface(heights, pixel_size)
 
 
 def _knows_more() -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import math
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,20 +20,8 @@ from tribo.types import Array
 
 TEXT = (".csv", ".txt", ".xyz", ".asc", ".dat", ".tsv")
 _HOLES = [
-    "",
-    "nan",
-    "NaN",
-    "NAN",
-    "bad",
-    "BAD",
-    "Bad",
-    "***",
-    "---",
-    "-",
-    "null",
-    "None",
-    "missing",
-]
+    "", "nan", "NaN", "NAN", "bad", "BAD", "Bad", "***", "---", "-", "null", "None", "missing",
+]  # fmt: skip
 _COMMENT = ("#", "%", "//", ";#", "*")
 _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*([eE][+-]?\d+)?|[.,]\d+([eE][+-]?\d+)?|inf)")
 _SIZES = {
@@ -57,32 +44,14 @@ _MOST_BYTES = 2**30
 _TOLERANCE = 1e-3  # of a step, within which places are on a grid
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TextScan:
-    """Heights of a text in its own unit, along x and then y, and what it says of sizes [m].
-
-    Attributes
-    ----------
-    heights : array, shape (nx, ny)
-        Heights in the unit of the file; NaN in holes.
-    pixel_size : tuple of float or None
-        Sides of a pixel along x and y [m], if the text says them.
-    unit : float or None
-        Length of one unit of the heights [m], if the text says it.
-    """
-
-    heights: Array
-    pixel_size: tuple[float, float] | None
-    unit: float | None
+Size = tuple[float, float] | None
 
 
-def read_text(path: Path) -> TextScan:
-    """Read heights from text.
+def read_text(path: Path) -> tuple[Array, Size, float | None]:
+    """Heights along x and then y, NaN in holes, the sides of a pixel [m], and the unit [m].
 
-    Raises
-    ------
-    InputError
-        If there is no matrix of numbers, nor rows of x, y and z on a grid.
+    Heights are in their unit; of sizes and unit what the text says. `InputError` is raised if
+    there is no matrix of numbers, nor rows of x, y and z on a grid.
     """
     if path.stat().st_size > _MOST_BYTES:
         raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
@@ -102,13 +71,13 @@ def read_text(path: Path) -> TextScan:
     if {"width", "height"} <= sizes.keys():  # as Gwyddion writes it: a line for each y
         table = np.ascontiguousarray(table.T)
         x, y = sizes["width"] / table.shape[0], sizes["height"] / table.shape[1]
-        return TextScan(table, (x, y), unit)
+        return table, (x, y), unit
     table, steps = _without_axes(table, head[-1:])
     length = units.get("x", units.get("y"))
     if steps and length:
-        return TextScan(table, (steps[0] * length, steps[1] * length), unit)
+        return table, (steps[0] * length, steps[1] * length), unit
     pixel = (sizes["x step"], sizes["y step"]) if {"x step", "y step"} <= sizes.keys() else None
-    return TextScan(table, pixel, unit)
+    return table, pixel, unit
 
 
 def _step(line: Array) -> float:
@@ -208,13 +177,15 @@ def _split(lines: list[str]) -> tuple[list[str], list[str]]:
 
 def _is_numeric(line: str) -> bool:
     """True if each cell is a number or a hole, and any is a number."""
-    cells = [cell for cell in re.split(r"[;\t ]+|,(?=\s|[+-]?\d*\.)", line.strip()) if cell]
-    plain = [_NUMBER.fullmatch(cell.strip(",")) is not None for cell in cells]
-    if all(n or c.strip(",") in _HOLES for n, c in zip(plain, cells, strict=True)) and any(plain):
-        return True
-    cells = [cell.strip() for cell in line.split(",")]
-    plain = [_NUMBER.fullmatch(cell) is not None for cell in cells]
-    return any(plain) and all(n or c in _HOLES for n, c in zip(plain, cells, strict=True))
+
+    def is_row(cells: list[str]) -> bool:
+        numbers = [cell for cell in cells if _NUMBER.fullmatch(cell)]
+        return bool(numbers) and {*cells} <= {*numbers, *_HOLES}
+
+    cells = re.split(r"[;\t ]+|,(?=\s|[+-]?\d*\.)", line.strip())
+    return is_row([cell.strip(",") for cell in cells if cell]) or is_row(
+        [cell.strip() for cell in line.split(",")]
+    )
 
 
 def _form(body: list[str]) -> tuple[str, str]:
@@ -253,7 +224,9 @@ def _length(text: str) -> float | None:
         return None
 
 
-def _of_places(path: Path, table: Array, units: dict[str, float]) -> TextScan:
+def _of_places(
+    path: Path, table: Array, units: dict[str, float]
+) -> tuple[Array, Size, float | None]:
     """Heights of rows of x, y and z on a regular grid; places without a row are holes."""
     axes, places = [], []
     for column in table.T[:2]:
@@ -275,4 +248,4 @@ def _of_places(path: Path, table: Array, units: dict[str, float]) -> TextScan:
     pixel = None
     if {"x", "y"} <= units.keys():
         pixel = axes[0] * units["x"], axes[1] * units["y"]
-    return TextScan(heights, pixel, units.get("z"))
+    return heights, pixel, units.get("z")
