@@ -5,24 +5,8 @@ from __future__ import annotations
 import math
 
 import tribo
-from pipeline.scene.kinds import (
-    Flag,
-    Number,
-    OneOf,
-    Quantity,
-    Scalar,
-    Text,
-    UnitText,
-    Whole,
-)
-from pipeline.scene.schema import (
-    ByPath,
-    Either,
-    Entry,
-    List,
-    Optional,
-    Table,
-)
+from pipeline.scene.kinds import Flag, Number, OneOf, Quantity, Scalar, Text, UnitText, Whole
+from pipeline.scene.schema import ByPath, Either, Entry, List, Optional, Table
 from tribo.simulation.pins import sizes_of
 
 

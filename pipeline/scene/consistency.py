@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -37,18 +38,11 @@ def check_tables(
         is_faulty = any(map(faults.touch, paths))
         return [None if is_faulty else entry_at(tables, path) for path in paths]
 
-    for misfits in (_of_bodies, _of_motion, _of_conditions, _of_oil):
-        for misfit in misfits(sound):
-            faults.note(*misfit)
-    for misfit in _of_steps(sound, fidelity.increments):
+    for misfit in itertools.chain(
+        _of_bodies(sound), _of_motion(sound), _of_tracks(sound), _of_conditions(sound),
+        _of_oil(sound), _of_steps(sound, fidelity.increments), _of_tests(tables),
+    ):  # fmt: skip
         faults.note(*misfit)
-    for table in ("measured", "tested"):
-        for number, entry in enumerate(tables[table] or ()):
-            if entry and entry["friction_scatter"] is not None and not entry["friction"]:
-                problem = (
-                    f"{entry['friction_scatter']:g} needs a measured friction; give it above 0"
-                )
-                faults.note(f"{table}[{number}].friction_scatter", problem)
 
 
 def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
@@ -88,12 +82,9 @@ def _check_pixels(
     if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
         rows, columns = roughness.array.shape
         turned = " or give disk.roughness.transpose = true, since its rows follow along x,"
-        narrow = rows < pixels[0] or columns < pixels[1]
-        ending = (
-            'or go on with it beyond its ends: disk.roughness.repeat = "mirror"'
-            if narrow
-            else "or cut a patch out with disk.roughness.crop"
-        )
+        ending = "or cut a patch out with disk.roughness.crop"
+        if rows < pixels[0] or columns < pixels[1]:
+            ending = 'or go on with it beyond its ends: disk.roughness.repeat = "mirror"'
         faults.note(
             "disk.roughness.file",
             f"the surface has {rows} rows of {columns} heights, window.pixels is {size}; give a "
@@ -104,13 +95,15 @@ def _check_pixels(
 
 def _short_of_window(key: str, length: float, pixels: Any, sides: Any, axis: int) -> Misfits:
     side = pixels[axis] * sides[axis]
-    if length < side * (1 - 1e-9) and sides[axis] > _LARGEST_PIXEL:
+    if length >= side * (1 - 1e-9):
+        return
+    if sides[axis] > _LARGEST_PIXEL:
         yield (
             "window.pixel_size",
             f"{pixels[axis]} pixels of {display(sides[axis], 'mm')} are longer than {key}, "
             f"{display(length, 'mm')}: check the unit; most are of 0.5 to 2 µm",
         )
-    elif length < side * (1 - 1e-9):
+    else:
         yield (
             key,
             f"{display(length, 'mm')} is shorter than the window, which is {display(side, 'mm')} "
@@ -124,8 +117,7 @@ def _of_bodies(sound: Sound) -> Misfits:
         yield from _short_of_window("pin.length", length, pixels, sides, 1)
     shape, periodic = sound("pin.shape", "window.periodic_y")
     if periodic and shape and "length" not in sizes_of(shape):
-        problem = f"true does not fit a {shape} pin; give false, or leave it out"
-        yield "window.periodic_y", problem
+        yield "window.periodic_y", f"true does not fit a {shape} pin; give false, or leave it out"
     for size in dict.fromkeys(name for other in tribo.PINS for name in sizes_of(other)):
         shape, value = sound("pin.shape", f"pin.{size}")
         is_needed = bool(shape) and size in sizes_of(shape)
@@ -168,7 +160,6 @@ def _of_motion(sound: Sound) -> Misfits:
                 "rod between its end and a holder belongs to a pin at rest; leave it out, or leave "
                 "out [motion]",
             )
-    yield from _of_tracks(sound)
 
 
 def _of_tracks(sound: Sound) -> Misfits:
@@ -263,6 +254,15 @@ def _of_steps(sound: Sound, increments: int) -> Misfits:
                 f"{display(hold, 's')} takes {hold / step:.3g} steps at {display(load, 'N')}; "
                 f"{MOST_STEPS} are allowed: give a shorter one{cure}",
             )
+
+
+def _of_tests(tables: dict[str, Any]) -> Misfits:
+    for table in ("measured", "tested"):
+        for number, entry in enumerate(tables[table] or ()):
+            if entry and entry["friction_scatter"] is not None and not entry["friction"]:
+                problem = "needs a measured friction; give it above 0"
+                key = f"{table}[{number}].friction_scatter"
+                yield key, f"{entry['friction_scatter']:g} {problem}"
 
 
 def _of_oil(sound: Sound) -> Misfits:

@@ -91,17 +91,7 @@ def first_unfit(correlations: Array) -> int | None:
 
 
 def allowed(correlations: Array, i: int, j: int) -> tuple[float, float] | None:
-    """Lowest and highest correlation that an input may have with one before it, given all others.
-
-    None if there is no such value.
-
-    Examples
-    --------
-    >>> of_three = np.array([[1.0, 0.8, 0.0], [0.8, 1.0, 0.8], [0.0, 0.8, 1.0]])
-    >>> low, high = allowed(of_three, 2, 0)
-    >>> print(f"{low:.2f} {high:.2f}")
-    0.28 1.00
-    """
+    """Lowest and highest correlation of an input with one before it, given all others, if any."""
     inverse = np.linalg.inv(correlations[:i, :i])
     others = correlations[i, :i].copy()
     others[j] = 0.0

@@ -1,7 +1,7 @@
 """The format of scene files: each table and key with its kind, meaning, default and example.
 
-Reading, its errors, the template of ``irg new``, the page SCENE.md, the JSON schema of editors and
-the hints of ``--set`` all follow from `FORMAT`.
+Reading, its errors, the template of ``irg new``, the page SCENE.md and the hints of ``--set`` all
+follow from `FORMAT`.
 """
 
 from __future__ import annotations
@@ -26,17 +26,7 @@ from pipeline.scene.bodies import (
     one_or_two,
     own_law,
 )
-from pipeline.scene.kinds import (
-    Flag,
-    Number,
-    OneOf,
-    Quantity,
-    Scalar,
-    Share,
-    Text,
-    Whole,
-    kind_of,
-)
+from pipeline.scene.kinds import Flag, Number, OneOf, Quantity, Scalar, Share, Text, Whole, kind_of
 from pipeline.scene.schema import (
     ByPath,
     Distribution,

@@ -43,17 +43,6 @@ class SurfaceStatistics:
         Slopes of the plane along x and y that were taken off.
     fit : tribo.surface.SelfAffineFit
         Correlation lengths, Hurst exponent and lay, with their standard errors.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import pipeline
-    >>> from tribo import Grid, self_affine
-    >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
-    >>> np.save("results/lapped.npy", heights)
-    >>> statistics = pipeline.surface_statistics("results/lapped.npy", "m", ("1 um", "1 um"))
-    >>> f"{1e6 * statistics.rq:.2f} µm", statistics.missing, statistics.has_lay
-    ('0.37 µm', 0, False)
     """
 
     file: str

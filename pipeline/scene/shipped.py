@@ -18,23 +18,11 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def name_of(path: Path) -> str:
-    """What to call a scene: a shipped one by its name, without the folder of the package.
-
-    Examples
-    --------
-    >>> name_of(scene_path("first_try")), name_of(Path("my/scene.toml"))
-    ('first_try', 'my/scene.toml')
-    """
+    """What to call a scene: a shipped one by its name, without the folder of the package."""
     return path.stem if path == WORKFLOWS / path.name and path.suffix == ".toml" else str(path)
 
 
 def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
-    """File of a scene that is given by its path from a folder, or by its name if it is shipped.
-
-    Examples
-    --------
-    >>> scene_path("first_try").name, scene_path("my/scene.toml").name
-    ('first_try.toml', 'scene.toml')
-    """
+    """File of a scene that is given by its path from a folder, or by its name if it is shipped."""
     path, shipped = folder / scene, shipped_scenes().get(str(scene))
     return path if shipped is None or path.exists() else shipped

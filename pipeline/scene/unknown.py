@@ -24,14 +24,7 @@ from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.samples import (
-    REACH,
-    WEAR_RATE,
-    Design,
-    Draw,
-    Layer,
-    samples_per_contact,
-)
+from pipeline.sweep.samples import REACH, WEAR_RATE, Design, Draw, Layer, samples_per_contact
 from pipeline.sweep.unknown import MOST, Fixed, Form, Unit, Unknown, without
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
@@ -72,8 +65,8 @@ class _Input:
 
     def entry(self, value: float) -> Rounded | float | int:
         """A value as an entry of the scene."""
-        text = self.written(value)
-        return Rounded(text, float(value)) if isinstance(text, str) else text
+        written = self.written(value)
+        return Rounded(written, float(value)) if isinstance(written, str) else written
 
 
 def fixed_paths(document: Document) -> frozenset[str]:
