@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.scene.shipped import name_of
-from tribo import InputError, TriboError
+from tribo import TriboError
 
 _SHOWN = 100  # faults, at most, where there are thousands
 
@@ -90,13 +90,6 @@ class SceneFileError(TriboError):
         return "\n  ".join(lines)
 
 
-def unwritable(path: Path, error: OSError) -> InputError:
-    """Error of a file that cannot be written, with the reason."""
-    folder = path.parent
-    reason = error.strerror or error if folder.is_dir() else f"there is no folder {folder}"
-    return InputError(f"{path} cannot be written: {reason}")
-
-
 def quoted(value: object) -> str:
     """Value on one line, roughly as written in the file."""
     if isinstance(value, dict):
@@ -127,7 +120,7 @@ def entry_at(tables: Mapping[str, Any], path: str) -> Any:
     """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
     entry: Any = tables
     for key in path.split("."):
-        entry = None if entry is None else entry.get(key)
+        entry = entry.get(key) if isinstance(entry, Mapping) else None
     return entry
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import tribo
 from pipeline.scene.document import as_toml, read_document
-from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted, unwritable
+from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import FIDELITY, SCENE, UNKNOWN, USUAL_PRESET
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.schema import Either, Entry, List, Optional, Table, Tables
@@ -69,9 +69,10 @@ def sections(entry: Entry = SCENE, path: str = "") -> Iterator[Section]:
         path += ".NAME"
     section = Section(path, entry)
     yield section
-    for key, inner in {k: e for form in forms_of(entry.kind) for k, e in form.keys.items()}.items():
-        if forms_of(inner.kind):
-            yield from sections(inner, section.path_of(key))
+    inner = {k: e for form in forms_of(entry.kind) for k, e in form.keys.items()}
+    for key in inner:
+        if forms_of(inner[key].kind):
+            yield from sections(inner[key], section.path_of(key))
 
 
 def forms_of(kind: Kind) -> tuple[Table, ...]:
@@ -257,7 +258,9 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
         for original, copy in copies:
             shutil.copyfile(original, copy)
     except OSError as error:
-        raise unwritable(path, error) from error
+        folder = path.parent
+        reason = error.strerror or error if folder.is_dir() else f"there is no folder {folder}"
+        raise InputError(f"{path} cannot be written: {reason}") from error
     return [path, *(copy for _, copy in copies)]
 
 

@@ -35,7 +35,7 @@ def test_a_word_means_an_outcome_below_its_heading(word, heading, outcome):
             ["1,75", "1.250,5 N", "0.4", "04.05.2026"],
             ["1.75", "1250.5 N", "0.4", "04.05.2026"],
         ),
-        (".", ["1;75", "1,250.5 N", "1,250", "4"], ["1;75", "1250.5 N", "1,250", "4"]),
+        (".", ["1.75", "1,250.5 N", "1,250", "4"], ["1.75", "1250.5 N", "1,250", "4"]),
     ],
 )
 def test_cells_have_decimal_points_and_no_thousands(tmp_path, decimal, cells, plain):

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import tribo
-from pipeline.scene.faults import SceneFileError
+from pipeline.scene.faults import SceneFileError, entry_at
 from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
@@ -572,3 +572,8 @@ def test_both_bodies_may_move(read):
     rolling = read(("[wear]", '[motion]\nentrainment_velocity = "2 m/s"\n\n[wear]'))
     assert rolling.scene.velocities_at(0.0) == (2.0, 2.0)
     assert read().scene.motion is None
+
+
+@pytest.mark.parametrize("path", ["pin.radius.x", "pin.radii", "nothing.at.all"])
+def test_what_stands_at_no_entry_is_none(path):
+    assert entry_at({"pin": {"radius": "2 mm"}}, path) is None
