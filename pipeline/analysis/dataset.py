@@ -324,11 +324,8 @@ def _with_rises(
     judged: Callable[[Mapping[str, Any], Conditions], Mapping[str, Any]],
 ) -> xr.Dataset:
     """The sweep with rises under some conditions in place of its own."""
-    if conditions.corrections:
-        if "step" not in ds.dims:
-            return _with_rises(ds.expand_dims("step"), conditions, judged).isel(step=0)
-        if (held := _with_start_of_hold(ds)) is not ds:
-            return _with_rises(held, conditions, judged).isel(step=slice(1, None))
+    if conditions.corrections and "step" not in ds.dims:
+        return _with_rises(ds.expand_dims("step"), conditions, judged).isel(step=0)
     names = [name for name in (*RISES, "bulk_rise_quantile") if name in ds]
     needed = ("bulk_rise_quantile", "mean_bulk_response", *columns_needed(conditions))
     columns = {name: values_of(ds, name) for name in dict.fromkeys((*names, *needed)) if name in ds}
@@ -336,24 +333,6 @@ def _with_rises(
     return ds.assign(
         {name: (_in_order(ds[name]).dims, changed[name], ds[name].attrs) for name in names}
     )
-
-
-def _with_start_of_hold(ds: xr.Dataset) -> xr.Dataset:
-    """The last steps of a sweep, and before them that at which a hold began, if it is not there.
-
-    Else its load would seem to have grown until now.
-    """
-    loading = attributes_of(ds).get("scene", {}).get("loading", {})
-    last, hold = ds.isel(step=[-1]), loading.get("hold")
-    if not hold or last["step"].values.tolist() != [0]:
-        return ds
-    began = last["time"] - hold
-    is_there = (ds["time"] <= began.isel(step=0) + 1e-9 * hold).any("step")
-    if bool((is_there | last["time"].isnull()).all()):
-        return ds
-    rises = {name: ds[name].isel(step=[-1]) * np.nan for name in RISES if name in ds}
-    before = last.assign({"time": began.where(~is_there), **rises})
-    return xr.concat([before, ds], "step", "minimal", coords="minimal", compat="override")
 
 
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:

@@ -224,7 +224,9 @@ _NOT_SHOWN = (
     "unequal_bulks",
     "lubrication.",
     "sweep.samples.",
+    "conditions.corrections.course",
     "conditions.corrections.motion",
+    "conditions.corrections.rate",
 )
 """Paths of values that follow from other entries."""
 _TESTS = ("measured.", "tested.")

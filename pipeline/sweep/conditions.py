@@ -171,11 +171,10 @@ class Conditions:
         return replace(self, friction=friction, corrections=corrections)
 
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
-        """The conditions with corrections that know the course of a loading."""
-        course = loading.course if isinstance(loading, MeasuredLoad) else ()
-        if self.corrections is None or self.corrections.course == course:
+        """The conditions with corrections that know the load before."""
+        if self.corrections is None or self.corrections == self.corrections.under(loading):
             return self
-        return replace(self, corrections=replace(self.corrections, course=course))
+        return replace(self, corrections=self.corrections.under(loading))
 
     def known_critical_temperature(self) -> float:
         """Critical temperature [K]; an `InputError` if it is not known."""

@@ -86,3 +86,23 @@ def test_a_part_of_a_sweep_has_the_temperatures_of_the_whole(tmp_path, loading):
         )  # fmt: skip
         alone = pipeline.temperatures(part.sel(point))["mean_temperature"]
         assert alone.item() == pytest.approx(whole.sel(point).item(), rel=1e-12)
+
+
+@pytest.mark.parametrize("loading", LOADINGS)
+@pytest.mark.parametrize("part", [[-2], [-3, -1], slice(-4, -1)], ids=str)
+def test_any_stations_of_a_sweep_have_the_temperatures_that_they_have_in_the_whole(
+    tmp_path, loading, part
+):
+    commit_all(tmp_path / "a.zarr", sweep_of(LOADINGS[loading], steps="all"))
+    ds = pipeline.open_sweep(tmp_path / "a.zarr")
+    whole, some = (
+        pipeline.temperatures(one)["mean_temperature"] for one in (ds, ds.isel(step=part))
+    )
+    xr.testing.assert_allclose(some, whole.isel(step=part), rtol=1e-12)
+    at = {"load": LOAD, "velocity": VELOCITY}
+    hottest = pipeline.decisive_temperature(ds.isel(step=part)).sel(at).item()
+    quantiles = pipeline.temperatures(ds)["temperature_quantile"].isel(step=part).sel(at)
+    held = ds["normal_load"].isel(step=part).sel(at) >= LOAD
+    at_share = quantiles.sel(cooler_share=0.9).where(held)
+    if held.any():
+        assert hottest == pytest.approx(at_share.max().item(), rel=1e-12)

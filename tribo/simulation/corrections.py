@@ -22,11 +22,10 @@ import numpy as np
 import scipy  # parts of it are loaded where they are used
 
 from tribo.errors import InputError, require_positive
-from tribo.loading import MeasuredLoad
+from tribo.loading import MeasuredLoad, Ramp
 from tribo.material import Material
 from tribo.simulation.motion import Motion
 from tribo.simulation.pins import Pin
-from tribo.simulation.present_heat import stations_so_far
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import measures
@@ -113,8 +112,10 @@ class Corrections:
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
     course : tuple of tuple of float
-        Course of a recorded load, `tribo.MeasuredLoad.course`; empty for a ramp, whose load is
-        linear between the steps that are known.
+        Course of a recorded load, `tribo.MeasuredLoad.course`; empty for a ramp.
+    rate : float or None
+        Rate at which a ramp reaches its load, which is held from then on [N/s]. If there is
+        neither that nor a course, the load is linear between the steps that are known.
 
     Examples
     --------
@@ -132,6 +133,7 @@ class Corrections:
     disk_bulk: Bulk | None = None
     motion: Motion | None = None
     course: tuple[tuple[float, float], ...] = ()
+    rate: float | None = None
 
     def __post_init__(self) -> None:
         velocities = [velocity for velocity, _ in self.friction]
@@ -154,8 +156,15 @@ class Corrections:
             friction=tuple((v, factor) for v, factor in plain.get("friction", ())),
             course=tuple((time, share) for time, share in plain.get("course", ())),
             film_resistance=plain.get("film_resistance", 0.0),
+            rate=plain.get("rate"),
             **parts,
         )
+
+    def under(self, loading: Ramp | MeasuredLoad) -> Self:
+        """The corrections with what a load was before."""
+        if isinstance(loading, MeasuredLoad):
+            return replace(self, course=loading.course, rate=None)
+        return replace(self, course=(), rate=loading.rate)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the corrections that are present as plain data."""
@@ -199,13 +208,15 @@ class Corrections:
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
-        friction_alone = replace(_NOTHING, friction=self.friction, course=self.course)
-        if self == friction_alone or not heats.any():
+        plain = replace(_NOTHING, friction=self.friction, course=self.course, rate=self.rate)
+        if self == plain or not heats.any():
             return np.zeros_like(rise)
         theta, F, t = rise[heats], load[heats], time[heats]
         share, V = columns["pin_heat_share"][heats], columns["sliding_distance"][heats] / t
         course = np.array(self.course).T
-        moments = [_Moment.of(columns, place, course) for place in np.argwhere(heats).tolist()]
+        moments = [
+            _Moment.of(columns, place, course, self.rate) for place in np.argwhere(heats).tolist()
+        ]
         speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
         resistances = (
             (self.stem.resistance_after(t) if self.stem else 0.0)
@@ -284,17 +295,8 @@ def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Ma
     columns = state.heat.columns
     if corrections is None:
         return columns
-    if isinstance(scene.loading, MeasuredLoad):
-        corrections = replace(corrections, course=scene.loading.course)
-    record = {**measures(scene, state), **columns}
-    stations = stations_so_far(scene, state)[:-1]  # and last, this moment
-    steps = {
-        name: np.concatenate([np.full((len(stations), *np.shape(value)), np.nan), [value]])
-        for name, value in record.items()
-    }
-    steps["time"][:-1] = [station.time for station in stations]
-    steps["normal_load"][:-1] = [station.normal_load for station in stations]
-    return {name: values[-1] for name, values in corrections.applied(steps).items()}
+    now = {name: np.array([x]) for name, x in (measures(scene, state) | dict(columns)).items()}
+    return {name: x[0] for name, x in corrections.under(scene.loading).applied(now).items()}
 
 
 class _Moment(NamedTuple):
@@ -305,15 +307,20 @@ class _Moment(NamedTuple):
     contact_width: float  # m
 
     @classmethod
-    def of(cls, columns: Mapping[str, Any], place: Sequence[int], course: Array) -> Self:
+    def of(
+        cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
+    ) -> Self:
         """The moment at a place of some columns, whose steps are last.
 
-        The load before is linear between the steps that are known, or has a course; its shares
-        belong to the load at the last step.
+        The load before has a rate, or a course, whose shares belong to the load at the last step;
+        else it is linear between the steps that are known.
         """
         *before, now = place
         times, loads = (columns[name][*before] for name in ("time", "normal_load"))
         width = float(columns["contact_width"][*before][now])
+        if rate:
+            reached = min(loads[now] / rate, times[now])
+            return cls(np.array([reached, times[now]]), np.full(2, loads[now]), width)
         if not course.size:
             known = np.isfinite(times[: now + 1])
             return cls(times[: now + 1][known], loads[: now + 1][known], width)
