@@ -38,7 +38,7 @@ _FIXED = (
 )  # fmt: skip
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
 _SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a wear rate
-_APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical", _SHARE}
+_APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
 _EVERYWHERE = {"name", "title", "notes", "variants"}
 _SIMULATED = {field.name for field in fields(Scene)}
 _THERMAL = "thermal_conductivity", "density", "specific_heat"
@@ -319,16 +319,9 @@ def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
         faults.note(
             one.key, f"no temperature or wear depends on it, only the {names}; leave it out"
         )
-    if unknown.path == _SHARE:
-        return "heat"  # each sample has a rise of its own share
     if not changed & _SIMULATED:
-        if "conditions" in changed and unknown.path not in _APPLIED:
-            faults.note(
-                one.key,
-                "it acts after the simulation, where samples are judged by the scene's own value; "
-                "give that alone, and others by irg vary or sweep.over",
-            )
-        return "conditions"
+        # Each sample has a rise of its own share, and of its own corrections.
+        return "conditions" if unknown.path in _APPLIED else "heat"
     if unknown.path == WEAR_RATE:
         return "wear rate"
     return "heat" if is_heat_alone else "contact"

@@ -17,6 +17,7 @@ from typing import Any, Self
 import numpy as np
 
 from pipeline.store.schema import FORMAT
+from pipeline.sweep.conditions import corrections_by_row
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.stations import Stations
@@ -120,7 +121,8 @@ def _short(value: Any) -> str:
 
 
 _OPTIONAL = (
-    "coordinates", "fixed", "lubrication", "samples", "sample_seed", "unknown", "wear_rates",
+    "coordinates", "fixed", "lubrication", "sample_corrections", "samples", "sample_seed",
+    "unknown", "wear_rates",
 )  # fmt: skip
 """Attributes of a scene that a store has only where there are samples, wear rates or an oil."""
 
@@ -133,9 +135,8 @@ def root_attributes(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str,
     """
     kept = {name: value for name, value in (before or {}).items() if name not in _OPTIONAL}
     kept = kept or _lasting(sweep)
-    attributes = (
-        _with_present_versions(kept) | _present(sweep) | _of_table(sweep) | _entries(sweep, kept)
-    )
+    attributes = _with_present_versions(kept) | _present(sweep) | _of_samples(sweep)
+    attributes |= _of_table(sweep) | _entries(sweep, kept)
     # As the root gives them back: JSON knows no tuples.
     plain: dict[str, Any] = json.loads(json.dumps(attributes))
     return plain
@@ -206,6 +207,17 @@ def _surface(sweep: Sweep) -> str | None:
     return None if facts is None else "; ".join([facts.words, *done])
 
 
+def _of_samples(sweep: Sweep, name: Variant = ()) -> dict[str, Any]:
+    """Corrections of each sample of a combination of entries, where its inputs change them."""
+    table, own = sweep.variants, sweep.variant(name).conditions
+    if not table.draw or (table.chosen and not name):
+        return {}
+    parts = (dict(table.part(row)) for row in table.names if row[: len(name)] == name)
+    rows = [part.get("conditions", own).corrections for part in parts]
+    columns = corrections_by_row(own.corrections, rows)
+    return {"sample_corrections": columns} if columns else {}
+
+
 def _of_table(sweep: Sweep) -> dict[str, Any]:
     """Attributes that follow from the table of variants, and from what is asked of it.
 
@@ -236,7 +248,9 @@ def _entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
             "values": list(values),
             "written": list(written_of(table, name).values()),
             "scene": _differing(describe(sweep, name), stored["scene"]),
-            "attributes": _differing(_present(sweep.variant(name)), present),
+            "attributes": _differing(
+                _present(sweep.variant(name)) | _of_samples(sweep, name), present
+            ),
         }
     return {"over": [column.name for column in table.chosen], "scenes": [*combinations.values()]}
 

@@ -129,6 +129,7 @@ _FOLLOWING = {
     "preset": str | None,
     "conditions": _CONDITIONS,
     "friction_band": tuple[float, float] | None,
+    "sample_corrections": dict[str, list[Any]],
     "surface": str | None,
     "same_rig": bool,
     "measured": list[Measurement],
@@ -137,7 +138,8 @@ _FOLLOWING = {
     "loads": list[float],
     "velocities": list[float],
 }
-"""Attributes that follow the scene file; the first two only where a scene has them."""
+"""Attributes that follow the scene file; some only where a scene has them."""
+_RARE = ("selection", "lubrication", "sample_corrections")
 _ROW = {
     "values": list[float | str],
     "written": list[float | str],
@@ -145,7 +147,7 @@ _ROW = {
     "attributes": {f"{name}?": (kind, type(None)) for name, kind in _FOLLOWING.items()},
 }
 ATTRIBUTES: dict[Any, Any] = {
-    **{name + "?" * (name in ("selection", "lubrication")): k for name, k in _FOLLOWING.items()},
+    **{name + "?" * (name in _RARE): kind for name, kind in _FOLLOWING.items()},
     "Conventions": str,
     "format": int,
     "scene": _OF_SCENE,
@@ -365,7 +367,8 @@ def _has_points(keys: set[str]) -> bool:
 def _conditions(attributes: Mapping[str, Any]) -> dict[str, Any]:
     """What each scene of a store is judged by."""
     others = [scene["attributes"] for scene in attributes.get("scenes", [])]
-    return {name: attributes.get(name) for name in ("conditions", "friction_band")} | {"of": others}
+    names = ("conditions", "friction_band", "sample_corrections")
+    return {name: attributes[name] for name in names if name in attributes} | {"of": others}
 
 
 def _hash(document: Mapping[str, Any]) -> str:

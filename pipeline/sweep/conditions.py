@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -189,6 +189,52 @@ class Conditions:
     def changed(self, **changes: Any) -> Conditions:
         """The same with others in their place, by the names of `changes_of`."""
         return replace(self, **changes_of(**changes))
+
+
+def corrections_by_row(
+    own: Corrections | None, rows: Sequence[Corrections | None]
+) -> dict[str, list[Any]]:
+    """Entries of the corrections of some rows that differ from their scene's, by their paths.
+
+    Examples
+    --------
+    >>> from tribo import Stem
+    >>> short, long = Corrections(stem=Stem(5.0)), Corrections(stem=Stem(8.0))
+    >>> corrections_by_row(short, [short, long])
+    {'stem.resistance': [5.0, 8.0]}
+    """
+    usual, *others = (_leaves(one.as_dict()) if one else {} for one in (own, *rows))
+    paths = dict.fromkeys(path for other in others for path in other)
+    columns = {path: [other.get(path) for other in others] for path in paths}
+    return {
+        path: values
+        for path, values in columns.items()
+        if any(value != usual.get(path) for value in values)
+    }
+
+
+def with_corrections_of_row(
+    conditions: Conditions, columns: Mapping[str, Sequence[Any]], row: int
+) -> Conditions:
+    """Conditions with the corrections of a row, of which `corrections_by_row` gave columns."""
+    leaves = _leaves(conditions.corrections.as_dict()) if conditions.corrections else {}
+    plain: dict[str, Any] = {}
+    for path, value in (leaves | {path: values[row] for path, values in columns.items()}).items():
+        part, _, inner = path.partition(".")
+        if inner:
+            plain.setdefault(part, {})[inner] = value
+        else:
+            plain[part] = value
+    return replace(conditions, corrections=Corrections.of_plain(plain))
+
+
+def _leaves(plain: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of corrections as plain data, by their paths."""
+    leaves: dict[str, Any] = {}
+    for name, value in plain.items():
+        inner = {f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {}
+        leaves |= inner or {name: value}
+    return leaves
 
 
 def changes_of(

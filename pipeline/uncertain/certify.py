@@ -17,7 +17,7 @@ from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.certificate import COUNT, Certificate, keep
 from pipeline.uncertain.emulator import END
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.inputs import prior
+from pipeline.uncertain.inputs import FRICTION, prior
 from tribo import InputError
 from tribo.types import Array
 
@@ -39,10 +39,14 @@ def log_rise(sweep: Sweep, load: float, velocity: float) -> float:
 
 
 def as_in_a_scene(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
-    """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths."""
+    """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths.
+
+    The friction is left out: rises are those at friction 1, and a table of friction by velocity
+    would not be scaled with it.
+    """
     pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
     pairs += [(one.unknown, one.value) for one in ensemble.fixed]
-    return {one.path: _entry(one, value) for one, value in pairs}
+    return {one.path: _entry(one, value) for one, value in pairs if one.path != FRICTION}
 
 
 def _entry(unknown: Unknown, value: float) -> float | int | str:

@@ -19,7 +19,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -417,17 +417,13 @@ def columns_until(
 
 
 def decisive_rises(
-    columns: Mapping[str, Array], loads: Array, conditions: Conditions, shares: Array | None
+    columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
-    """Decisive rise by sample and load [K]."""
-    if shares is None:
-        return worst_rises(columns, loads[:, None], conditions)
+    """Decisive rise by sample and load [K], by the conditions of each sample."""
+    if all(one is conditions[0] for one in conditions):
+        return worst_rises(columns, loads[:, None], conditions[0])
     rows = [
-        worst_rises(
-            {name: values[i] for name, values in columns.items()},
-            loads[:, None],
-            replace(conditions, failing_share=share),
-        )
-        for i, share in enumerate(shares.tolist())
+        worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)
+        for i, one in enumerate(conditions)
     ]
     return np.array(rows)

@@ -34,7 +34,7 @@ from pipeline.analysis.decisive import require_sound
 from pipeline.analysis.scenes import taken
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, with_corrections_of_row
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
@@ -210,10 +210,12 @@ class Ensemble:
         ds = ds.sortby("load").isel(variant=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
-        is_drawn = SHARE in paths and "share" not in changed
-        shares = inputs[:, paths.index(SHARE)] if is_drawn else None
+        of_rows = _conditions_of_rows(conditions, about, numbers.tolist())
+        if SHARE in paths and "share" not in changed:
+            pairs = zip(of_rows, inputs[:, paths.index(SHARE)].tolist(), strict=True)
+            of_rows = [replace(one, failing_share=share) for one, share in pairs]
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
-        rises = decisive_rises(columns, loads, conditions, shares)
+        rises = decisive_rises(columns, loads, of_rows)
         require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
         done = np.isfinite(rises.sum(axis=1))
         if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
@@ -224,7 +226,7 @@ class Ensemble:
         hold = float(about["scene"]["loading"].get("hold", 0.0))
         tests = (*about["measured"], *about["tested"])
         by_hold = {
-            other: decisive_rises(until, loads, conditions, shares)[done]
+            other: decisive_rises(until, loads, of_rows)[done]
             for other in {float(test.get("hold", hold)) for test in tests}
             if other < hold and (until := columns_until(columns, loads, other, done)) is not None
         }
@@ -395,3 +397,13 @@ class Ensemble:
                     f"{name} is {value:g} {unit}; the samples have {ends}: give one within, or "
                     "add to the sweep"
                 )
+
+
+def _conditions_of_rows(
+    conditions: Conditions, about: Mapping[str, Any], numbers: Sequence[int]
+) -> list[Conditions]:
+    """Conditions of each sample, with the corrections that follow from its own inputs."""
+    columns = about.get("sample_corrections")
+    if not columns:
+        return [conditions] * len(numbers)
+    return [with_corrections_of_row(conditions, columns, number) for number in numbers]

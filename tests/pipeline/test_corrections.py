@@ -9,8 +9,11 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.analysis.dataset import with_changes
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.physics import physics_of
+from pipeline.sweep.samples import WEAR_RATE
+from pipeline.uncertain import certify
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -191,3 +194,46 @@ def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
     assert counted.count("  entry") == could_be.count("pin.stem") + 1 == 1
     assert "plastic memory of the track: " in not_sized
     assert "--physics" in irg(*command[:2], "-q", code=2)
+
+
+UNKNOWN = """
+[unknown]
+"friction.coefficient" = { mean = 0.1, sd = 0.01 }
+"materials.steel.thermal_conductivity" = { from = "30 W/(m K)", to = "60 W/(m K)" }
+"disk.track_length" = { from = "10 cm", to = "60 cm" }
+"disk.film.thickness" = { median = "20 nm", factor = 1.5 }
+"disk.capacity.thickness" = { from = "0.1 mm", to = "0.5 mm" }
+"pin.loss" = ["0.2 W/K", "0.5 W/K"]
+"""
+
+
+STEMS = '"pin.stem.length" = ["4 mm", "12 mm"]'
+
+
+@pytest.mark.parametrize(("over", "at"), [("", {}), (STEMS, {"pin.stem.length": "12 mm"})])
+def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path, over, at):
+    """Each is the scene with its values by hand, whose table of friction its friction scales."""
+    (tmp_path / "plain.toml").write_text(SCENE.replace("fields = true", ""))
+    (tmp_path / "known.toml").write_text(BESIDE)
+    asked = f'[sweep]\nsamples = 12\nloads = ["300 N", "600 N"]\nover = {{ {over} }}\n'
+    (tmp_path / "scene.toml").write_text(f'extends = "known.toml"\n{UNKNOWN}{asked}')
+    store = tmp_path / "out.zarr"
+    pipeline.run_sweep(pipeline.load_scene(tmp_path / "scene.toml"), store, workers=1)
+    samples = pipeline.Ensemble.of(store, at=at)
+    paths = [one.path for one in samples.design.inputs]
+    for number in (0, 7):
+        values = dict(zip(paths, samples.inputs[number].tolist(), strict=True))
+        row = [values.get(one.path, 0.12) for one in samples.unknown]
+        by_hand = certify.as_in_a_scene(samples, row) | at
+        by_hand[WEAR_RATE] = f"{1e9 * values[WEAR_RATE]!r} mm^3/(N m)"
+        sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
+        for load, rise in zip(samples.loads, samples.rises[number], strict=True):
+            expected = certify.log_rise(sweep, load, samples.sample_velocities[number])
+            assert np.log(rise) == pytest.approx(expected, abs=1e-6)
+    # With the scene's own corrections the rises would be others.
+    common = pipeline.open_sweep(store)
+    attributes = with_changes(common.attrs, {"sample_corrections": None})
+    common = common.drop_attrs(deep=False).assign_attrs(attributes)
+    if not at:
+        off = pipeline.Ensemble.of(common).rises / samples.rises - 1
+        assert np.abs(off).max() > 0.02

@@ -210,7 +210,6 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
         ('"friction.band" = [0.1, 0.2]', "friction.band: 0.1 is not a list"),
         ('"sweep.loads" = ["1 N", "2 N"]', "cannot be unknown"),
         ('"loading.reference_load" = ["750 N", "400 N"]', "number of steps"),
-        ('"disk.track_length" = ["34 cm", "40 cm"]', "it acts after the simulation"),
     ],
 )
 def test_a_fault_says_what_is_wrong_and_with_which_input(tmp_path, line, words):
