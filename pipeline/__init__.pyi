@@ -11,7 +11,7 @@ from .analysis.scenes import at_entries as at_entries
 from .analysis.warned_points import warned as warned
 from .figures.page.write import explore as explore
 from .figures.plot import plot as plot
-from .figures.report.write import report as report
+from .figures.report import report as report
 from .figures.studies import draw_design as draw_design
 from .figures.studies import draw_trade as draw_trade
 from .figures.studies import draw_variations as draw_variations

@@ -44,7 +44,7 @@ def test_the_shipped_scenes_come_with_the_wheel(installed, tmp_path):
     assert {path.name for path in (installed / "pipeline/workflows").glob("*.toml")} == names
     run(installed, tmp_path, "-m", "pipeline", "new", "record.toml", "--from", "fig8")
     assert (tmp_path / "fig8_load_record.csv").exists()
-    cited = "from pipeline.figures.report.content import citation; print(*citation())"
+    cited = "from pipeline.figures.report import citation; print(*citation())"
     assert "irg-transition" in run(installed, tmp_path, "-c", cited)
 
 

@@ -33,31 +33,17 @@ from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, CROSSES, Crossing, range_of
 from pipeline.analysis.warned_points import has_warning
+from pipeline.figures import style
 from pipeline.figures.overlays import (
     at_own_conditions,
     film_lines,
     in_reach,
     isoline,
-    measured_transitions,
+    mark_tests,
     name_regions,
-    tested_points,
 )
 from pipeline.figures.rows import draw_rows
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    TINTS,
-    VERMILION,
-    canvas,
-    criterion,
-    heating,
-    in_house_style,
-    legend_below,
-    plain_numbers,
-    title_of,
-)
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
 from pipeline.store.schema import PENDING, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
@@ -81,7 +67,7 @@ _RESOLUTION = 240
 _COLOURS = colormaps["viridis"]
 
 
-@in_house_style
+@style.in_house_style
 def diagram(
     ds: xr.Dataset,
     friction: float | Sequence[float] | None = None,
@@ -127,7 +113,7 @@ def diagram(
     beyond = _beyond(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
-    figure, axes = canvas(ax, (8.0, 6.4))
+    figure, axes = style.canvas(ax, (8.0, 6.4))
     legend: list[Artist] = []
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
@@ -146,23 +132,16 @@ def diagram(
         legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
-    legend += _tests(axes, tests)
+    legend += mark_tests(axes, tests)
     if is_plane:
         legend += at_own_conditions(axes, plane, tests, conditions)
     legend += beyond_figure
     _frame(axes, ds, log)
     if is_plane:
         name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
-    severe = f"severe wear: {criterion(conditions)}; {heating(conditions)}"
-    legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
+    severe = f"severe wear: {style.criterion(conditions)}; {style.heating(conditions)}"
+    style.legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
     return figure
-
-
-def _tests(axes: Axes, tests: Sequence[Mapping[str, Any]]) -> list[Artist]:
-    """Mark measured transitions and tests."""
-    measured = [test for test in tests if "outcome" not in test]
-    tested = [test for test in tests if "outcome" in test]
-    return [*measured_transitions(axes, measured), *tested_points(axes, tested)]
 
 
 def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
@@ -171,8 +150,8 @@ def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
     axes.margins(0.04)
     if log:
         axes.set(xscale="log", yscale="log")
-        plain_numbers(axes)
-    axes.set_title(", ".join([title_of(ds), *named(drawn_row(ds))]), pad=10)
+        style.plain_numbers(axes)
+    axes.set_title(", ".join([style.title_of(ds), *named(drawn_row(ds))]), pad=10)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
@@ -188,7 +167,7 @@ def _of_scenes(
             "the diagram of several scenes takes two loads and two velocities or more; irg "
             "boundary prints their transitions"
         )
-    figure, axes = canvas(ax, (8.0, 6.4))
+    figure, axes = style.canvas(ax, (8.0, 6.4))
     legend: list[Artist] = []
     several = [(scene, conditions_of(scene, **changed)) for scene in scenes(ds)]
     for number, (scene, judged) in enumerate(several):
@@ -202,13 +181,13 @@ def _of_scenes(
         width = 2.0 if is_drawn else 0.0
         legend.append(Line2D([], [], lw=width, color=colour, label=name + outside))
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
-    legend += [*_tests(axes, tests), *beyond_figure]
+    legend += [*mark_tests(axes, tests), *beyond_figure]
     _frame(axes, ds, log)
     entries = " and ".join(entry_dims(ds)).replace(".", " ").replace("_", " ")
     title = f"transition to severe wear, by {entries}"
     if len({judged for _, judged in several}) == 1:
-        title += f"; severe: {criterion(judged)}; {heating(judged)}"
-    legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
+        title += f"; severe: {style.criterion(judged)}; {style.heating(judged)}"
+    style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 
 

@@ -14,13 +14,13 @@ from matplotlib.ticker import MaxNLocator
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import corrected_field, drawn_row, on_surface
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
+from pipeline.figures import style
 from pipeline.scene.units import in_si
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from tribo import InputError
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 
 class PendingError(InputError):
@@ -34,8 +34,8 @@ def chosen_points(
     conditions: Conditions,
 ) -> list[tuple[int, int]]:
     """Find the indices of the points asked for, or of the one nearest to the transition."""
-    r = decisive_rise(ds, conditions).values
-    is_finite = np.isfinite(r)
+    rises = decisive_rise(ds, conditions).values
+    is_finite = np.isfinite(rises)
     if not is_finite.any():
         raise PendingError(
             "no point of the sweep is done yet; go on with irg run, "
@@ -47,14 +47,10 @@ def chosen_points(
     ]
     points = []
     for i in loads or [int(np.flatnonzero(is_finite.any(axis=1))[-1])]:
-        if not is_finite[i].any():
-            raise PendingError(
-                f"no point at {ds['load'].values[i]:g} N is done; "
-                "give another load, or go on with irg run"
-            )
+        require_done_at(ds["load"].values[i], is_finite[i])
         judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf
-        distance = np.abs(r[i] - min(limit, np.nanmax(r[i])))
+        distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
         points += [(i, j) for j in velocities or [int(np.nanargmin(distance))]]
     for point in points:
         if not is_finite[point]:
@@ -64,6 +60,14 @@ def chosen_points(
                 "give another load or velocity, or go on with irg run"
             )
     return points
+
+
+def require_done_at(load: float, is_done: Mask) -> None:
+    """Raise a `PendingError` where no point at a load is done."""
+    if not is_done.any():
+        raise PendingError(
+            f"no point at {load:g} N is done; give another load, or go on with irg run"
+        )
 
 
 def index_of_load(ds: xr.Dataset, load: float | str | None) -> int:
@@ -113,19 +117,14 @@ def fields(
 ) -> Figure:
     """Draw pressure, temperature and wear depth over the contact at the end of one point."""
     conditions = conditions_of(ds, **changed)
-    ds = _with_fields(ds, realization)
-    point = chosen_points(ds, load, velocity, conditions)[0]
-    return _contact(ds, point, conditions, stacked)
-
-
-def _with_fields(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
-    """The sweep on one surface, if it holds fields."""
     if "pressure" not in ds:
         raise InputError(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
             "into another store"
         )
-    return on_surface(ds, realization)
+    ds = on_surface(ds, realization)
+    point = chosen_points(ds, load, velocity, conditions)[0]
+    return _contact(ds, point, conditions, stacked)
 
 
 def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tuple[Array, ...]:
@@ -139,12 +138,12 @@ def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tu
         rise = corrected_field(here, rise, conditions)
     return (
         here["pressure"].values / 1e9,
-        celsius(contact_temperature(rise, conditions)),
+        style.celsius(contact_temperature(rise, conditions)),
         1e6 * here["wear_depth"].values,
     )
 
 
-@in_house_style
+@style.in_house_style
 def _contact(
     ds: xr.Dataset,
     point: tuple[int, int],
@@ -154,7 +153,7 @@ def _contact(
     """Draw the contact at the end of a point."""
     pressure, temperature, depth = _shown(ds, point, conditions)
     critical = conditions.critical_temperature
-    limit = math.inf if critical is None else celsius(critical)
+    limit = math.inf if critical is None else style.celsius(critical)
     outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
     labels = (
         "contact pressure [GPa]",
@@ -168,7 +167,7 @@ def _contact(
     room = float(np.clip(height, 0.5 if is_equal else 1.0, _HIGHEST_STACKED if stacked else 6.0))
     panel = 1.4 + room
     size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.5 + panel)
-    figure = Picture(figsize=size)
+    figure = style.Picture(figsize=size)
     row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
     shown = np.ma.masked_equal(pressure, 0.0), temperature, np.ma.masked_equal(depth, 0.0)
     lowest = 0.0, temperature.min(), 0.0
@@ -192,7 +191,7 @@ def _contact(
             axes.set_yticks([])
     if outlined:
         row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
-    figure.suptitle(f"{title_of(ds)}\n{point_name(ds, point)}, {heating(conditions)}")
+    figure.suptitle(f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}")
     return figure
 
 

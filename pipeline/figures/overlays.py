@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,9 @@ from scipy.ndimage import distance_transform_edt
 from pipeline.analysis.dataset import attributes_of
 from pipeline.analysis.frames import own_conditions
 from pipeline.analysis.transition import crossing
-from pipeline.figures.style import BLACK, BLUE, GREY, REGION, TINTS, VERMILION
+from pipeline.figures import style
+from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
+from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.surface import Lubrication
@@ -39,8 +41,11 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     lubrication = Lubrication.stored(attributes_of(ds))
     if lubrication is None:
         return []
-    bulk = conditions.mean_bulk_temperature
-    film = _over_figure(ds, lambda F, V: lubrication.film_parameter(F, V, bulk))
+    places = [np.linspace(*ds[name].values[[0, -1]], _RESOLUTION) for name in PLANE]
+    films = lubrication.film_parameter(
+        *np.meshgrid(*places, indexing="ij"), conditions.mean_bulk_temperature
+    )
+    film = xr.DataArray(films, list(zip(PLANE, places, strict=True)))
     look = {"linewidths": 1.0, "zorder": 2.5}
     legend: list[Artist] = []
     for level, beyond, dashes in _LEVELS:
@@ -54,33 +59,39 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     return legend
 
 
-def measured_transitions(axes: Axes, measured: Sequence[Mapping[str, Any]]) -> list[Artist]:
-    """Mark the transitions that were measured."""
-    if not measured:
-        return []
-    line = axes.plot(
-        [point["velocity"] for point in measured],
-        [point["normal_load"] for point in measured],
-        ls="none", marker="D", ms=8, mfc=BLACK, mec="white", mew=1.3, zorder=4,
-        label="measured transition", gid="measured",
-    )  # fmt: skip
-    return list(line)
+_TESTS: dict[str | None, tuple[Any, ...]] = {
+    None: ("measured transition", "measured", "D", BLACK, "white", 8.0, 1.3),
+    "mild": ("test: mild wear", "tested-mild", "^", "white", BLACK, 8.5, 1.3),
+    "severe": ("test: severe wear", "tested-severe", "^", BLACK, "white", 9.5, 0.8),
+}
+"""Label, gid, marker, colours of face and edge, and widths of both [pt], by outcome of a test."""
+
+
+def mark_tests(axes: Axes, tests: Sequence[Mapping[str, Any]]) -> list[Artist]:
+    """Mark measured transitions, and tests: open where wear stayed mild, filled where severe."""
+    legend: list[Artist] = []
+    for outcome, (label, gid, marker, mfc, mec, ms, mew) in _TESTS.items():
+        if of_kind := [test for test in tests if test.get("outcome") == outcome]:
+            legend += axes.plot(
+                [test["velocity"] for test in of_kind], [test["normal_load"] for test in of_kind],
+                ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec, mew=mew, zorder=4,
+                label=label, gid=gid,
+            )  # fmt: skip
+    return legend
 
 
 def in_reach(
-    ds: xr.Dataset, points: Sequence[Mapping[str, Any]]
+    ds: xr.Dataset, tests: Sequence[Mapping[str, Any]]
 ) -> tuple[list[Mapping[str, Any]], list[Artist]]:
     """Tests within about half the sweep's range beyond it; a line of the legend on the others."""
     ends = {name: ds[name].values[[0, -1]] for name in ("load", "velocity")}
-
-    def is_near(point: Mapping[str, Any]) -> bool:
-        places = {"load": point["normal_load"], "velocity": abs(point["velocity"])}
-        return all(
-            low / _REACH <= places[name] <= _REACH * high for name, (low, high) in ends.items()
+    near, far = list[Mapping[str, Any]](), list[Mapping[str, Any]]()
+    for test in tests:
+        place = {"load": test["normal_load"], "velocity": abs(test["velocity"])}
+        is_near = all(
+            low / _REACH <= place[name] <= _REACH * high for name, (low, high) in ends.items()
         )
-
-    near = [point for point in points if is_near(point)]
-    far = [point for point in points if not is_near(point)]
+        (near if is_near else far).append(test)
     if not far:
         return near, []
     first = f"{far[0]['normal_load']:g} N at {far[0]['velocity']:g} m/s"
@@ -88,67 +99,36 @@ def in_reach(
     return near, [Line2D([], [], ls="none", label=f"beyond the figure: test of {first}{more}")]
 
 
-def tested_points(axes: Axes, tested: Sequence[Mapping[str, Any]]) -> list[Artist]:
-    """Mark the tests: open where wear stayed mild, filled where it turned severe."""
-    legend: list[Artist] = []
-    looks: dict[str, dict[str, Any]] = {
-        "mild": {"mfc": "white", "mec": BLACK, "mew": 1.3, "ms": 8.5},
-        "severe": {"mfc": BLACK, "mec": "white", "mew": 0.8, "ms": 9.5},
-    }
-    for outcome, look in looks.items():
-        points = [point for point in tested if point["outcome"] == outcome]
-        if points:
-            legend += axes.plot(
-                [point["velocity"] for point in points],
-                [point["normal_load"] for point in points],
-                ls="none", marker="^", zorder=4, label=f"test: {outcome} wear",
-                gid=f"tested-{outcome}", **look,
-            )  # fmt: skip
-    return legend
-
-
 def at_own_conditions(
-    axes: Axes, plane: xr.DataArray, points: Sequence[Mapping[str, Any]], conditions: Conditions
+    axes: Axes, plane: xr.DataArray, tests: Sequence[Mapping[str, Any]], conditions: Conditions
 ) -> list[Artist]:
     """Mark the transition computed at each test's own friction and bulk temperature; join both.
 
     One at about the conditions of the diagram lies beside its line anyway, and is left out.
     """
-    transitions = []
+    places = []
     loads, velocities = plane["load"].values, plane["velocity"].values
     limit = rise_limit(conditions)
-    for point in points:
-        if conditions.disk_temperature is not None and point.get("bulk_temperature"):
+    for test in tests:
+        if conditions.disk_temperature is not None and test.get("bulk_temperature"):
             continue  # another plane: the test had both bodies at one temperature
-        own_limit = rise_limit(own_conditions(conditions, point))
+        load, own_limit = test["normal_load"], rise_limit(own_conditions(conditions, test))
         if abs(own_limit / limit - 1) < _NEAR or not math.isfinite(own_limit):
             continue
-        if not loads[0] <= point["normal_load"] <= loads[-1]:
+        if not loads[0] <= load <= loads[-1]:
             continue
-        row = plane.sel(load=point["normal_load"], method="nearest").values
-        velocity = crossing(velocities, row, own_limit)
+        velocity = crossing(velocities, plane.sel(load=load, method="nearest").values, own_limit)
         if math.isfinite(velocity):
-            transitions.append((velocity, point))
-    for velocity, point in transitions:
-        ends = [velocity, point["velocity"]], [point["normal_load"]] * 2
-        axes.plot(*ends, color=GREY, lw=1.0, zorder=3.6, gid="to own conditions")
-    if not transitions:
+            places.append((velocity, load))
+            ends = [velocity, test["velocity"]], [load, load]
+            axes.plot(*ends, color=GREY, lw=1.0, zorder=3.6, gid="to own conditions")
+    if not places:
         return []
     line = axes.plot(
-        [velocity for velocity, _ in transitions],
-        [point["normal_load"] for _, point in transitions],
-        ls="none", marker="D", ms=5.5, mfc="white", mec=BLACK, mew=1.1, zorder=4.1,
-        label="computed at the test's own conditions", gid="at own conditions",
+        *zip(*places, strict=True), ls="none", marker="D", ms=5.5, mfc="white", mec=BLACK, mew=1.1,
+        zorder=4.1, label="computed at the test's own conditions", gid="at own conditions",
     )  # fmt: skip
     return list(line)
-
-
-def _over_figure(ds: xr.Dataset, value: Callable[..., Any]) -> xr.DataArray:
-    """A function of load and velocity over the figure."""
-    ends = {name: ds[name].values[[0, -1]].tolist() for name in ("load", "velocity")}
-    axes = {name: np.linspace(low, high, _RESOLUTION) for name, (low, high) in ends.items()}
-    values = [[value(F, V) for V in axes["velocity"]] for F in axes["load"]]
-    return xr.DataArray(values, axes, tuple(axes))
 
 
 def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
@@ -207,7 +187,7 @@ def name_regions(
             if place is not None:
                 axes.text(
                     *place, words, transform=axes.transAxes, ha="center", va="center",
-                    fontsize=10.5, fontweight="bold", color=colour, zorder=5, gid=REGION,
+                    fontsize=10.5, fontweight="bold", color=colour, zorder=5, gid=style.REGION,
                     bbox={"fc": tint, "ec": "none", "pad": 0.5},
                 )  # fmt: skip
                 break

@@ -1,8 +1,4 @@
-"""Figures of a sweep by name: the transition diagram, the ramp, the fields of a point.
-
-Each is a function of a dataset, its options, and conditions in place of the sweep's own; it gives
-a matplotlib figure, without touching pyplot's state.
-"""
+"""Figures of a sweep by name: the transition diagram, the ramp, the fields of a point."""
 
 from __future__ import annotations
 
@@ -28,7 +24,6 @@ from pipeline.store.progress import Summary, summary
 from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
-_DPI = (20, 2400)
 KINDS: dict[str, Callable[..., Figure]] = {
     "diagram": diagram,
     "ramp": ramp,
@@ -43,7 +38,6 @@ def plot(
     kind: str,
     out: str | Path | None = None,
     width: float | str | None = None,
-    dpi: float | None = None,
     with_title: bool = True,
     **options: Any,
 ) -> Figure | Path:
@@ -60,8 +54,6 @@ def plot(
     width : float or str, optional
         Width of the figure [m], or as text, such as "8.5 cm"; words stay readable. Its own if not
         given.
-    dpi : float, optional
-        Dots per inch of a .png; 150 if not given.
     with_title : bool
         Draw the titles of the figure.
     **options
@@ -108,18 +100,16 @@ def plot(
         if name not in allowed:
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
     path = None if out is None else figure_path(out)
-    if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
-        raise InputError(f"dpi is {dpi:g}; it must be from {_DPI[0]} to {_DPI[1]}")
     metres = None if width is None else in_si("width", width, "1 m")
     if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
     drawn = KINDS[kind](dataset_of(ds), **options)
     if options.get("ax") is not None:
-        if path or metres or dpi:
-            raise InputError("ax: out, width and dpi are those of its figure; set them there")
+        if path or metres:
+            raise InputError("ax: out and width are those of its figure; set them there")
         return drawn
     fitted(drawn, metres, with_title)
-    return drawn if path is None else save_figure(drawn, path, dpi)
+    return drawn if path is None else save_figure(drawn, path)
 
 
 def options_of(kind: str) -> list[str]:
@@ -146,28 +136,22 @@ def watch(
     after each drawing, and `options` are those of `pipeline.plot`. Returns the state at the end.
     """
     path, drawn = figure_path(out), None
+    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     while True:
         state = summary(store)
         began = time.monotonic()
         if state.done + len(state.failed) != drawn:
             try:
-                _replace(path, lambda beside: plot(read(), kind, beside, **options))
+                plot(read(), kind, beside, **options)
+                beside.replace(path)
             except PendingError:
                 if state.running is None:
                     raise
             else:
                 drawn = state.done + len(state.failed)
                 progress(state)
+            finally:
+                beside.unlink(missing_ok=True)
         if state.running is None and summary(store).done == state.done:
             return state
         time.sleep(max(_INTERVAL, _SHARE * (time.monotonic() - began)))
-
-
-def _replace(path: Path, draw: Callable[[Path], Any]) -> None:
-    """Draw beside a file, and put it in the file's place."""
-    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        draw(beside)
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)

@@ -17,28 +17,20 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import on_surface, sweep_at_bulks
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import crossing, interpolated
-from pipeline.figures.fields import PendingError, chosen_points, index_of_load, point_name
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILION,
-    Picture,
-    canvas,
-    celsius,
-    heating,
-    in_house_style,
-    legend_below,
-    title_of,
-)
+from pipeline.figures import style
+from pipeline.figures.fields import chosen_points, index_of_load, point_name, require_done_at
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array
 
+_HIGHEST: dict[str, Any] = {"ls": "--", "marker": "^"}
+_DECIDING: dict[str, Any] = {"ls": "-", "marker": "o"}
 
-@in_house_style
+
+@style.in_house_style
 def ramp(
     ds: xr.Dataset,
     load: float | str | Iterable[float | str] | None = None,
@@ -58,57 +50,59 @@ def ramp(
     points = chosen_points(ds, load, velocity, conditions)
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
-    depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
-    is_worn = show is None and any(np.nanmax(volume[point]) > 0 for point in points)
-    figure = Picture(figsize=(7.2, 7.8 if is_worn else 5.8))
+    volume = 1e9 * ds["wear_volume"].values
+    most_worn = max(np.nanmax(volume[point]) for point in points)
+    is_worn = show is None and most_worn > 0
+    figure = style.Picture(figsize=(7.2, 7.8 if is_worn else 5.8))
     ratios = (1.4, 1, 1) if is_worn else (1.4, 1)
     temperature, contact, *wear = figure.subplots(len(ratios), sharex=True, height_ratios=ratios)
     _temperatures(temperature, ds, points, conditions)
-    if show is not None:
-        _shown(contact, ds, points, show)
-    width, fraction = 1e6 * ds["contact_width"].values, 100 * ds["contact_fraction"].values
-    in_contact = ("contact width [µm]", width), ("in contact [% of window]", fraction)
     if show is None:
+        width, fraction = 1e6 * ds["contact_width"].values, 100 * ds["contact_fraction"].values
+        in_contact = ("contact width [µm]", width), ("in contact [% of window]", fraction)
         _pair(contact, ds, points, *in_contact)
+    else:
+        _shown(contact, ds, points, show)
     for axes in wear:
-        power = _power_of_thousand(max(np.nanmax(volume[point]) for point in points))
+        power = power_of_thousand(most_worn)
         unit = f"$10^{{{round(math.log10(power))}}}$ mm³" if power != 1 else "mm³"
-        worn = ("greatest wear depth [µm]", depth), (f"worn volume [{unit}]", volume / power)
-        _pair(axes, ds, points, *worn)
+        depth = "greatest wear depth [µm]", 1e6 * ds["wear_depth_max"].values
+        _pair(axes, ds, points, depth, (f"worn volume [{unit}]", volume / power))
     lowest = [contact, *wear][-1]
     lowest.set_xlabel("time [s]")
     lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
     _load_axis(temperature, ds, points)
-    figure.suptitle(title_of(ds))
+    figure.suptitle(style.title_of(ds))
     lines = [
         Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point))
         for k, point in enumerate(points)
     ]
-    legend_below(figure, handles=lines, ncols=3, title=heating(conditions), title_fontsize=9.5)
+    style.legend_below(
+        figure, handles=lines, ncols=3, title=style.heating(conditions), title_fontsize=9.5
+    )
     return figure
 
 
 def _temperatures(
     axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], conditions: Conditions
 ) -> None:
-    highest = ds["max_rise"].values
-    rises: list[tuple[Array, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
-    decisive = conditions.decisive
+    decisive, rises = conditions.decisive, [ds["max_rise"].values]
+    looks = [{"label": "highest", **_HIGHEST}]
     if decisive.temperature != Criterion("highest").temperature:
-        columns = {decisive.column: ds[decisive.column].values}
-        columns["quantile"] = ds["cooler_share"].values
-        look = {"ls": "-", "marker": "o"}
-        rises.append((decisive.rise(columns), decisive.temperature, look))
+        columns = {name: ds[name].values for name in (decisive.column, "cooler_share")}
+        rises.append(decisive.rise(columns | {"quantile": columns["cooler_share"]}))
+        looks.append({"label": decisive.temperature, **_DECIDING})
     for number, point in enumerate(points):
-        for rise, _, look in rises:
+        for rise, look in zip(rises, looks, strict=True):
             time, kelvin = _along_ramp(ds, rise, point)
-            temperature = celsius(contact_temperature(kelvin, conditions))
-            axes.plot(time, temperature, color=f"C{number}", zorder=_order(point), **look)
-    key = [Line2D([], [], color=BLACK, label=label, **look) for _, label, look in rises]
+            temperature = style.celsius(contact_temperature(kelvin, conditions))
+            look = look | {"color": f"C{number}", "zorder": _order(point)}
+            axes.plot(time, temperature, **look)
+    key = [Line2D([], [], color=BLACK, **look) for look in looks]
     if conditions.critical_temperature is not None:
-        critical = celsius(conditions.critical_temperature)
-        axes.axhline(critical, color=GREY, ls=":", lw=1.4)
-        key.append(Line2D([], [], color=GREY, ls=":", lw=1.4, label=f"critical, {critical:g} °C"))
+        critical = style.celsius(conditions.critical_temperature)
+        label = f"critical, {critical:g} °C"
+        key.append(axes.axhline(critical, color=GREY, ls=":", lw=1.4, label=label))
     axes.set_ylabel("contact temperature [°C]")
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + 0.17 * (top - bottom))  # room for the legend
@@ -161,17 +155,17 @@ def _pair(
     right.grid(visible=False)
     key = []
     # The right axis has more room, so that quantities in proportion do not lie on each other.
-    for axes, (label, values), style, room in ((left, solid, "-", 1.2), (right, dashed, "--", 1.5)):
+    for axes, (label, values), ls, room in ((left, solid, "-", 1.2), (right, dashed, "--", 1.5)):
         for number, point in enumerate(points):
             time, column, marker = ds["time"].values[point], values[point], ""
             steps = np.isfinite(time)
             if np.isnan(column[steps]).any() or steps.sum() == 1:  # of the ends of loads alone
                 (time, column), marker = _along_ramp(ds, values, point), "."
             color, order = f"C{number}", _order(point)
-            axes.plot(time, column, color=color, ls=style, marker=marker, zorder=order)
+            axes.plot(time, column, color=color, ls=ls, marker=marker, zorder=order)
         axes.set_ylabel(label)
         axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
-        key.append(Line2D([], [], color=BLACK, ls=style, label=label.partition(" [")[0]))
+        key.append(Line2D([], [], color=BLACK, ls=ls, label=label.partition(" [")[0]))
     left.legend(handles=key, loc="upper left", ncols=2)
 
 
@@ -206,18 +200,12 @@ def _load_axis(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]]) -> Non
     top.set_xlabel("normal load [N]")
 
 
-def _power_of_thousand(value: float) -> float:
-    """Give the power of 1000 by which to divide, for a value from 1 to 1000.
-
-    Examples
-    --------
-    >>> _power_of_thousand(0.0028)
-    0.001
-    """
+def power_of_thousand(value: float) -> float:
+    """The power of 1000 by which to divide, for a value from 1 to 1000."""
     return 1000.0 ** math.floor(math.log(value, 1000)) if value > 0 else 1.0
 
 
-@in_house_style
+@style.in_house_style
 def temperature(
     ds: xr.Dataset,
     load: float | str | None = None,
@@ -227,50 +215,35 @@ def temperature(
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
     conditions = conditions_of(ds, **changed)
-    row = _row(ds, load, realization)
-    velocities = row["velocity"].values
-    figure, axes = canvas(ax, (7.2, 5.0))
+    ds = on_surface(ds, realization)
+    row = ds.isel(load=[index_of_load(ds, load)])
+    velocities, load_here = row["velocity"].values, float(row["load"][0])
+    figure, axes = style.canvas(ax, (7.2, 5.0))
     highest = replace(conditions, criterion="highest")
-    curves: list[tuple[Conditions, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
+    curves = [(highest, "highest", _HIGHEST)]
     if conditions.decisive.temperature != highest.decisive.temperature:
-        curves.append((conditions, conditions.decisive.temperature, {"ls": "-", "marker": "o"}))
+        curves.append((conditions, conditions.decisive.temperature, _DECIDING))
     for judged, name, look in curves:
         rises = decisive_rise(row, judged).values[0]
         computed = velocities[np.isfinite(rises)]
-        if not computed.size:
-            raise PendingError(
-                f"no point at {float(row['load'][0]):g} N is done; "
-                "give another load, or go on with irg run"
-            )
+        require_done_at(load_here, np.isfinite(rises))
         between = np.linspace(computed[0], computed[-1], 200)
-        curve = celsius(contact_temperature(interpolated(velocities, rises, between), conditions))
-        axes.plot(between, curve, color=BLUE, ls=look["ls"])
-        axes.plot(
-            velocities, celsius(contact_temperature(rises, conditions)),
-            color=BLUE, ls="none", marker=look["marker"],
-        )  # fmt: skip
+        for places, values, part in (
+            (between, interpolated(velocities, rises, between), {"ls": look["ls"]}),
+            (velocities, rises, {"ls": "none", "marker": look["marker"]}),
+        ):
+            curve = style.celsius(contact_temperature(values, conditions))
+            axes.plot(places, curve, color=BLUE, **part)
         axes.plot([], [], color=BLUE, label=name, **look)
-    transition = _transition(row, conditions)
     if conditions.critical_temperature is not None:
-        critical = celsius(conditions.critical_temperature)
+        critical = style.celsius(conditions.critical_temperature)
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
-    if np.isfinite(transition):
-        axes.axvline(transition, color=VERMILION, lw=1.2, label=f"transition, {transition:.3g} m/s")
+        rises = decisive_rise(row, conditions).values[0]
+        transition = crossing(velocities, rises, rise_limit(conditions))
+        if np.isfinite(transition):
+            label = f"transition, {transition:.3g} m/s"
+            axes.axvline(transition, color=VERMILION, lw=1.2, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
-    axes.set_title(f"{title_of(row)}\n{float(row['load'][0]):g} N")
-    legend_below(figure, ax, ncols=4, title=heating(conditions))
+    axes.set_title(f"{style.title_of(row)}\n{load_here:g} N")
+    style.legend_below(figure, ax, ncols=4, title=style.heating(conditions))
     return figure
-
-
-def _row(ds: xr.Dataset, load: float | str | None, realization: int | None) -> xr.Dataset:
-    """The points at one load on one surface, the velocities ascending."""
-    ds = on_surface(ds, realization)
-    return ds.isel(load=[index_of_load(ds, load)])
-
-
-def _transition(row: xr.Dataset, conditions: Conditions) -> float:
-    """Velocity at which wear turns severe at the load of a row; NaN if it does not [m/s]."""
-    if conditions.critical_temperature is None:
-        return float("nan")
-    rises = decisive_rise(row, conditions).values[0]
-    return crossing(row["velocity"].values, rises, rise_limit(conditions))

@@ -15,22 +15,8 @@ from matplotlib.transforms import ScaledTranslation
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margins import frame_of_rows, labels_of_rows, rows_of
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    PURPLE,
-    TINTS,
-    VERMILION,
-    as_text,
-    canvas,
-    criterion,
-    heating,
-    in_house_style,
-    legend_below,
-    title_of,
-)
+from pipeline.figures import style
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, PURPLE, TINTS, VERMILION
 from pipeline.sweep.variants import PLACE
 from tribo import InputError
 
@@ -50,7 +36,7 @@ _FACTORS: dict[str, dict[str, Any]] = {
 _ASIDE = 5  # [pt] of the mark of either factor from its row
 
 
-@in_house_style
+@style.in_house_style
 def draw_rows(
     ds: xr.Dataset, against: str | None = None, ax: Axes | None = None, **conditions: Any
 ) -> Figure:
@@ -64,24 +50,26 @@ def draw_rows(
     columns = labels_of_rows(frame)
     x, ticks, label = _axis(frame, columns, against)
     has_factors = PLACE in ds.coords and ax is None
-    figure, axes = canvas(ax, (8.0, 6.6 if has_factors else 4.8))
+    figure, axes = style.canvas(ax, (8.0, 6.6 if has_factors else 4.8))
     panels = [axes]
     if has_factors:
         axes.remove()
         panels = list(figure.subplots(2, 1, sharex=True, height_ratios=(3, 2)))
         _draw_factors(panels[1], x, frame)
     _draw_margins(panels[0], x, frame)
-    panels[0].set_title(title_of(ds), pad=10)
-    panels[-1].set_xlabel(as_text(label))
+    panels[0].set_title(style.title_of(ds), pad=10)
+    panels[-1].set_xlabel(style.as_text(label))
     if ticks:
         every = math.ceil(len(ticks) / _MOST_TICKS)
         shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
         panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
     judged = {row.conditions for row in rows}
-    said = f"severe wear: {criterion(rows[0].conditions)}; {heating(rows[0].conditions)}"
+    said = (
+        f"severe wear: {style.criterion(rows[0].conditions)}; {style.heating(rows[0].conditions)}"
+    )
     handles = [handle for one in panels for handle in one.get_legend_handles_labels()[0]]
     title = said if len(judged) == 1 else "severe wear: by the conditions of each row"
-    legend_below(figure, ax, handles=handles, ncols=3, title=title, title_fontsize=9.5)
+    style.legend_below(figure, ax, handles=handles, ncols=3, title=title, title_fontsize=9.5)
     return figure
 
 

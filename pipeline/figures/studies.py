@@ -13,23 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    Picture,
-    as_text,
-    as_title,
-    canvas,
-    entry_label,
-    in_house_style,
-    legend_below,
-)
+from pipeline.figures import style
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.unknown import Unknown
 from pipeline.tradeoff.table import Choice, Trade
@@ -46,7 +31,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
-@in_house_style
+@style.in_house_style
 def draw_variations(varied: Variations) -> Figure:
     """Draw how far each input moves the critical velocity: the most important one on top.
 
@@ -64,7 +49,7 @@ def draw_variations(varied: Variations) -> Figure:
     >>> figure = pipeline.draw_variations(variations)
     """
     keys = varied.by_key()
-    figure, axes = canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
+    figure, axes = style.canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
     ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
     height = 0.8 / len(ends)
     for row, variations in enumerate(keys.values()):
@@ -83,52 +68,42 @@ def draw_variations(varied: Variations) -> Figure:
     axes.set_xlim(low - room, high + room)
     axes.grid(visible=False, axis="y")
     axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
-    axes.xaxis.set_major_formatter(_signed)
+    axes.xaxis.set_major_formatter(signed)
     axes.set_xlabel("change of the critical velocity")
     for load, colour in ends.items():
         critical_velocity = varied.base.critical_velocities[load]
         outcome = varied.base.outcomes[load]
         begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
         axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
-    legend_below(figure, ncols=len(ends))
-    figure.suptitle(as_title(varied.title, 70))
+    style.legend_below(figure, ncols=len(ends))
+    figure.suptitle(style.as_title(varied.title, 70))
     return figure
 
 
-def _signed(change: float, _: object = None) -> str:
-    """A relative change in percent, with its sign.
-
-    Examples
-    --------
-    >>> _signed(-0.125), _signed(0.0)
-    ('−12.5 %', '0 %')
-    """
+def signed(change: float, _: object = None) -> str:
+    """A relative change in percent, with its sign."""
     return f"{100 * change:+.3g} %".replace("-", "−") if change else "0 %"
 
 
 def _named(key: str, variations: list[Variation]) -> str:
     """Name of a row in words, with values that are too long to stand at a bar's end."""
     values = [
-        as_text(variation.value) for variation in variations if len(variation.value) > _LONGEST
+        style.as_text(variation.value)
+        for variation in variations
+        if len(variation.value) > _LONGEST
     ]
-    return "\n".join([entry_label(key), *(textwrap.fill(value, 42) for value in values)])
+    return "\n".join([style.entry_label(key), *(textwrap.fill(value, 42) for value in values)])
 
 
-def _shown(value: str) -> str:
-    """Write a value as in print.
-
-    Examples
-    --------
-    >>> _shown("1.44e-06 mm^3/(N m)"), _shown("3 um"), _shown("145 degC")
-    ('1.44·10⁻⁶ mm³/(N m)', '3 µm', '145 °C')
-    """
-    for sign, printed in _SIGNS.items():
-        value = value.replace(sign, printed)
+def printed(value: str) -> str:
+    """A value as in print, with raised powers."""
+    for typed, sign in _SIGNS.items():
+        value = value.replace(typed, sign)
     power = _POWER.search(value)
     if power:
         exponent = str(int(power[1])).translate(_RAISED)
         value = value.replace(power[0], f"·10{exponent}")
-    return as_text(value)
+    return style.as_text(value)
 
 
 def _bar(
@@ -160,13 +135,13 @@ def _bar(
     axes.barh(position, high - low, left=low, height=height, color=colour, alpha=0.85)
     for variation, change in zip(variations, changes, strict=True):
         if change in (low, high):
-            words = _signed(change)
+            words = signed(change)
             if len(variation.value) <= _LONGEST:
-                words = _shown(variation.value)
+                words = printed(variation.value)
             beside(change, words, change >= 0, fontsize=8)
     if not is_finite.all():
         text = "no transition at " + ", ".join(
-            _shown(variation.value)
+            printed(variation.value)
             for variation, is_known in zip(variations, is_finite, strict=True)
             if not is_known
         )
@@ -177,7 +152,7 @@ def _bar(
 _LEAST_RISK = 1e-5  # probability that is drawn
 
 
-@in_house_style
+@style.in_house_style
 def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: Ensemble) -> Figure:
     """Draw the probability over an entry with its limit, or limits over another entry.
 
@@ -199,8 +174,7 @@ def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: E
     >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
     >>> figure = pipeline.draw_design([({}, limit)], ensemble)
     """
-    figure = Picture(figsize=(7.2, 4.8))
-    axes = figure.add_subplot()
+    figure, axes = style.canvas(None, (7.2, 4.8))
     limit = limits[0][1]
     goal, shown = limit.goal, limit.entry.shown
     if not limits[0][0]:
@@ -225,15 +199,15 @@ def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: E
         axes.set_ylabel(f"{_label(limit.entry)}, {side}")
     place = limit.binding
     axes.set_title(
-        f"{as_title(ensemble.title, 70)}\n{place.load:g} N at {place.velocity:g} m/s, "
+        f"{style.as_title(ensemble.title, 70)}\n{place.load:g} N at {place.velocity:g} m/s, "
         f"{100 * goal.risk:g} % at most"
     )
     return figure
 
 
 def _label(entry: Unknown) -> str:
-    unit = "" if entry.shown.name == "1" else f" [{as_text(entry.shown.name)}]"
-    return f"{entry_label(entry.path)}{unit}"
+    unit = "" if entry.shown.name == "1" else f" [{style.as_text(entry.shown.name)}]"
+    return f"{style.entry_label(entry.path)}{unit}"
 
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
@@ -241,7 +215,7 @@ _MARKERS = ("o", "s", "^", "v", "<", ">", "P", "X", "p", "h")
 _MARKER_COLOURS = (GREEN, PURPLE, ORANGE, SKY, GREY)
 
 
-@in_house_style
+@style.in_house_style
 def draw_trade(trade: Trade) -> Figure:
     """Draw the error of the boundary velocity over the work of each choice.
 
@@ -257,8 +231,7 @@ def draw_trade(trade: Trade) -> Figure:
     >>> figure = pipeline.draw_trade(pipeline.trade(scene))  # doctest: +SKIP
     >>> figure.savefig("trade.png")  # doctest: +SKIP
     """
-    figure = Picture(figsize=(8.0, 6.4))
-    axes = figure.add_subplot()
+    figure, axes = style.canvas(None, (8.0, 6.4))
     choices = trade.choices[:-1]  # but for the reference, which has no error
     axes.set(xscale="log", yscale="log")
     axes.plot(
@@ -293,9 +266,9 @@ def draw_trade(trade: Trade) -> Figure:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_title(as_title(f"Speed against accuracy: {trade.title}"), pad=10)
+    axes.set_title(style.as_title(f"Speed against accuracy: {trade.title}"), pad=10)
     title = f"open marks: one choice of {trade.base} varied, to the values from left to right"
-    legend_below(figure, ncols=3, title=title if varied else None, title_fontsize=9.5)
+    style.legend_below(figure, ncols=3, title=title if varied else None, title_fontsize=9.5)
     return figure
 
 

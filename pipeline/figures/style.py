@@ -23,6 +23,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.analysis.tables import FIGURES, writable_path, writing_to
+from pipeline.sweep.about import on_conditions
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
@@ -32,6 +33,8 @@ BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
 )  # fmt: skip
 """Okabe and Ito's palette, told apart with any colour vision."""
 TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
+RISK_COLOURS = "RdYlBu_r"
+PALE = -0.15, 1.15  # ends of the colours of risks, so that words on them can be read
 
 _HOUSE_STYLE: Any = {
     "axes.axisbelow": True,
@@ -76,14 +79,9 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         """Show the figure as a picture in a notebook, once: no backend knows of it."""
-        return png_of(self)
-
-
-def png_of(figure: Figure, dpi: float | None = None) -> bytes:
-    """A figure as the content of a .png file."""
-    written = io.BytesIO()
-    figure.savefig(written, format="png", dpi=dpi)
-    return written.getvalue()
+        written = io.BytesIO()
+        self.savefig(written, format="png")
+        return written.getvalue()
 
 
 def svg_of(figure: Figure) -> str:
@@ -129,46 +127,15 @@ def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def figure_path(out: str | Path) -> Path:
-    """Path of a figure to be written, examined before it is drawn.
-
-    Raises
-    ------
-    InputError
-        If the suffix is none of .pdf, .png and .svg, which decides the format; or if there is no
-        folder to write it to.
-
-    Examples
-    --------
-    >>> figure_path("diagram.svg").suffix
-    '.svg'
-    >>> figure_path("diagram.doc")
-    Traceback (most recent call last):
-        ...
-    tribo.errors.InputError: cannot write diagram.doc: the suffix must be one of .pdf, .png, .svg
-    """
+    """Path of a figure to be written, examined before it is drawn."""
     return writable_path(out, FIGURES)
 
 
 @in_house_style
-def save_figure(figure: Figure, out: Path, dpi: float | None = None) -> Path:
-    """Write a figure to a path of `figure_path`, with so many dots per inch.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> from matplotlib.figure import Figure
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     save_figure(Figure(), Path(folder, "empty.png")).name
-    'empty.png'
-    """
+def save_figure(figure: Figure, out: Path) -> Path:
+    """Write a figure to a path of `figure_path`."""
     with writing_to(out):
-        figure.savefig(out, dpi=dpi)
+        figure.savefig(out)
     return out
 
 
@@ -185,10 +152,7 @@ def criterion(conditions: Conditions) -> str:
 
 def heating(conditions: Conditions) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
-    bulk = f"bulk {celsius(conditions.bulk_temperature):g} °C"
-    if conditions.disk_temperature is not None:
-        bulk += f" (pin) and {celsius(conditions.disk_temperature):g} °C (disk)"
-    return f"friction {conditions.friction:g}, {bulk}"
+    return " ".join(next(on_conditions(conditions)))
 
 
 def plain_numbers(axes: Axes) -> None:
@@ -212,27 +176,14 @@ def as_title(words: str, letters: int = 80) -> str:
 
 
 def entry_label(path: str, letters: int = 22) -> str:
-    """Entry of a scene in words, the table above the name.
-
-    Examples
-    --------
-    >>> print(entry_label("disk.roughness.correlation_length"))
-    disk roughness:
-    correlation length
-    """
+    """Entry of a scene in words, the table above the name."""
     *tables, name = (part.replace("_", " ") for part in path.split("."))
     words = f"{' '.join(tables)}: {name}" if tables else name
     return textwrap.fill(as_text(words), letters)
 
 
 def as_text(words: str) -> str:
-    r"""Write words as they are: shortened, without control characters, and not as a formula.
-
-    Examples
-    --------
-    >>> print(as_text(r"worn by $\frac$" + chr(27)))
-    worn by \$\frac\$
-    """
+    """Write words as they are: shortened, without control characters, and not as a formula."""
     printable = "".join(character for character in words[:1000] if character.isprintable())
     return textwrap.shorten(printable, 240, placeholder=" …").replace("$", r"\$")
 
@@ -257,15 +208,14 @@ def fitted(figure: Figure, width: float | None = None, with_title: bool = True) 
     if width is not None:
         _shrink(figure, width)
     _wrap_titles(figure)
-    for axes in figure.axes:
-        if legend := axes.get_legend():
-            legend.set_in_layout(False)
+    inside = [(axes, legend) for axes in figure.axes if (legend := axes.get_legend())]
+    for _, legend in inside:
+        legend.set_in_layout(False)
     for legend in list(figure.legends):
         _narrow(figure, legend)
     _wrap_labels(figure)
-    for axes in figure.axes:
-        if legend := axes.get_legend():
-            _stack(axes, legend)
+    for axes, legend in inside:
+        _stack(axes, legend)
     for legend in figure.findobj(Legend):
         legend.get_title().set_multialignment("center")
     return figure

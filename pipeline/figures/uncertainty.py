@@ -10,23 +10,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.figures.overlays import measured_transitions, tested_points
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    Picture,
-    as_text,
-    as_title,
-    entry_label,
-    in_house_style,
-    plain_numbers,
-)
+from pipeline.figures import style
+from pipeline.figures.overlays import mark_tests
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import Judged, Posterior
@@ -35,11 +21,9 @@ from tribo.types import Array
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
 _BINS = 40
-RISK_COLOURS = "RdYlBu_r"
-PALE = -0.15, 1.15  # ends of the colours, so that words on them can be read
 
 
-@in_house_style
+@style.in_house_style
 def draw_risk(
     ensemble: Ensemble,
     plane: xr.DataArray,
@@ -68,12 +52,10 @@ def draw_risk(
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_risk(ensemble, pipeline.probabilities(ensemble))
     """
-    figure = Picture(figsize=(7.2, 5.4))
-    axes = figure.add_subplot()
+    figure, axes = style.canvas(None, (7.2, 5.4))
     x, y, p = plane["velocity"].values, plane["load"].values, plane.values
-    filled = axes.contourf(
-        x, y, p, levels=np.linspace(0, 1, 21), cmap=RISK_COLOURS, vmin=PALE[0], vmax=PALE[1]
-    )
+    (low, high), levels = style.PALE, np.linspace(0, 1, 21)
+    filled = axes.contourf(x, y, p, levels, cmap=style.RISK_COLOURS, vmin=low, vmax=high)
     axes.grid(visible=False)
     lines = axes.contour(
         x, y, p, levels=QUANTILES, colors=BLACK, linewidths=(1.0, 1.8, 1.0),
@@ -82,9 +64,7 @@ def draw_risk(
     axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
     bar.set_label("probability of severe wear")
-    transitions = [test for test in ensemble.tests if "outcome" not in test]
-    tests = [test for test in ensemble.tests if "outcome" in test]
-    for marks in (*measured_transitions(axes, transitions), *tested_points(axes, tests)):
+    for marks in mark_tests(axes, ensemble.tests):
         marks.set_clip_on(False)
     if place:
         axes.plot(
@@ -95,12 +75,12 @@ def draw_risk(
     _limit(axes, p, x)
     if log:
         axes.set(xscale="log", yscale="log")
-        plain_numbers(axes)
+        style.plain_numbers(axes)
     basis = "inputs as assumed, before any measurement"
     if posterior:
         basis = f"given {posterior.evidence}"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
-    axes.set_title(f"{as_title(ensemble.title, 74)}\n{basis}")
+    axes.set_title(f"{style.as_title(ensemble.title, 74)}\n{basis}")
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
     return figure
@@ -113,7 +93,7 @@ def _limit(axes: Axes, p: Array, x: Array) -> None:
         axes.set_xlim(x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)])
 
 
-@in_house_style
+@style.in_house_style
 def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     """Draw the Sobol' indices of the critical velocity by load.
 
@@ -130,8 +110,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_sensitivity(pipeline.sensitivity(ensemble), "A scene")
     """
-    figure = Picture(figsize=(7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
-    axes = figure.add_subplot()
+    figure, axes = style.canvas(None, (7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
     order = np.argsort(sensitivity.first.mean(axis=0))
     has_total = np.isfinite(sensitivity.total).all()
     number = len(sensitivity.loads)
@@ -149,21 +128,23 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
         if has_total:
             total = sensitivity.total[i, order]
             axes.plot(total, positions, ls="none", marker="|", ms=8, mew=1.4, color=BLACK)
-    axes.set_yticks(range(len(order)), [entry_label(sensitivity.unknown[k].path) for k in order])
+    axes.set_yticks(
+        range(len(order)), [style.entry_label(sensitivity.unknown[k].path) for k in order]
+    )
     axes.grid(visible=False, axis="y")
     axes.set_xlim(left=0.0)
     label = "share of the variance\nof the critical velocity"
     label += ",\ngiven the measurements" if sensitivity.given_measured else ""
     bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
     axes.set_xlabel(f"{label}\n{bars}")
-    figure.suptitle(as_title(title, 70))
+    figure.suptitle(style.as_title(title, 70))
     figure.legend(
         loc="outside lower center", ncols=min(number, 4), title="load, spread of velocity"
     )
     return figure
 
 
-@in_house_style
+@style.in_house_style
 def draw_posterior(posterior: Posterior) -> Figure:
     """Draw the inputs before and after they were measured by, and measured beside computed.
 
@@ -183,7 +164,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
     panels = len(unknown) + bool(transitions)
     columns = min(3, panels)
     rows = -(-panels // columns)
-    figure = Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
+    figure = style.Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
     for number, (quantity, panel) in enumerate(zip(unknown, axes, strict=False)):
         values = quantity.shown.of(posterior.prior.inputs[:, number])
@@ -203,14 +184,16 @@ def draw_posterior(posterior: Posterior) -> Figure:
                 weights=draws.weights, density=True, histtype="stepfilled", color=colour,
                 alpha=0.45, ec=colour, label=label,
             )  # fmt: skip
-        panel.set_xlabel(entry_label(quantity.path) + _unit(quantity.shown.name, power), fontsize=9)
+        panel.set_xlabel(
+            style.entry_label(quantity.path) + _unit(quantity.shown.name, power), fontsize=9
+        )
         panel.set_yticks([])
         panel.grid(visible=False)
     if transitions:
         _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    titles = (as_title(one.title, 34 * columns) for one in posterior.ensembles)
+    titles = (style.as_title(one.title, 34 * columns) for one in posterior.ensembles)
     figure.suptitle("\n".join(titles))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
@@ -249,5 +232,5 @@ def _unit(unit: str, power: int) -> str:
     """A unit below the name of an input, and the power of ten taken out of its values."""
     parts = [f"$10^{{{power}}}$"] if power else []
     if unit != "1":
-        parts.append(as_text(unit).replace("^2", "²").replace("^3", "³"))
+        parts.append(style.as_text(unit).replace("^2", "²").replace("^3", "³"))
     return f"\n[{' '.join(parts)}]" if parts else ""

@@ -35,7 +35,7 @@ from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import interpolated, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls
-from pipeline.figures.page.fields import FIELDS, POINT, packed_fields
+from pipeline.figures.page.fields import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
@@ -66,17 +66,7 @@ follow; None where they are known at the sweep's own alone."""
 
 
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) -> dict[str, Any]:
-    """Collect what a page shows, as plain data.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    most_fields : int
-        Number of points whose fields to take, those nearest to the transition.
-    **criterion
-        The criterion in place of the sweep's own, and permission to run it.
-    """
+    """What a page shows, as plain data, with the fields of the points nearest to the transition."""
     rows, ds = ds, ordered(plane_of(ds))
     attributes = attributes_of(ds)
     conditions = conditions_of(ds, **criterion)
@@ -155,6 +145,43 @@ def _on_points(ds: xr.Dataset) -> dict[str, Any]:
             for place, message in enumerate(values_of(ds, "message").ravel())
             if message
         },
+    }
+
+
+def content_of_samples(
+    ds: xr.Dataset, given_measured: bool = False, scatter: float | None = None, **criterion: Any
+) -> dict[str, Any]:
+    """What a page of samples shows, as plain data."""
+    # With the libraries that only this needs.
+    from pipeline.uncertain.answers import frame_of_lines, probabilities, risk_lines
+    from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.weigh import posterior_if_given
+
+    attributes = attributes_of(ds)
+    ensemble = Ensemble.of(ds, **criterion)
+    weighed = posterior_if_given(ensemble, given_measured, scatter)
+    draws = weighed.draws if weighed else None
+    known = [str(ensemble.certificate)] if ensemble.certificate else []
+    single = ensemble.loads if len(ensemble.loads) == 1 else None
+    plane = probabilities(ensemble, draws, loads=single)
+    shares, lines = risk_lines(plane)
+    return {
+        "title": attributes.get("title"),
+        "name": attributes.get("name"),
+        "evidence": f", given {len(weighed.judged)} tests of the scene" if weighed else "",
+        "basis": [*map(str, (*ensemble.unknown, *ensemble.fixed)), *known],
+        "measured": [*ensemble.tests],
+        "loads": plane["load"].values.tolist(),
+        "velocities": plane["velocity"].values.tolist(),
+        "probability": packed_array([plane.values], "<f4"),
+        "picture": coloured(plane.values[::-1]),
+        "scale": coloured(np.linspace([0.0], [1.0], 64).T),
+        "shares": list(shares),
+        "lines": np.clip(lines, *ensemble.velocities).tolist(),
+        "table": frame_of_lines(ensemble, draws),
+        "samples": ds.sizes["variant"],
+        "done": int((ds["status"] == DONE).sum()),
+        "record": record(attributes),
     }
 
 
@@ -291,31 +318,18 @@ def packed_array(values: Any, dtype: str) -> str:
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
 
 
-_PLACES = 60, 30  # velocities and loads at least, where there is room for them
+_PLACES = np.array([60, 30])  # velocities and loads at least, where there is room for them
 _MOST = 400_000  # values of a table, 2 MB of a page
 _FLAT = 0.05  # least exponent of a rise whose crossings are judged
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Parts of each interval between velocities, and between loads.
-
-    Examples
-    --------
-    >>> pieces_of(loads=12, velocities=19, others=25), pieces_of(12, 19, others=2000)
-    ((4, 3), (1, 1))
-    """
-    counts = [velocities, loads]
-    parts = [
-        max(1, -(-least // max(count - 1, 1))) for least, count in zip(_PLACES, counts, strict=True)
-    ]
-    while (
-        max(parts) > 1
-        and others
-        * np.prod([part * (count - 1) + 1 for part, count in zip(parts, counts, strict=True)])
-        > _MOST
-    ):
-        parts[parts.index(max(parts))] -= 1
-    return parts[0], parts[1]
+    """Parts of each interval between velocities, and between loads."""
+    gaps = np.array([velocities, loads]) - 1
+    parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
+    while parts.max() > 1 and others * np.prod(parts * gaps + 1) > _MOST:
+        parts[parts.argmax()] -= 1
+    return int(parts[0]), int(parts[1])
 
 
 def between(places: Array, parts: int) -> Array:
@@ -345,13 +359,7 @@ def along(values: Array, places: Array, parts: int, axis: int) -> Array:
 
 
 def bridged(done: Mask, missing: Mask, parts: int) -> Mask:
-    """Fine places along the last axis that are interpolated across points that are missing.
-
-    Examples
-    --------
-    >>> bridged(np.array([True, False, True, True]), np.array([False, True, False, False]), 2)
-    array([False,  True,  True,  True, False, False, False])
-    """
+    """Fine places along the last axis that are interpolated across points that are missing."""
     fine = np.zeros((*done.shape[:-1], (done.shape[-1] - 1) * parts + 1), dtype=bool)
     for place in zip(*np.nonzero(missing), strict=True):
         row, here = place[:-1], place[-1]
@@ -365,14 +373,6 @@ def error_of_lines(values: Array, places: Array, parts: int) -> float:
     """Largest relative error of crossings by straight lines of logarithms, along the last axis.
 
     By the middles of the parts, at which the curve itself is known.
-
-    Examples
-    --------
-    >>> velocity = np.array([1.0, 2.0, 4.0])
-    >>> error_of_lines(100 * velocity**0.7, velocity, 2) < 1e-12
-    True
-    >>> 1e-4 < error_of_lines(np.array([100.0, 150.0, 160.0]), velocity, 2) < 0.05
-    True
     """
     if len(places) == 1:
         return 0.0

@@ -13,6 +13,7 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 from PIL import Image
 
+from pipeline.figures.style import PALE, RISK_COLOURS
 from tribo.types import Array, Mask
 
 FIELDS = ("pressure", "rise", "wear_depth")
@@ -76,6 +77,13 @@ def png_of(image: Image.Image) -> str:
     written = io.BytesIO()
     image.save(written, "png", optimize=True)
     return base64.b64encode(written.getvalue()).decode()
+
+
+def coloured(probability: Array) -> str:
+    """Probabilities as a picture, from its top on, in the colours of the figure of them."""
+    low, high = PALE
+    shades = colormaps[RISK_COLOURS]((probability - low) / (high - low), bytes=True)[..., :3]
+    return png_of(Image.fromarray(np.ascontiguousarray(shades)))
 
 
 def _over_contact(

@@ -23,7 +23,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.scenes import entries_in_words, with_all_wear_rates
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
-from pipeline.figures.page.content import MOST_FIELDS, content
+from pipeline.figures.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.figures.page.controls import Control, scene_choice, surface_choice
 from tribo import InputError
 
@@ -139,8 +139,6 @@ def explore(
     ds = with_wear_rates(ds)
     parts, judged = [*with_all_wear_rates(ds)], {"criterion": criterion, "own_laws": own_laws}
     if is_emulated(ds):
-        from pipeline.figures.page.samples import content_of_samples  # with its libraries
-
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
         scripts, bodies = _OF_SAMPLES, [_of_samples(one) for one in held]
     elif given_measured or scatter is not None:
@@ -235,13 +233,7 @@ def _text(name: str) -> str:
 
 
 def _as_json(held: dict[str, Any]) -> str:
-    r"""Data as JSON that no text in it can end the script element of.
-
-    Examples
-    --------
-    >>> print(_as_json({"title": "</script>"}))
-    {"title":"\u003c/script>"}
-    """
+    """Data as JSON that no text in it can end the script element of."""
     text = json.dumps(held, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", r"\u003c")
 

@@ -38,13 +38,9 @@ def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
         assert not one.padded(4).overlaps(other)  # [px], a gap that is seen
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [({"width": 0.01}, "width is 1 cm; it must be from 4"), ({"dpi": 5}, "dpi is 5; it must be")],
-)
-def test_sizes_that_nobody_can_read_are_refused(sweep, options, said):
-    with pytest.raises(InputError, match=said):
-        plot(sweep, "diagram", **options)
+def test_a_width_that_nobody_can_read_is_refused(sweep):
+    with pytest.raises(InputError, match="width is 1 cm; it must be from 4"):
+        plot(sweep, "diagram", width=0.01)
 
 
 def test_a_logarithmic_diagram_has_the_same_boundary(sweep):

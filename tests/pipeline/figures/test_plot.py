@@ -167,7 +167,7 @@ def test_figures_are_drawn_on_axes_of_the_caller(sweep, kind):
     assert not left.has_data()
     assert right.get_legend().get_texts()
     assert tuple(figure.get_size_inches()) == (9.0, 4.0)
-    with pytest.raises(InputError, match="ax: out, width and dpi are those of its figure"):
+    with pytest.raises(InputError, match="ax: out and width are those of its figure"):
         plot(sweep, kind, ax=right, width="8 cm")
 
 

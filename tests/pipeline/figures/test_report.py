@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.figures.report.samples import sections
+from pipeline.figures.report import sections_of_samples
 from pipeline.scene.along import OperatingPoints
 from tests.helpers import samples, synthetic
 from tribo import InputError
@@ -61,7 +61,7 @@ def test_a_report_without_a_critical_temperature_says_what_it_lacks(tmp_path):
 def test_a_sweep_of_samples_is_answered_by_probabilities():
     ensemble = samples.ensemble()
     points = OperatingPoints.read({"load [N]": [400.0, 5000.0], "velocity [m/s]": [2.2, 1.0]})
-    written = sections(samples.dataset(ensemble), points, {})
+    written = sections_of_samples(samples.dataset(ensemble), points, {})
     (_, _, question), (table, _), (risks, places) = (list(write()) for write in written.values())
     (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])

@@ -13,7 +13,7 @@ from PIL import Image
 import pipeline
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
-from pipeline.figures.page.content import content
+from pipeline.figures.page.content import bridged, content, error_of_lines, pieces_of
 from pipeline.figures.page.fields import packed_point
 from tests.helpers import synthetic
 from tests.pipeline.figures.page import sweeps
@@ -64,6 +64,22 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
         expected = decisive_rise(held, synthetic.conditions(share)).values
         place = page["shares"].index(share)
         np.testing.assert_allclose(at_points[..., place], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("others", "parts"), [(25, (4, 3)), (2000, (1, 1))])
+def test_intervals_have_as_many_parts_as_there_is_room_for(others, parts):
+    assert pieces_of(loads=12, velocities=19, others=others) == parts
+
+
+def test_what_lies_beside_a_missing_point_is_interpolated_across_it():
+    done, missing = np.array([1, 0, 1, 1], bool), np.array([0, 1, 0, 0], bool)
+    assert np.flatnonzero(bridged(done, missing, 2)).tolist() == [1, 2, 3]
+
+
+def test_straight_lines_of_logarithms_err_only_where_a_rise_is_no_power():
+    velocity = np.array([1.0, 2.0, 4.0])
+    assert error_of_lines(100 * velocity**0.7, velocity, 2) < 1e-12
+    assert 1e-4 < error_of_lines(np.array([100.0, 150.0, 160.0]), velocity, 2) < 0.05
 
 
 def test_points_are_asked_for_on_their_own_surface():

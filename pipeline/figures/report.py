@@ -1,11 +1,14 @@
-"""Content of a report, as plain HTML."""
+"""A report of a sweep for people without the tool: one file of HTML, which a browser prints."""
 
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from importlib import resources
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import pandas as pd
@@ -13,27 +16,21 @@ import xarray as xr
 import yaml
 from matplotlib.figure import Figure
 
+from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import (
-    asked,
-    attributes_of,
-    entry_dims,
-    has_plane,
-    is_emulated,
-    variant_of,
-)
 from pipeline.analysis.difference import entries_of
 from pipeline.analysis.frames import JUDGED, agreement, compared, frames_of
 from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, words
-from pipeline.analysis.tables import frame_of, html_of, short
+from pipeline.analysis.tables import frame_of, html_of, short, writable_path, write_text
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import criterion, fitted, heating, svg_of
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import meanings
+from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.about import on_plane
 from pipeline.sweep.own_laws import OwnLawError
@@ -42,6 +39,7 @@ from tribo import InputError
 
 Part: TypeAlias = str | pd.DataFrame | Figure
 """A paragraph, a table or a picture of a section."""
+Section: TypeAlias = Callable[[], Iterable[Part]]
 
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
@@ -49,39 +47,102 @@ _MODEL = (
     "carries load, and the wear after the transition, are not part of it."
 )
 
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; max-width: 50rem;
+       margin: 2rem auto; padding: 0 1rem; overflow-wrap: break-word; }
+h1 { font-size: 1.6rem; line-height: 1.2; } h2 { font-size: 1.15rem; margin-top: 2rem; }
+figure { margin: 0; } svg { width: 100%; height: auto; }
+table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem; display: block;
+        overflow-x: auto; }
+th, td { text-align: left; padding: 0.25rem 0.8rem 0.25rem 0; vertical-align: top;
+         border-bottom: 1px solid #e4e4e4; }
+th { border-bottom: 2px solid #777; width: auto; }
+@page { size: A4; margin: 16mm 18mm;
+        @bottom-center { content: counter(page) " / " counter(pages); font: 8pt sans-serif; } }
+@media print {
+  body { font-size: 9pt; line-height: 1.35; max-width: none; margin: 0; padding: 0; }
+  h2 { margin: 5mm 0 1mm; } p, table { margin: 1.5mm 0; }
+  th, td { padding: 0.5mm 3mm 0.5mm 0; }
+  h1, h2 { break-after: avoid; } tr, figure { break-inside: avoid; }
+  svg { max-height: 16cm; }
+  table { display: table; width: 100%; font-size: 7.5pt; } thead { display: table-header-group; }
+}
+"""
 
-def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]) -> str:
-    """Body of a report as HTML: headings, paragraphs, tables and a picture."""
-    attributes = attributes_of(ds)
+
+def report(
+    ds: xr.Dataset | PathLike,
+    out: str | Path,
+    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
+    **conditions: Any,
+) -> Path:
+    """Write a report of a sweep, for people without the tool: one file of HTML.
+
+    It holds the question and its answer, the diagram, the boundary in numbers, the margins of
+    operating points, warnings, inputs with their units and sources, numerical choices and their
+    error, versions, and how to cite.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store.
+    out : str or path
+        File to write, .html; a browser prints it on A4 or to PDF.
+    points : path or mapping of str to sequence, optional
+        Operating points whose margins to tell; see `pipeline.margin_table`.
+    **conditions
+        Friction, temperatures, share and criterion in place of the sweep's own; see
+        `pipeline.boundary`.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another one, the file cannot be written, or the operating points or
+        conditions are faulty.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> points = {"load": ["500 N"], "velocity": ["1.6 m/s"]}
+    >>> pipeline.report("results/first_try.zarr", "results/report.html", points).name
+    'report.html'
+    """
+    path = writable_path(out, (".html",))
+    if points is not None and not isinstance(points, OperatingPoints):
+        points = OperatingPoints.read(points)
+    ds = dataset.dataset_of(ds)
+    title = dataset.attributes_of(ds).get("title") or path.stem
+    document = (
+        f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{html.escape(str(title))}</title>\n<style>{_STYLE}</style>\n</head>\n"
+        f"<body>\n{body_of(ds, points, conditions)}\n</body>\n</html>\n"
+    )
+    return write_text(document, path)
+
+
+def body_of(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]) -> str:
+    """Headings, paragraphs, tables and a picture, as HTML."""
+    attributes = dataset.attributes_of(ds)
     title = attributes.get("title") or attributes.get("name") or "Transition diagram"
-
-    def drawn() -> list[Part]:
-        return [fitted(diagram(ds, **conditions), 0.17, with_title=False)]
-
-    answers: dict[str, Callable[[], Iterable[Part]]] = {
-        "Question and answer": lambda: _question(ds, conditions),
-        "Transition diagram": drawn,
-        "Boundary in numbers": lambda: _numbers(ds, conditions),
-    }
-    if not (has_plane(ds) or is_emulated(ds)):
-        answers = {
-            "Question and answer": lambda: _question_of_rows(ds, conditions),
-            "Margins by row": drawn,
-        }
-    sections = answers | {
-        "Tests": lambda: _tests(ds, conditions),
-        "Operating points": lambda: _operating_points(ds, points, conditions),
-        "Warnings": lambda: _warnings(ds, conditions),
-        "Inputs": lambda: _inputs(attributes),
-        "Numerical choices and their error": lambda: _fidelity(attributes),
+    sections: dict[str, Section] = {
+        **_answers(ds, conditions),
+        "Tests": partial(_tests, ds, conditions),
+        "Operating points": partial(_operating_points, ds, points, conditions),
+        "Warnings": partial(_warnings, ds, conditions),
+        "Inputs": partial(_inputs, attributes),
+        "Numerical choices and their error": partial(_fidelity, attributes),
         "Model": lambda: [_MODEL],
-        "Versions": lambda: _versions(attributes),
+        "Versions": partial(_versions, attributes),
         "Citation": citation,
     }
-    if is_emulated(ds):
-        from pipeline.figures.report.samples import sections as of_samples  # with its libraries
-
-        sections |= of_samples(ds, points, conditions)
+    if dataset.is_emulated(ds):
+        sections |= sections_of_samples(ds, points, conditions)
     parts = [f"<h1>{html.escape(str(title))}</h1>"]
     for heading, write in sections.items():
         if body := [_html(part, heading) for part in _or_reason(write)]:
@@ -89,7 +150,25 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
     return "\n".join(parts)
 
 
-def _or_reason(write: Callable[[], Iterable[Part]]) -> list[Part]:
+def _answers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> dict[str, Section]:
+    """Sections that answer: of a plane its boundary, of rows with places of their own margins."""
+
+    def drawn() -> list[Part]:
+        return [fitted(diagram(ds, **conditions), 0.17, with_title=False)]
+
+    if dataset.has_plane(ds) or dataset.is_emulated(ds):
+        return {
+            "Question and answer": partial(_question, ds, conditions),
+            "Transition diagram": drawn,
+            "Boundary in numbers": partial(_numbers, ds, conditions),
+        }
+    return {
+        "Question and answer": partial(_question_of_rows, ds, conditions),
+        "Margins by row": drawn,
+    }
+
+
+def _or_reason(write: Section) -> list[Part]:
     """Parts of a section, and the reason for which the sweep has no more."""
     parts: list[Part] = []
     try:
@@ -112,15 +191,17 @@ def _html(part: Part, heading: str) -> str:
 
 def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     """Question that the sweep answers, its answer in a sentence, and the state of the sweep."""
-    attributes = attributes_of(ds)
+    attributes = dataset.attributes_of(ds)
     loads, velocities = (attributes.get(name) or [] for name in ("loads", "velocities"))
     plane = on_plane(loads, velocities)[1] if loads and velocities else "the points computed"
     yield (
         "At which load and sliding velocity does wear of this lubricated contact turn from mild "
         f"to severe adhesive wear (scuffing)? Examined: {plane}."
     )
-    total = int(asked(ds).sum())
-    done, failed = (int((asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED))
+    total = int(dataset.asked(ds).sum())
+    done, failed = (
+        int((dataset.asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED)
+    )
     if done < total:
         yield (
             f"The sweep is not finished: {done} of {total} points are done, {failed} failed. "
@@ -130,7 +211,7 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     for judged in dict.fromkeys(conditions_of(scene, **changed) for scene in scenes(ds)):
         yield f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}."
     for values, part in parts_of(boundaries):
-        entries = words(ds, dict(zip(entry_dims(ds), values, strict=True)))
+        entries = words(ds, dict(zip(dataset.entry_dims(ds), values, strict=True)))
         yield f"{entries}. {_answer(part)}" if entries else _answer(part)
 
 
@@ -148,7 +229,7 @@ def _question_of_rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Pa
 
 def _answer(boundaries: xr.Dataset) -> str:
     """Velocities at which wear turns severe at the lowest and the highest load."""
-    axis = variant_of(boundaries)
+    axis = dataset.variant_of(boundaries)
     velocities = boundaries["critical_velocity"]
     crosses = boundaries["outcome_at_load"] == CROSSES
     if axis:
@@ -295,3 +376,51 @@ def _line(entry: Mapping[str, Any]) -> str:
     details = [f"{entry[key]}" for key in ("journal", "volume", "year", "doi", "url", "license")
                if key in entry]  # fmt: skip
     return ". ".join([f"{people}: {entry['title']}{version}", *details]) + "."
+
+
+def sections_of_samples(
+    ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
+) -> dict[str, Section]:
+    """Sections that a sweep of samples has in place of the usual ones: answers as probabilities."""
+    # With the libraries that only this needs.
+    from pipeline.uncertain.answers import frame_of_lines
+    from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.risks import risk_table
+
+    ensemble = Ensemble.of(ds, **changed)
+    lines = frame_of_lines(ensemble)
+
+    def velocity_in_words(velocity: float) -> str:
+        low, high = ensemble.velocities
+        if velocity < 0:
+            return f"below {low:.3g} m/s"
+        return f"beyond {high:.3g} m/s" if math.isinf(velocity) else f"{velocity:.3g} m/s"
+
+    def question() -> Iterator[Part]:
+        yield (
+            "At which load and sliding velocity does wear of this lubricated contact turn from "
+            "mild to severe adhesive wear (scuffing), with inputs that are not known exactly? "
+            f"{len(ensemble.inputs)} samples of them were simulated."
+        )
+        yield f"Not known exactly: {'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}."
+        words = []
+        for load, *row in dict.fromkeys(lines.iloc[[0, -1]].itertuples(index=False, name=None)):
+            low, middle, high = map(velocity_in_words, row)
+            words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
+        yield f"Answer: wear is as likely severe as mild {' and '.join(words)}."
+
+    def operating_points() -> Iterator[Part]:
+        if points is None:
+            return
+        table = risk_table(ensemble, points)
+        yield short(table, ["note"])
+        yield from (f"{note}." for note in notes_of(table))
+
+    return {
+        "Question and answer": question,
+        "Boundary in numbers": lambda: [
+            lines,
+            "Velocities at which wear is severe with these probabilities.",
+        ],
+        "Operating points": operating_points,
+    }
