@@ -7,35 +7,26 @@ from collections.abc import Iterable
 from typing import Any
 
 import pipeline
-from pipeline.cli.datasets import opened
+from pipeline.cli import given
 from pipeline.cli.output import Result, tell, working
-from pipeline.cli.scenes import (
-    CONDITIONS,
-    PLACE,
-    beside,
-    conditions_in,
-    criterion_in,
-    flags_of,
-    values_in,
-)
 from tribo import InputError
 
-_OF_KINDS = (*PLACE, *CONDITIONS, "log", "show", "against", "given_measured", "scatter")
+_OF_KINDS = (*given.PLACE, *given.CONDITIONS, "log", "show", "against", "given_measured", "scatter")
 """Options that only some kinds of figures have."""
 
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    look = values_in(
-        options, *PLACE, "scatter", "width", "log", "show", "against", "given_measured"
+    look = given.values_in(
+        options, *given.PLACE, "scatter", "width", "log", "show", "against", "given_measured"
     )
-    conditions = conditions_in(options)
+    conditions = given.conditions_in(options)
     _require_options(options.kind, [*look, *conditions])
     look |= {"with_title": not options.no_title}
     if options.watch:
         return _watched(options, look | conditions)
-    ds = opened(options)
-    out = options.output or beside(options.store, f"_{options.kind}.png")
+    ds = given.opened(options)
+    out = options.output or given.beside(options.store, f"_{options.kind}.png")
     written = pipeline.plot(ds, options.kind, out, **look, **conditions)
     document = {"kind": options.kind, "file": str(written)}
     return Result(document, [str(written)], pipeline.warned(ds, **conditions))
@@ -49,7 +40,7 @@ def _watched(options: argparse.Namespace, look: dict[str, Any]) -> Result:
         options.store,
         options.watch,
         options.kind,
-        read=lambda: opened(options),
+        read=lambda: given.opened(options),
         progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
         **look,
     )
@@ -70,16 +61,16 @@ def _require_options(kind: str, names: Iterable[str]) -> None:
     allowed = [name for name in options_of(kind) if name in _OF_KINDS]
     for name in names:
         if name in _OF_KINDS and name not in allowed:
-            flag, others = flags_of([name]), flags_of(allowed)
+            flag, others = given.flags_of([name]), given.flags_of(allowed)
             raise InputError(f"--kind {kind} takes no {flag}; it takes {others}")
 
 
 def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
-    ds = opened(options)
-    out = options.output or beside(options.store, ".html")
-    criterion = criterion_in(options)
-    chosen = values_in(options, "scatter", "given_measured") | criterion
+    ds = given.opened(options)
+    out = options.output or given.beside(options.store, ".html")
+    criterion = given.criterion_in(options)
+    chosen = given.values_in(options, "scatter", "given_measured") | criterion
     if options.no_fields:
         chosen["most_fields"] = 0
     with working("writing the page"):
@@ -89,8 +80,8 @@ def explore(options: argparse.Namespace) -> Result:
 
 def report(options: argparse.Namespace) -> Result:
     """Write a report of a store."""
-    ds, conditions = opened(options), conditions_in(options)
-    out = options.output or beside(options.store, "_report.html")
+    ds, conditions = given.opened(options), given.conditions_in(options)
+    out = options.output or given.beside(options.store, "_report.html")
     with working("writing the report"):
         written = pipeline.report(ds, out, options.points, **conditions)
     warned = pipeline.warned(ds, **conditions)

@@ -6,18 +6,19 @@ import argparse
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
 
 import pipeline
 from pipeline.analysis.margin import NOT_DECIDED, verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.tables import TABLES, frame_of, short, upright, writable_path
+from pipeline.cli.given import PLACE, conditions_in, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, run_line, tell, working
-from pipeline.cli.scenes import PLACE, conditions_in, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
-from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import MELTS, MOLTEN, note_on_turns
 from pipeline.sweep.plan import PointResult
@@ -25,9 +26,7 @@ from pipeline.sweep.selection import velocity_error
 from tribo import InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
-    import pandas as pd
-
-    from pipeline.run.inference import CriticalTemperatures
+    from pipeline.run.inference import CriticalTemperatures  # with Dask
 
 _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 """Share by which more elements of so many pixels touch than the pixels do [%]."""
@@ -35,107 +34,76 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 
 def point(options: argparse.Namespace) -> Result:
     """Simulate one point."""
-    sweep = one_scene_of(options, points=[Point(options.load, options.velocity)])
+    place = Point(options.load, options.velocity)
+    sweep = one_scene_of(options, points=[place])
     require_bearable_load(sweep, options.load, "--load")
     sweep = sweep.on_surface(options.realization)
     with working("simulating") as progress:
         result = pipeline.run_point(
             sweep.changed(steps="end"), options.load, options.velocity, progress=progress
         )
-    measured, verdict = measures(sweep.scene, result.state), result.verdict(sweep.conditions)
-    judged, error = _judged(sweep, result, verdict)
-    commands = _next(options, sweep, verdict) if judged == NOT_DECIDED else []
-    document = measured | {
+    conditions, verdict = sweep.conditions, result.verdict(sweep.conditions)
+    decisive, critical = verdict.decisive_temperature, conditions.critical_temperature
+    rise = decisive - conditions.coldest_bulk_temperature
+    flags = sum({int(warning.kind) for warning in result.warnings})
+    promised = velocity_error(fidelity_of(sweep))
+    error = error_of_point(flags, result.state.time, promised).times(rise)
+    judged, commands = None, list[str]()
+    distance = None if critical is None else critical - decisive
+    if distance is not None and verdict.is_severe is not None:
+        judged = verdict_on(verdict.is_severe, distance, error.total)
+        if judged == NOT_DECIDED:
+            given = conditions_in(options)
+            commands = point_that_decides(sweep, place, options.realization, distance, rise, given)
+    document = measures(sweep.scene, result.state) | {
         "velocity": options.velocity,
-        "friction": sweep.conditions.friction,
+        "friction": conditions.friction,
         "max_temperature": verdict.max_temperature,
-        "decisive_temperature": verdict.decisive_temperature,
+        "decisive_temperature": decisive,
         "failed_fraction": verdict.failed_fraction,
         "failed_fraction_time": verdict.time,
         "verdict": judged,
         "temperature_error": error.total,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
-        "molten": verdict.decisive_temperature > MELTS,
+        "molten": decisive > MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
         "wall_time": result.wall_time,
         "next": commands,
         **selected(sweep),
     }
-    found = sweep, result, verdict, measured, judged, error
-    frame = _frame_of_point(*found)
-    text = [*_on_point(*found), "", upright(frame)]
+    values = document | {"load": options.load, "distance": distance}
+    frame = frame_of(tuple(_COLUMNS), [[values[name] for name in _COLUMNS.values()]])
+    text = [*_on_point(sweep, result, document, error), "", upright(frame)]
     text += lines_on(commands) if judged == NOT_DECIDED else ()
     return Result(document, text, frames=[frame])
 
 
-def _judged(sweep: Sweep, result: PointResult, verdict: Verdict) -> tuple[str | None, RiseError]:
-    """Verdict on a point beyond its error [K]; None where no critical temperature is known."""
-    flags = sum({int(warning.kind) for warning in result.warnings})
-    rise = verdict.decisive_temperature - sweep.conditions.coldest_bulk_temperature
-    promised = velocity_error(fidelity_of(sweep))
-    error = error_of_point(flags, result.state.time, promised).times(rise)
-    critical = sweep.conditions.critical_temperature
-    if critical is None or verdict.is_severe is None:
-        return None, error
-    distance = critical - verdict.decisive_temperature
-    return verdict_on(verdict.is_severe, distance, error.total), error
-
-
-def _next(options: argparse.Namespace, sweep: Sweep, verdict: Verdict) -> list[str]:
-    """Command that may decide a point that is not decided."""
-    distance = sweep.conditions.known_critical_temperature() - verdict.decisive_temperature
-    rise = verdict.decisive_temperature - sweep.conditions.coldest_bulk_temperature
-    place = options.load, options.velocity, options.realization
-    return point_that_decides(sweep, *place, distance, rise, conditions_in(options))
-
-
-_HEADS = (
-    "load [N]", "velocity [m/s]", "friction", "verdict", "decisive temperature [°C]",
-    "temperature error [K]", "distance [K]", "highest temperature [°C]", "hottest at [s]",
-    "failed share [%]", "pin's heat share [%]", "contact width [µm]", "contact area [%]",
-    "mean pressure [GPa]", "highest pressure [GPa]", "wear depth [µm]", "wear volume [mm³]",
-    "time [s]", "sliding distance [m]", "computed in [s]",
-)  # fmt: skip
-_MEASURES = (
-    "pin_heat_share", "contact_width", "contact_fraction", "mean_pressure", "max_pressure",
-    "wear_depth_max", "wear_volume", "time", "sliding_distance",
-)  # fmt: skip
-
-
-def _frame_of_point(
-    sweep: Sweep,
-    result: PointResult,
-    verdict: Verdict,
-    measured: Mapping[str, float],
-    judged: str | None,
-    error: RiseError,
-) -> pd.DataFrame:
-    """Frame of one row: the place, its verdict and its measures."""
-    critical, deciding = sweep.conditions.critical_temperature, verdict.decisive_temperature
-    distance = None if critical is None else critical - deciding
-    heat = verdict.max_temperature, verdict.time, verdict.failed_fraction
-    measures = [measured[name] for name in _MEASURES]
-    judgement = sweep.conditions.friction, judged, deciding, error.total, distance
-    return frame_of(_HEADS, [(*result.point[:2], *judgement, *heat, *measures, result.wall_time)])
+_COLUMNS = {
+    "load [N]": "load", "velocity [m/s]": "velocity", "friction": "friction", "verdict": "verdict",
+    "decisive temperature [°C]": "decisive_temperature",
+    "temperature error [K]": "temperature_error", "distance [K]": "distance",
+    "highest temperature [°C]": "max_temperature", "hottest at [s]": "failed_fraction_time",
+    "failed share [%]": "failed_fraction", "pin's heat share [%]": "pin_heat_share",
+    "contact width [µm]": "contact_width", "contact area [%]": "contact_fraction",
+    "mean pressure [GPa]": "mean_pressure", "highest pressure [GPa]": "max_pressure",
+    "wear depth [µm]": "wear_depth_max", "wear volume [mm³]": "wear_volume", "time [s]": "time",
+    "sliding distance [m]": "sliding_distance", "computed in [s]": "wall_time",
+}  # fmt: skip
+"""Heads of the table of a point, and names in its document."""
 
 
 def _on_point(
-    sweep: Sweep,
-    result: PointResult,
-    verdict: Verdict,
-    measured: Mapping[str, float],
-    judged: str | None,
-    error: RiseError,
+    sweep: Sweep, result: PointResult, document: Mapping[str, Any], error: RiseError
 ) -> Iterator[str]:
     """Sentences on a point: its verdict, what that rests on, and notes."""
     load, velocity = result.point[:2]
-    conditions, decisive = sweep.conditions, sweep.conditions.decisive
+    conditions, decisive, judged = sweep.conditions, sweep.conditions.decisive, document["verdict"]
     wear = judged if judged == NOT_DECIDED else f"{judged} wear"
     if judged is None:
         wear = "mild or severe is not known without temperature.critical"
     yield (
-        f"{load:g} N at {velocity:g} m/s after {measured['time']:.3g} s "
-        f"and {measured['sliding_distance']:.3g} m: {wear}"
+        f"{load:g} N at {velocity:g} m/s after {document['time']:.3g} s "
+        f"and {document['sliding_distance']:.3g} m: {wear}"
     )
     severe = ""
     if conditions.critical_temperature is not None:
@@ -151,9 +119,9 @@ def _on_point(
         yield "note: the velocity is negative, so the disk slides towards −x"
     yield from (f"note: {note}" for note in sweep.about.notes)
     yield from (f"warning: {text}" for _, text in result.warnings)
-    if verdict.decisive_temperature > MELTS:
+    if document["molten"]:
         yield f"warning: {MOLTEN}"
-    if cold := note_on_turns(sweep, load, velocity):
+    if cold := document["not_counted"]:
         yield f"warning: {cold}"
 
 

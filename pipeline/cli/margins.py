@@ -6,51 +6,32 @@ import argparse
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 import pipeline
+from pipeline.analysis import frames
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of, has_plane
-from pipeline.analysis.frames import (
-    BOUNDARIES,
-    JUDGED,
-    by_friction,
-    compared,
-    frames_of,
-    frictions_of,
-    on_tests,
-)
-from pipeline.analysis.margin import NOT_DECIDED
+from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import LONG, in_counts, margins_at, notes_of
 from pipeline.analysis.scenes import parts_of, words
 from pipeline.analysis.tables import as_dict, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
 from pipeline.analysis.warned_points import turns_left_out
-from pipeline.cli.datasets import by_samples, opened, operating_points_in
+from pipeline.cli.given import by_samples, conditions_in, opened, operating_points_in, values_in
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
-from pipeline.cli.scenes import conditions_in, values_in
-from pipeline.cli.unknowns import (
-    about,
-    boundary_of_samples,
-    ensemble_in,
-    frame_of_intervals,
-    notes,
-    on_risk,
-)
+from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
 from pipeline.sweep.physics import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from tribo import InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
-
-if TYPE_CHECKING:
-    from pipeline.analysis.margin import Margin
 
 
 def margin(options: argparse.Namespace) -> Result:
@@ -62,62 +43,49 @@ def margin(options: argparse.Namespace) -> Result:
         operating_points_in(options)  # of which samples have none themselves
         return _of_samples(options, ds, conditions)
     if place:
-        return _of_one(options, ds, conditions)
+        margins = pipeline.margins(ds, options.load, options.velocity, **conditions)
     table = pipeline.margin_table(ds, points, **conditions)
-    if table.empty:
-        operating_points_in(options)  # which says that there is none
-    document, text = _on_points(options, table)
-    margins = margins_at(ds, points.places if points else None, **conditions)
-    commands, lines = _next(options, ds, margins, conditions)
-    text += lines
-    warned = pipeline.warned(ds, **conditions)
-    return Result(document | {"next": commands}, text, warned, [table])
+    if place:
+        document, text = _on_place(ds, margins)
+        text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
+    else:
+        if table.empty:
+            operating_points_in(options)  # which says that there is none
+        document, text = _on_points(options, table)
+        margins = tuple(margins_at(ds, points.places if points else None, **conditions))
+    undecided = [one for one in margins if one.verdict == NOT_DECIDED]
+    is_incomplete = bool(place) and any(map(_is_incomplete, margins))
+    judged = conditions_of(ds, **conditions).as_dict() if undecided or is_incomplete else {}
+    document["next"] = commands_that_decide(ds, options.store, undecided, judged)
+    text += lines_on(document["next"]) if undecided else ()
+    if place:
+        if any(one.decisive_temperature > MELTS for one in margins):
+            text.append(f"warning: {MOLTEN}")
+        document["command"] = None
+        if is_incomplete:
+            document["command"] = more_of_boundary(ds, options.store, judged)
+            text.append(f"compute more of the boundary with: {document['command']}")
+    return Result(document, text, pipeline.warned(ds, **conditions), [table])
 
 
-def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
-    """Distance of one operating point, on one surface or on several, for each scene."""
-    margins = pipeline.margins(ds, options.load, options.velocity, **conditions)
-    parts = [tuple(part) for _, part in itertools.groupby(margins, lambda one: one.entries)]
-    documents = [_document(part) if part[1:] else part[0].as_dict() for part in parts]
-    document = documents[0] if len(parts) == 1 else {"scenes": documents}
-    table = pipeline.margin_table(ds, operating_points_in(options), **conditions)
-    text: list[str | pd.DataFrame] = []
-    for part in parts:
-        text += [f"{row}:" for row in [words(ds, part[0].entries)] if row]
-        text += [_on_surfaces(part)] if part[1:] else _on_one(part[0])
-    text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
-    commands, lines = _next(options, ds, margins, conditions)
-    text += lines
-    if any(margin.decisive_temperature > MELTS for margin in margins):
-        text.append(f"warning: {MOLTEN}")
-    command = None
-    if any(map(_is_incomplete, margins)):
-        judged = conditions_of(ds, **conditions).as_dict()
-        command = more_of_boundary(ds, options.store, judged)
-        text.append(f"compute more of the boundary with: {command}")
-    warned = pipeline.warned(ds, **conditions)
-    return Result(document | {"next": commands, "command": command}, text, warned, [table])
-
-
-def _next(
-    options: argparse.Namespace,
-    ds: xr.Dataset,
-    margins: Iterable[Margin],
-    conditions: dict[str, Any],
-) -> tuple[list[str], list[str]]:
-    """Commands that decide the margins that are not decided, and lines on them."""
-    undecided = [margin for margin in margins if margin.verdict == NOT_DECIDED]
-    if not undecided:
-        return [], []
-    judged = conditions_of(ds, **conditions).as_dict()
-    commands = commands_that_decide(ds, options.store, undecided, judged)
-    return commands, [*lines_on(commands)]
+def _on_place(
+    ds: xr.Dataset, margins: Sequence[Margin]
+) -> tuple[dict[str, Any], list[str | pd.DataFrame]]:
+    """Plain data and sentences on one operating point, on its surfaces, for each scene."""
+    documents, text = list[dict[str, Any]](), list[str | pd.DataFrame]()
+    for entries, group in itertools.groupby(margins, lambda one: one.entries):
+        part = tuple(group)
+        text += [f"{row}:" for row in [words(ds, entries)] if row]
+        document, lines = _on_surfaces(part) if part[1:] else _on_one(part[0])
+        documents.append(document)
+        text += lines
+    return documents[0] if len(documents) == 1 else {"scenes": documents}, text
 
 
 def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Distances of operating points as intervals of probability."""
-    ensemble, measured = ensemble_in(options, ds, **conditions)
-    draws = measured.draws if measured else None
+    samples = samples_in(options, ds, **conditions)
+    ensemble, draws = samples.ensemble, samples.draws
     if options.points is None:
         answer = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)
         table = frame_of_intervals(answer)
@@ -126,8 +94,8 @@ def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
     else:
         table = pipeline.risk_table(ensemble, operating_points_in(options), draws)
         document, text = _on_points(options, table)
-    document |= {"given_measured": measured is not None, **about(ensemble)}
-    return Result(document, [*text, *notes(ensemble, measured)], pipeline.warned(ds), [table])
+    document |= samples.as_dict()
+    return Result(document, [*text, *samples.notes()], pipeline.warned(ds), [table])
 
 
 def _on_points(
@@ -149,46 +117,40 @@ def _is_incomplete(here: Margin) -> bool:
     return is_beyond or here.velocity_bridged + here.load_bridged > 0
 
 
-def _on_one(here: Margin) -> Iterator[str]:
-    """Lines on one surface: the verdict, the error of its temperature, and missing transitions."""
+def _on_one(here: Margin) -> tuple[dict[str, Any], list[str]]:
+    """Plain data on one surface; in lines its verdict, its error and missing transitions."""
     wear = "" if here.verdict == NOT_DECIDED else " wear"
-    yield f"{here.load:g} N at {here.velocity:g} m/s: {here.verdict}{wear}"
-    yield f"the decisive temperature is {_origin(here)}; its error is {here.error.worded}"
+    origin = "interpolated between computed points"
+    if here.is_computed:
+        origin = "computed there"
+    elif here.is_continued:
+        origin = "extrapolated beyond the computed points, as a power of the velocity"
+    lines = [
+        f"{here.load:g} N at {here.velocity:g} m/s: {here.verdict}{wear}",
+        f"the decisive temperature is {origin}; its error is {here.error.worded}",
+    ]
     for name in UNITS:
         outcome = getattr(here, f"{name}_outcome")
         said = in_words(outcome, getattr(here, f"{name}_range"), name)
         if said != outcome:
-            yield f"in {name}: {said}"
+            lines.append(f"in {name}: {said}")
+    return here.as_dict(), lines
 
 
-def _origin(here: Margin) -> str:
-    """Where the deciding temperature comes from, in words."""
-    if here.is_computed:
-        return "computed there"
-    if here.is_continued:
-        return "extrapolated beyond the computed points, as a power of the velocity"
-    return "interpolated between computed points"
-
-
-def _document(margins: Sequence[Margin]) -> dict[str, Any]:
-    """Plain data on several surfaces."""
-    return {
-        "load": margins[0].load,
-        "velocity": margins[0].velocity,
-        "severe_surfaces": sum(one.verdict == "severe" for one in margins),
-        "undecided_surfaces": sum(one.verdict == NOT_DECIDED for one in margins),
+def _on_surfaces(margins: Sequence[Margin]) -> tuple[dict[str, Any], list[str]]:
+    """Plain data on several surfaces, and a sentence."""
+    load, velocity = margins[0].load, margins[0].velocity
+    counts = Counter(one.verdict for one in margins)
+    severe, undecided = counts["severe"], counts[NOT_DECIDED]
+    said = f"{load:g} N at {velocity:g} m/s: severe wear on {severe} of {len(margins)} surfaces"
+    document = {
+        "load": load,
+        "velocity": velocity,
+        "severe_surfaces": severe,
+        "undecided_surfaces": undecided,
         "surfaces": [one.as_dict() for one in margins],
     }
-
-
-def _on_surfaces(margins: Sequence[Margin]) -> str:
-    """Sentence on several surfaces."""
-    counts = Counter(one.verdict for one in margins)
-    undecided = f", not decided on {counts[NOT_DECIDED]}" if counts[NOT_DECIDED] else ""
-    return (
-        f"{margins[0].load:g} N at {margins[0].velocity:g} m/s: severe wear on {counts['severe']} "
-        f"of {len(margins)} surfaces{undecided}"
-    )
+    return document, [said + (f", not decided on {undecided}" if undecided else "")]
 
 
 def boundary(options: argparse.Namespace) -> Result:
@@ -202,19 +164,20 @@ def boundary(options: argparse.Namespace) -> Result:
     command = _command(crossings, options.store, ds)
     cold = turns_left_out(ds, crossings, **conditions)
     not_counted = ["", f"warning: {cold}"] if cold else []
+    # Of several frictions none is that of a test which gives none.
     one = {k: value for k, value in conditions.items() if not isinstance(value, tuple | list)}
-    tests = compared(ds, **one)  # of several frictions none is that of a test which gives none
+    tests = frames.compared(ds, **one)
     text = [
         *text_of(crossings, command),
         *not_counted,
-        *(["", *on_tests(tests)] if tests is not None else []),
+        *(["", *frames.on_tests(tests)] if tests is not None else []),
         *after_boundary(attributes_of(ds), options.store),
     ]
     warned = pipeline.warned(ds, **conditions)
     document = document_of(crossings) | {"command": command, "not_counted": cold}
     if tests is not None:
         document["tests"] = as_dict(tests)
-    return Result(document, text, warned, frames_of(crossings))
+    return Result(document, text, warned, frames.frames_of(crossings))
 
 
 _IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K]"
@@ -243,7 +206,7 @@ def _about_rows(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`, under its names; outcomes and regimes in words."""
     document = {str(name): values.values.tolist() for name, values in crossings.variables.items()}
-    for name, axis in BOUNDARIES:
+    for name, axis in frames.BOUNDARIES:
         words = outcomes(name.removeprefix("critical_"))
         outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
         worded = np.vectorize(words.__getitem__, otypes=[object])(crossings[outcome])
@@ -264,7 +227,7 @@ def _judged_by(crossings: xr.Dataset) -> dict[str, Any]:
     )  # fmt: skip
     present = {*crossings.attrs, *crossings.coords}
     conditions = {name: _values(crossings, name) for name in names if name in present}
-    frictions = frictions_of(crossings)
+    frictions = frames.frictions_of(crossings)
     return conditions | {"friction": frictions[0] if "friction" in crossings.attrs else frictions}
 
 
@@ -286,24 +249,21 @@ def _regime(film_parameter: float, outcome: int) -> str:
 
 def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | None:
     """The command that computes points of the boundary that are missing; None if none are."""
-    beyond = [
-        scene.attrs | {"friction": friction}
-        for _, scene in parts_of(crossings)
-        for friction, part in by_friction(scene)
-        if part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any() or part["bridged_at_load"].any()
-    ]
-    if not beyond:
-        return None
-    return more_of_boundary(ds, store, beyond[0])
+    for _, scene in parts_of(crossings):
+        for friction, part in frames.by_friction(scene):
+            is_beyond = part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any()
+            if is_beyond or part["bridged_at_load"].any():
+                return more_of_boundary(ds, store, scene.attrs | {"friction": friction})
+    return None
 
 
 def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str | pd.DataFrame]:
     """Lines of text on a boundary; the command computes points that it lacks, if any."""
     yield ", ".join(_conditions(crossings))
-    alone = ["friction"] if len(frictions_of(crossings)) == 1 else []
-    for frame in frames_of(crossings):
+    alone = ["friction"] if len(frames.frictions_of(crossings)) == 1 else []
+    for frame in frames.frames_of(crossings):
         yield ""
-        yield short(frame, [*alone, *JUDGED.values()])
+        yield short(frame, [*alone, *frames.JUDGED.values()])
     if "film_parameter_at_load" in crossings:
         yield ""
         yield (
@@ -329,7 +289,7 @@ def _conditions(crossings: xr.Dataset) -> Iterator[str]:
             return ", ".join(pipeline.display(value, unit) for value in values)
         return ", ".join(value if isinstance(value, str) else f"{value:g}" for value in values)
 
-    yield "friction " + ", ".join(f"{value:g}" for value in frictions_of(crossings))
+    yield "friction " + ", ".join(f"{value:g}" for value in frames.frictions_of(crossings))
     disk = "disk_temperature"
     unequal = f" (pin) and {worded(disk, '°C')} (disk)" if disk in conditions else ""
     yield f"bulk {worded('bulk_temperature', '°C')}{unequal}"

@@ -52,10 +52,10 @@ class Result:
 
 def show(options: argparse.Namespace, result: Result) -> None:
     """Print a result, as text or as one JSON document, and write its frames or its figure."""
-    document, lines = dict(result.document), [*lines_in(result.text)]
+    document, text = dict(result.document), [*result.text]
     if result.warned is not None:
         document["warnings"] = result.warned.as_dict()
-        lines += result.warned.lines()
+        text += result.warned.lines()
     out = result.out
     if result.frames or result.draw:
         out = options.output or out
@@ -63,17 +63,17 @@ def show(options: argparse.Namespace, result: Result) -> None:
         from pipeline.analysis.tables import write_frames  # pandas takes its time
 
         document["table"] = str(write_frames(result.frames, out))
-        lines.append(f"table: {out}")
+        text.append(f"table: {out}")
     elif out is not None and result.draw is not None:
         from pipeline.figures.style import save_figure  # Matplotlib takes its time
 
         document["figure"] = str(save_figure(result.draw(), out))
-        lines.append(str(out))
+        text.append(str(out))
     if options.json:
         written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
         print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", written))
-    elif lines:
-        show_text(lines)
+    elif text:
+        show_text(text)
 
 
 def lines_in(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
@@ -87,19 +87,14 @@ def lines_in(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
             yield from lines_of(part)
 
 
-def show_text(text: Iterable[str]) -> None:
+def show_text(text: Iterable[str | pd.DataFrame]) -> None:
     """Print text as a terminal can show it, at once."""
-    print("\n".join(_shown(line) for part in text for line in part.split("\n")), flush=True)
+    lines = (line for part in lines_in(text) for line in part.split("\n"))
+    print("\n".join(map(_shown, lines)), flush=True)
 
 
 def counted(number: int, one: str, several: str) -> str:
-    """Number of something, in words.
-
-    Examples
-    --------
-    >>> counted(1, "load", "loads"), counted(4, "load", "loads")
-    ('1 load', '4 loads')
-    """
+    """Number of something, in words."""
     return f"{number} {one if number == 1 else several}"
 
 
@@ -224,7 +219,7 @@ def working(task: str) -> Iterator[Callable[[int, int], None]]:
             return None
         line = _Line()
         while True:
-            line.show(_state_of_task(task, time.monotonic() - began, *latest))
+            line.show(state_of_task(task, time.monotonic() - began, *latest))
             if is_over.wait(_BETWEEN_LOOKS):
                 return line.close()
 
@@ -237,16 +232,8 @@ def working(task: str) -> Iterator[Callable[[int, int], None]]:
         thread.join(_ENDING)
 
 
-def _state_of_task(task: str, elapsed: float, done: int, total: int) -> str:
-    """State of a task, in words.
-
-    Examples
-    --------
-    >>> _state_of_task("reading", 12.0, 0, 0)
-    'reading, 12 s so far'
-    >>> _state_of_task("reading", 12.0, 3, 9)
-    'reading: 3 of 9 done, 12 s so far, 24 s to go'
-    """
+def state_of_task(task: str, elapsed: float, done: int, total: int) -> str:
+    """State of a task, in words."""
     so_far = f"{duration(elapsed)} so far"
     if not done:
         return f"{task}, {so_far}"

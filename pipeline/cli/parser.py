@@ -55,7 +55,7 @@ COMMANDS = (
         (*o.OF_SCENE, *o.OF_RUN),
     ),
     Command(
-        "run", "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
+        "run", "check", "sweeps:check", "print the meaning of a scene, and the cost of its sweep",
         "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY, o.TABLE),
     ),
     Command(

@@ -8,24 +8,20 @@ from collections.abc import Iterator
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
-from pipeline.cli.datasets import opened
+from pipeline.cli.given import criterion_in, opened
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
-from pipeline.cli.scenes import criterion_in
 from pipeline.store.place import ROOT, StoreError
-from pipeline.store.progress import summary
+from pipeline.store.progress import Summary, summary
 from pipeline.store.root import read_attributes
 from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.tradeoff.choose import stored_selection
-
-if TYPE_CHECKING:
-    from pipeline.store.progress import Summary
 
 _MOST_POINTS = 10  # that are printed; files have all
 

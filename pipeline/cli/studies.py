@@ -5,30 +5,25 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.cli.datasets import opened, operating_points_in, scene_with_of
+from pipeline.cli import given
 from pipeline.cli.output import Result, run_line, tell, working
-from pipeline.cli.scenes import beside, criterion_in, scene_of, settings_of
-from pipeline.cli.unknowns import about, ensemble_in, notes
-from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Goal, Limit, confirmed, designed
+from pipeline.cli.unknowns import Samples, samples_in
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Direct, Goal, Limit, confirmed, designed
 from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from pipeline.run.vary import Variations
-    from pipeline.sweep.unknown import Unknown
-    from pipeline.uncertain.design import Direct
-    from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.inputs import Draws
+    from pipeline.run.vary import Variations  # with Dask
 
 _STATES = ("counted", "could be counted", "cannot be sized")
 
@@ -45,7 +40,7 @@ def vary(options: argparse.Namespace) -> Result:
             options.scene,
             over,
             options.preset,
-            settings_of(options),
+            given.settings_of(options),
             tell=tell,
             physics=options.physics,
             own_laws=options.own_laws,
@@ -98,7 +93,7 @@ def _on_variations(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd
 
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
-    measured = pipeline.trade(scene_of(options), base=options.base, progress=tell)
+    measured = pipeline.trade(given.scene_of(options), base=options.base, progress=tell)
     draw = partial(pipeline.draw_trade, measured)
     return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)
 
@@ -111,80 +106,69 @@ def design(options: argparse.Namespace) -> Result:
     goal, entries = _goal(options), options.entries
     if len(entries) > 2 or len(set(entries)) < len(entries):
         raise InputError(f"--over is {', '.join(entries)}; give one entry, or two different ones")
-    ds = opened(options)
-    ensemble, weighed = ensemble_in(options, ds, **criterion_in(options))
-    draws = weighed.draws if weighed else None
-    *first, last = entries
+    ds = given.opened(options)
+    samples = samples_in(options, ds, **given.criterion_in(options))
     with working("seeking the limit") as progress:
-        limits = list(_limits(ensemble, goal, first, last, draws, progress))
-    at, limit = _middle(limits)
-    direct, reason = _checked(ds, ensemble, limit, at, draws)
-    document = {
-        "given_measured": weighed is not None,
-        **about(ensemble),
-        **(limit.as_dict() if not first else _line(limits)),
-        "direct": direct and direct.as_dict(),
-        "confirmed": bool(direct and direct.agrees_with(goal.risk)),
-    }
-    text = [
-        *(_on_line(limits) if first else [_in_words(limit)]),
-        *_on_check(goal, limit, at, direct, reason),
-        *notes(ensemble, weighed),
-    ]
-    frames = [_table(limits) if first else _curve(limit)]
-    draw = partial(pipeline.draw_design, [(dict(at), limit) for at, limit in limits], ensemble)
-    return Result(
-        document, text, pipeline.warned(ds), frames, draw, beside(options.store, "_design.png")
-    )
+        limits = list(_limits(samples, goal, entries, progress))
+    found = [pair for pair in limits if pair[1].value is not None] or limits
+    at, limit = found[len(found) // 2]
+    direct, reason = _checked(ds, samples, limit, at)
+    entry, path = limit.entry, limit.entry.path
+    if at:
+        (other,) = at
+        rows = ((at[other], one.side, one.value) for at, one in limits)
+        frame = frame_of((other, "side", path), rows)
+        answer = {"line": [{"at": at, **one.as_dict()} for at, one in limits]}
+        text = [f"{path} by {other}, in SI, for {_wanted(goal)}", frame]
+    else:
+        points = zip(limit.values, limit.probabilities, strict=True)
+        frame = frame_of((f"{path} [{entry.unit}]", "probability"), points)
+        answer, text = limit.as_dict(), [_in_words(limit)]
+    document = samples.as_dict() | answer
+    document["direct"] = direct and direct.as_dict()
+    document["confirmed"] = bool(direct and direct.agrees_with(goal.risk))
+    text += [*_on_check(goal, limit, at, direct, reason), *samples.notes()]
+    draw = partial(pipeline.draw_design, limits, samples.ensemble)
+    out = given.beside(options.store, "_design.png")
+    return Result(document, text, pipeline.warned(ds), [frame], draw, out)
 
 
 def _goal(options: argparse.Namespace) -> Goal:
     """Operating points, and what is to be reached at them."""
     if options.risk is not None and options.margin is not None:
         raise InputError("--risk and --margin are two goals; give one of them")
-    places = operating_points_in(options).places
+    places = given.operating_points_in(options).places
     if options.margin is not None:
         return Goal(places, RISK_OF_MARGIN, options.margin)
     return Goal(places, RISK if options.risk is None else options.risk)
 
 
 def _limits(
-    ensemble: Ensemble, goal: Goal, first: list[str], last: str, draws: Draws | None,
-    progress: Callable[[int, int], None],
-) -> Iterator[tuple[tuple[tuple[str, float], ...], Limit]]:  # fmt: skip
-    """Limits of an entry, at each of some values of another one if there are two."""
-    if not first:
-        yield (), pipeline.design(ensemble, goal, last, draws)
-        return
-    low, high = designed(ensemble, first[0]).parameters
-    values = np.linspace(low, high, _LINE).tolist()
-    for number, value in enumerate(values):
-        progress(number, _LINE)
-        at = {first[0]: value}
-        yield tuple(at.items()), pipeline.design(ensemble, goal, last, draws, at)
-
-
-def _middle(limits: list[tuple[Any, Limit]]) -> tuple[dict[str, float], Limit]:
-    """The middle one of those that have a limit; else of all."""
-    found = [pair for pair in limits if pair[1].value is not None] or limits
-    at, limit = found[len(found) // 2]
-    return dict(at), limit
+    samples: Samples, goal: Goal, entries: Sequence[str], progress: Callable[[int, int], None]
+) -> Iterator[tuple[dict[str, float], Limit]]:
+    """Limits of the last entry, at each of some values of another one if there are two."""
+    *first, last = entries
+    places: list[dict[str, float]] = [{}]
+    for path in first:
+        low, high = designed(samples.ensemble, path).parameters
+        places = [{path: value} for value in np.linspace(low, high, _LINE).tolist()]
+    for number, at in enumerate(places):
+        progress(number, len(places))
+        yield at, pipeline.design(samples.ensemble, goal, last, samples.draws, at)
 
 
 def _checked(
-    ds: xr.Dataset, ensemble: Ensemble, limit: Limit, at: Mapping[str, float],
-    draws: Draws | None,
-) -> tuple[Direct | None, str]:  # fmt: skip
+    ds: xr.Dataset, samples: Samples, limit: Limit, at: Mapping[str, float]
+) -> tuple[Direct | None, str]:
     """Direct simulations at a limit; or why there are none."""
     if limit.value is None:
         return None, ""
     values = {**at, limit.entry.path: limit.value}
+    place = limit.goal, limit.binding
     try:
-        scene_with = scene_with_of(ds)
+        scene_with = given.scene_with_of(ds)
         with working("simulating draws near the limit") as progress:
-            check = confirmed(
-                ensemble, limit.goal, limit.binding, values, scene_with, draws, progress
-            )
+            check = confirmed(samples.ensemble, *place, values, scene_with, samples.draws, progress)
     except (TriboError, OSError) as error:
         return None, str(error).splitlines()[0]
     return check, ""
@@ -238,27 +222,3 @@ def _on_check(
         yield f"  confirmed{where}: {found}"
     else:
         yield f"  warning: not confirmed{where}: {found}; run more samples"
-
-
-def _line(limits: list[tuple[Any, Limit]]) -> dict[str, Any]:
-    """Limits of an entry by values of another one, as plain data."""
-    return {"line": [{"at": dict(at), **limit.as_dict()} for at, limit in limits]}
-
-
-def _table(limits: list[tuple[Any, Limit]]) -> pd.DataFrame:
-    """Limits of an entry by values of another one, in SI."""
-    ((path, _),), first = limits[0][0], limits[0][1]
-    rows = ((at[0][1], one.side, one.value) for at, one in limits)
-    return frame_of((path, "side", first.entry.path), rows)
-
-
-def _on_line(limits: list[tuple[Any, Limit]]) -> Iterator[str | pd.DataFrame]:
-    goal, entry = limits[0][1].goal, limits[0][1].entry
-    yield f"{entry.path} by {limits[0][0][0][0]}, in SI, for {_wanted(goal)}"
-    yield _table(limits)
-
-
-def _curve(limit: Limit) -> pd.DataFrame:
-    """Probability by the values of an entry."""
-    heads = f"{limit.entry.path} [{limit.entry.unit}]", "probability"
-    return frame_of(heads, zip(limit.values, limit.probabilities, strict=True))

@@ -1,18 +1,34 @@
-"""The command that computes a sweep."""
+"""The commands that compute a sweep, and that print its meaning and its cost before."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
+from collections.abc import Iterator
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 import pipeline
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, run_line, tell
-from pipeline.cli.scenes import scene_of, selected
+from pipeline.analysis.tables import frame_of
+from pipeline.cli import output
+from pipeline.cli.given import scene_of, selected
+from pipeline.cli.output import Result, counted, tell
 from pipeline.run.cluster import client_of
-from pipeline.scene.facts import require_bearable_load
+from pipeline.scene.doubts import doubts
+from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
+from pipeline.store.schema import require_free_names
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.physics import note_on_turns
+from pipeline.sweep.stages import duration
+from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.variants import VARIANT
+from pipeline.tradeoff.forecast import Estimate, machine_bytes, savings, worker_bytes
+from tribo import lubrication_regime
 
 
 def run(options: argparse.Namespace) -> Result:
@@ -26,25 +42,26 @@ def run(options: argparse.Namespace) -> Result:
         tell(f"warning: {cold}")
     is_elsewhere = options.scheduler or options.scheduler_file
     elsewhere = client_of(options.scheduler, options.scheduler_file) if is_elsewhere else None
-    with elsewhere or nullcontext() as client, run_line() as progress:
-        settings = {
-            "workers": options.workers,
-            "client": client,
-            "dashboard": options.dashboard,
-            "progress": progress,
-            "retry_failed": options.retry_failed,
-            "tell": tell,
-        }
-        if options.boundary_only is None:
-            outcome = pipeline.run_sweep(sweep, out, **settings)
-        else:
-            outcome = pipeline.follow_boundary(sweep, out, options.boundary_only, **settings)
+    compute = pipeline.run_sweep
+    if options.boundary_only is not None:
+        compute = partial(pipeline.follow_boundary, tolerance=options.boundary_only)
+    with elsewhere or nullcontext() as client, output.run_line() as progress:
+        outcome = compute(
+            sweep,
+            out,
+            workers=options.workers,
+            client=client,
+            dashboard=options.dashboard,
+            progress=progress,
+            retry_failed=options.retry_failed,
+            tell=tell,
+        )
     document = {
         "store": str(out),
         "points": outcome.total,
         "computed": outcome.computed,
         "done": outcome.done,
-        "failed": failed_points(outcome.failed),
+        "failed": output.failed_points(outcome.failed),
         "wall_time": outcome.wall_time,
         **selected(sweep),
     }
@@ -56,11 +73,199 @@ def run(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
-        names = sweep.variants.answers
         own = sweep.conditions.own_criterion
-        word = ["--criterion", own.reference, "--own-laws"] if own else []
-        commands = (shlex.join(["irg", name, str(out), *word]) for name in names)
+        words = [str(out), *(["--criterion", own.reference, "--own-laws"] if own else [])]
+        commands = (shlex.join(["irg", name, *words]) for name in sweep.variants.answers)
         text.append(f"next: {', '.join(commands)}")
-    return Result(
-        document, text, pipeline.warned(out), code=SOME_FAILED if outcome.failed else DONE
+    code = output.SOME_FAILED if outcome.failed else output.DONE
+    return Result(document, text, pipeline.warned(out), code=code)
+
+
+def check(options: argparse.Namespace) -> Result:
+    """Print the meaning of a scene, and then the cost of its sweep."""
+    sweep = scene_of(options)
+    require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
+    require_free_names(sweep)
+    facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))
+    doubted = list(doubts(sweep, facts))
+    is_too_large = memory > machine_bytes()
+    if is_too_large:
+        doubted.append(
+            f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
+            "the time is not estimated; give fewer window.pixels, or a coarser fidelity"
+        )
+    on_unknown, unknown = _on_unknown(sweep)
+    nx, ny = sweep.scene.grid.shape
+    document: dict[str, Any] = {
+        "title": sweep.about.title,
+        "notes": sweep.about.notes,
+        "meaning": facts.as_dict(),
+        "library": [entry._asdict() for entry in sweep.about.sources],
+        "saved": saved,
+        "worker_bytes": memory,
+        **unknown,
+        "warnings": doubted,
+    }
+    meaning = frame_of(
+        _HEADS,
+        [
+            *_meaning(sweep, facts),
+            *_library(sweep),
+            *(("saved", work) for work in saved),
+            *on_unknown,
+            *(("note", note) for note in sweep.about.notes),
+            *(("warning", doubt) for doubt in doubted),
+            ("grid", f"{nx} × {ny} elements"),
+            ("memory", f"about {memory / 1e6:.0f} MB a worker"),
+        ],
     )
+    text = [sweep.about.title, "", meaning]
+    if is_too_large:
+        return Result(document, text, frames=[meaning])
+    if not options.json:
+        output.show_text(text)
+    searched = options.boundary_only is not None
+    cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
+    document |= cost.as_dict() | selected(sweep)
+    costs = frame_of(_HEADS, _cost(sweep, cost, searched))
+    return Result(document, ["", costs], frames=[meaning, costs])
+
+
+_HEADS = "subject", "meaning"
+_Row = tuple[str, str]
+"""A subject, empty where it goes on, and what is said of it."""
+
+
+def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
+    """Meaning of a scene in words, a row for each subject."""
+    x, y = facts.window
+    worn = "worn" if facts.wear_depth else "unworn"
+    rough = "rough" if facts.surface else "smooth"
+    yield (
+        "contact",
+        f"Hertz: {_text(facts.hertz_pressure, 1e-9)} GPa, half-width "
+        f"{_text(facts.hertz_half_width, 1e6)} µm; {worn} and {rough}: "
+        f"{_text(facts.contact_width, 1e6)} µm wide at the end",
+    )
+    carried = "elastic at any load"
+    if facts.greatest_load < float("inf"):
+        kilonewtons = f"{1e-3 * facts.greatest_load:.3g} kN"
+        carried = f"carries at most {kilonewtons} on the pin, with all of it at the hardness"
+    yield "window", f"{1e6 * x:.4g} × {1e6 * y:.4g} µm, {carried}"
+    laws = own_laws(sweep.scene)
+    surface = facts.surface.words if facts.surface else "smooth"
+    yield "surface", surface.replace("measured", "own law") if "roughness" in laws else surface
+    motion = f"{_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
+    if facts.pin_velocity and facts.disk_velocity and facts.pin_turns:
+        motion += (
+            f"; the pin rolls at {_text(facts.pin_velocity)} m/s, {_text(facts.pin_turns)} turns, "
+            f"the disk at {_text(facts.disk_velocity)} m/s"
+        )
+    yield "motion", motion
+    yield from _film(sweep)
+    u = "V" if facts.disk_velocity is None else "of the disk u"
+    depth = f"{_text(facts.wear_depth, 1e6)} µm deep at the end" if facts.wear_depth else "none"
+    yield "wear", depth
+    yield (
+        "heat",
+        f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
+        if sweep.scene.friction_heat
+        else "none, since there is no friction",
+    )
+    if sweep.conditions.criterion_hash:
+        reference = {"law": sweep.conditions.criterion, "parameters": {}}
+        laws["criterion"] = reference | {"hash": sweep.conditions.criterion_hash}
+    for entry, law in laws.items():
+        named = "".join(f", {name} = {value}" for name, value in law["parameters"].items())
+        yield "own law", f"{entry}: {law['law']}{named}, hash {law['hash'][:8]}"
+    if sweep.conditions.corrections:
+        yield "besides", sweep.conditions.corrections.worded
+
+
+def _film(sweep: Sweep) -> Iterator[_Row]:
+    """Film that the oil would build, or the entry that is missing to tell; none without an oil."""
+    if sweep.about.oil is None:
+        return
+    bulk = sweep.conditions.mean_bulk_temperature
+    yield "oil", f"{1e3 * sweep.about.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
+    lubrication = Lubrication.of(sweep)
+    if lubrication is None:
+        has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
+        missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
+        yield "film", f"not known without {missing}"
+        return
+    corners = np.meshgrid(sweep.plane.loads, sweep.plane.velocities)
+    span = Span.of(lubrication.film_parameter(*corners, bulk))
+    regimes = dict.fromkeys(lubrication_regime(value) for value in span)
+    yield "film", f"Λ {_text(span)}: {' to '.join(regimes)}"
+
+
+def _library(sweep: Sweep) -> Iterator[_Row]:
+    """Values from the library, a line for each table and source."""
+    taken: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in sweep.about.sources:
+        table, _, name = key.rpartition(".")
+        taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in taken.items():
+        yield "library", f"{table}: {', '.join(values)}"
+        yield "", f"from {source}"
+
+
+def _text(span: Span, factor: float = 1.0) -> str:
+    """A span, or the one value that it has."""
+    low, high = (f"{factor * value:.3g}" for value in span)
+    return low if low == high else f"{low} to {high}"
+
+
+def _on_unknown(sweep: Sweep) -> tuple[list[_Row], dict[str, Any]]:
+    """Inputs that are not known exactly, and their samples: in words, and as plain data."""
+    draw = sweep.variants.draw
+    if draw is None:
+        return [], {}
+    design, count = draw.design, len(sweep.variants.axes[VARIANT])
+    simulated = {one.path for one in design.inputs}
+    document = {
+        "unknown": [one.as_dict() | {"simulated": one.path in simulated} for one in draw.unknown],
+        "fixed": {one.unknown.path: one.value for one in draw.fixed},
+        "samples": count,
+        "samples_per_contact": design.per_contact,
+        "sample_seed": design.seed,
+    }
+    afterwards = "; applied afterwards, at no cost"
+    rows = [
+        ("unknown", f"{one}{'' if one.path in simulated else afterwards}") for one in draw.unknown
+    ]
+    rows += [("fixed", str(one)) for one in draw.fixed]
+    low, high = design.velocities
+    more = "would share their contacts" if count == design.sufficient else "can be added"
+    sequence = f"a scrambled Sobol' sequence, seed {design.seed}, from {low:g} to {high:g} m/s"
+    rows.append(("samples", f"{count} of {sequence}; more {more}"))
+    if design.per_contact > 1:
+        rows.append(("", f"{design.per_contact} share each contact; heat is computed for each"))
+    return rows, document
+
+
+def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
+    """Cost of a sweep."""
+    counts = [
+        counted(len(sweep.plane.loads), "load", "loads"),
+        counted(len(sweep.lines[0]), "velocity", "velocities"),
+    ]
+    names = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
+    if any(column.name == "load" for column in sweep.variants.columns):
+        counts, names[VARIANT] = [], "rows with places of their own"
+    for name, values in sweep.variants.axes.items():
+        counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
+    asked = ", ".join(counts)
+    if searched:
+        sought = f"between {sweep.plane.velocities[0]:g} and {sweep.plane.velocities[-1]:g} m/s"
+        yield "points", f"about {cost.points}: the boundary is sought {sought}, {asked}"
+    else:
+        yield "points", f"{cost.points}: {asked}"
+    yield "steps", f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
+    if not searched:
+        yield "chains", f"{cost.chains}, each computed by one worker: more workers would be idle"
+    workers = counted(cost.workers, "worker", "workers")
+    yield "time", f"roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
+    size = cost.disk_bytes / 1e6
+    yield "disk", f"about {size:.0f} MB" if size >= 1 else "less than 1 MB"

@@ -8,33 +8,28 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import astuple
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.transition import UNITS
-from pipeline.cli.datasets import opened, scene_with_of
+from pipeline.cli import given
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
-from pipeline.cli.scenes import at_in, beside, criterion_in, flags_of, values_in, weighing
 from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import frame_of_lines
 from pipeline.uncertain.certify import certify
-from pipeline.uncertain.inputs import QUANTILES
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.inputs import QUANTILES, Draws
+from pipeline.uncertain.posterior import Posterior
+from pipeline.uncertain.risks import MarginIntervals, Risk
+from pipeline.uncertain.sensitivity import Sensitivity
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.posterior import Posterior
-    from pipeline.uncertain.risks import MarginIntervals, Risk
-    from pipeline.uncertain.sensitivity import Sensitivity
-
 
 _NO_CERTIFICATE = "no boundary was found directly to compare with; irg risk --certify finds 25"
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
@@ -42,53 +37,47 @@ _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 def risk(options: argparse.Namespace) -> Result:
     """Print the probability of severe wear at a point, or draw it over the plane."""
-    place = values_in(options, "load", "velocity")
+    place = given.values_in(options, "load", "velocity")
     if len(place) == 1:
         raise InputError("only one of --load and --velocity is given; give both or neither")
-    ds = opened(options)
+    ds = given.opened(options)
     if options.certify:
         _certify(options, ds)
-    ensemble, weighed = ensemble_in(options, ds, **criterion_in(options))
-    draws = weighed.draws if weighed else None
-    document = {"given_measured": weighed is not None, **about(ensemble)}
-    text = list(notes(ensemble, weighed))
+    samples = samples_in(options, ds, **given.criterion_in(options))
+    ensemble, document, text = samples.ensemble, samples.as_dict(), list(samples.notes())
     if place:
         with working("finding the probability"):
-            here = pipeline.risk(ensemble, options.load, options.velocity, draws)
+            here = pipeline.risk(ensemble, options.load, options.velocity, samples.draws)
         document |= here.as_dict()
         text = [
             on_risk(here),
             *text,
             f"  emulated from {here.samples} samples: the rise errs by "
             f"{100 * here.rise_error:.2g} %, which the ± includes",
-            *_if_given(ensemble, here, weighed),
+            *_if_given(samples, here),
         ]
     warned = pipeline.warned(ds)
     if place and options.output is None:
         return Result(document, text, warned)
     with working("finding probabilities over the plane"):
-        plane = pipeline.probabilities(ensemble, draws)
-        lines = frame_of_lines(ensemble, draws)
-    return Result(
-        document | _document(lines),
-        text if place else [*text, *_on_lines(lines)],
-        warned,
-        [_cells(plane)],
-        partial(pipeline.draw_risk, ensemble, plane, place, weighed),
-        beside(options.store, "_risk.png"),
-    )
+        plane = pipeline.probabilities(ensemble, samples.draws)
+        lines = frame_of_lines(ensemble, samples.draws)
+    text += [] if place else [_ON_LINES, lines]
+    rows = plane.to_dataframe().reset_index().itertuples(index=False, name=None)
+    cells = frame_of(("load [N]", "velocity [m/s]", "probability"), rows)
+    draw = partial(pipeline.draw_risk, ensemble, plane, place, samples.posterior)
+    out = given.beside(options.store, "_risk.png")
+    return Result(document | _velocities(lines), text, warned, [cells], draw, out)
 
 
 def _certify(options: argparse.Namespace, ds: xr.Dataset) -> None:
     """Find boundaries directly, and keep how far those of the samples are off."""
-    if given := values_in(options, "at", "criterion"):
-        raise InputError(
-            f"--certify judges the samples as they were drawn; leave out {flags_of([*given])}"
-        )
+    if others := given.flags_of(given.values_in(options, "at", "criterion")):
+        raise InputError(f"--certify judges the samples as they were drawn; leave out {others}")
     ensemble = pipeline.Ensemble.of(ds)
     if ensemble.certificate is None:
         with working("finding boundaries directly") as progress:
-            certify(ensemble, scene_with_of(ds), progress=progress)
+            certify(ensemble, given.scene_with_of(ds), progress=progress)
 
 
 def on_risk(here: Risk) -> str:
@@ -100,9 +89,10 @@ def on_risk(here: Risk) -> str:
     )
 
 
-def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iterator[str]:
+def _if_given(samples: Samples, here: Risk) -> Iterator[str]:
     """Line on the probability that the scene's own tests would give."""
-    if weighed is not None or not ensemble.tests:
+    ensemble = samples.ensemble
+    if samples.posterior is not None or not ensemble.tests:
         return
     with suppress(InputError), working("weighing the inputs by the tests"):
         after = pipeline.posterior(ensemble)
@@ -111,36 +101,27 @@ def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iter
         yield f"next: {given_tests}: add --given-measured"
 
 
-def _cells(plane: xr.DataArray) -> pd.DataFrame:
-    """Probability over the plane, a row for each load and velocity."""
-    rows = plane.to_dataframe().reset_index().itertuples(index=False, name=None)
-    return frame_of(("load [N]", "velocity [m/s]", "probability"), rows)
+_ON_LINES = "velocity at which wear is severe with a probability of 5, 50 and 95 %"
 
 
-def _document(lines: pd.DataFrame) -> dict[str, Any]:
+def _velocities(lines: pd.DataFrame) -> dict[str, Any]:
     """Velocities of some probabilities by load, as plain data; null where they lie beyond."""
     loads, *velocities = as_dict(lines).values()
     shares = map(str, QUANTILES)
     return {"load": loads, "velocity_of_probability": dict(zip(shares, velocities, strict=True))}
 
 
-def _on_lines(lines: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
-    yield "velocity at which wear is severe with a probability of 5, 50 and 95 %"
-    yield lines
-
-
 def boundary_of_samples(
     options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]
 ) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
-    ensemble, weighed = ensemble_in(options, ds, **conditions)
+    samples = samples_in(options, ds, **conditions)
     with working("finding probabilities at each load"):
-        lines = frame_of_lines(ensemble, weighed.draws if weighed else None)
-    document = {"given_measured": weighed is not None, **about(ensemble), **_document(lines)}
-    text = [*_on_lines(lines), *notes(ensemble, weighed)]
-    if ensemble.tests and not (weighed or conditions):
+        lines = frame_of_lines(samples.ensemble, samples.draws)
+    text = [_ON_LINES, lines, *samples.notes()]
+    if samples.ensemble.tests and not (samples.posterior or conditions):
         text.append("next: add --given-measured to weigh the inputs by the scene's tests")
-    return Result(document, text, pipeline.warned(ds), [lines])
+    return Result(samples.as_dict() | _velocities(lines), text, pipeline.warned(ds), [lines])
 
 
 def frame_of_intervals(answer: MarginIntervals) -> pd.DataFrame:
@@ -163,21 +144,21 @@ def frame_of_intervals(answer: MarginIntervals) -> pd.DataFrame:
 
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
-    ds = opened(options)
-    ensemble, weighed = ensemble_in(options, ds, **criterion_in(options))
+    ds = given.opened(options)
+    samples = samples_in(options, ds, **given.criterion_in(options))
     with working("finding Sobol' indices"):
-        indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
+        indices = pipeline.sensitivity(samples.ensemble, samples.draws)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
     target = None if most.kind == "list" else most.path
     frame = _indices(indices)
     text = [
-        *notes(ensemble, weighed),
+        *samples.notes(),
         *_on_indices(indices, frame),
         f"next: {most.path} moves the boundary most; tests to make: "
-        f"{next_tests([options.store], options.scatter, at_in(options), target)}",
+        f"{next_tests([options.store], options.scatter, given.at_in(options), target)}",
     ]
-    draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
-    document = about(ensemble) | indices.as_dict()
+    draw = partial(pipeline.draw_sensitivity, indices, samples.ensemble.title)
+    document = samples.about() | indices.as_dict()
     return Result(document, text, pipeline.warned(ds), [frame], draw)
 
 
@@ -218,56 +199,65 @@ def _on_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.
             )
 
 
-def ensemble_in(
-    options: argparse.Namespace, ds: xr.Dataset, **conditions: Any
-) -> tuple[Ensemble, Posterior | None]:
-    """The samples of a sweep, and the inputs as measurements leave them if these are to count."""
+class Samples(NamedTuple):
+    """The samples of a sweep, and their inputs as measurements leave them if these are to count."""
+
+    ensemble: Ensemble
+    posterior: Posterior | None
+
+    @property
+    def draws(self) -> Draws | None:
+        """Draws that an answer rests on; None for those of the inputs as the scene has them."""
+        return self.posterior.draws if self.posterior else None
+
+    def as_dict(self) -> dict[str, Any]:
+        """What every answer of samples says of them, as plain data."""
+        return {"given_measured": self.posterior is not None, **self.about()}
+
+    def about(self) -> dict[str, Any]:
+        """Samples and inputs, as plain data."""
+        ensemble = self.ensemble
+        return {
+            "samples": len(ensemble.inputs),
+            "samples_left_out": ensemble.missing,
+            "unknown": [one.as_dict() for one in ensemble.unknown],
+            "fixed": {one.unknown.path: one.value for one in ensemble.fixed},
+            "certificate": ensemble.certificate and ensemble.certificate.as_dict(),
+            "left_out_held": ensemble.left_out.held,
+            "left_out_contacts": ensemble.left_out.contacts,
+        }
+
+    def notes(self) -> Iterator[str]:
+        """Basis of the numbers."""
+        ensemble, weighed = self
+        basis = "as the scene assumes them"
+        if weighed:
+            basis = f"given {weighed.evidence}, {scatter_in_words(weighed)}"
+        yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
+        yield from (f"  {one}" for one in ensemble.fixed)
+        if weighed:
+            yield draws_in_words(weighed)
+        if ensemble.velocity_error is None:
+            yield "  the error of the samples' fidelity is not known, and not counted"
+        if ensemble.missing:
+            yield f"  {ensemble.missing} samples are left out: not done at every load"
+        yield f"  {_on_left_out(ensemble)}"
+        yield f"  {ensemble.certificate or _NO_CERTIFICATE}"
+
+
+def samples_in(options: argparse.Namespace, ds: xr.Dataset, **conditions: Any) -> Samples:
+    """The samples of a sweep under conditions, weighed as the options say."""
     others = [name for name in conditions if name not in ("criterion", "own_laws")]
-    if others and (weighed := weighing(options)):
+    if others and (weighed := given.values_in(options, "scatter", "given_measured")):
         raise InputError(
-            f"{flags_of(weighed)} weighs the conditions as they were drawn: leave out "
-            f"{flags_of(others)}"
+            f"{given.flags_of(weighed)} weighs the conditions as they were drawn: leave out "
+            f"{given.flags_of(others)}"
         )
     with working("reading samples"):
-        ensemble = pipeline.Ensemble.of(ds, at_in(options), **conditions)
+        ensemble = pipeline.Ensemble.of(ds, given.at_in(options), **conditions)
     with working("weighing the inputs by the measurements"):
-        return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
-
-
-def about(ensemble: Ensemble) -> dict[str, Any]:
-    """Samples and inputs, as plain data."""
-    certificate = ensemble.certificate
-    return {
-        "samples": len(ensemble.inputs),
-        "samples_left_out": ensemble.missing,
-        "unknown": [one.as_dict() for one in ensemble.unknown],
-        "fixed": _fixed(ensemble),
-        "certificate": certificate and certificate.as_dict(),
-        "left_out_held": ensemble.left_out.held,
-        "left_out_contacts": ensemble.left_out.contacts,
-    }
-
-
-def _fixed(ensemble: Ensemble) -> dict[str, float]:
-    """Values of inputs that are fixed, in SI."""
-    return {one.unknown.path: one.value for one in ensemble.fixed}
-
-
-def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
-    """Basis of the numbers."""
-    basis = "as the scene assumes them"
-    if weighed:
-        basis = f"given {weighed.evidence}, {scatter_in_words(weighed)}"
-    yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
-    yield from (f"  {one}" for one in ensemble.fixed)
-    if weighed:
-        yield draws_in_words(weighed)
-    if ensemble.velocity_error is None:
-        yield "  the error of the samples' fidelity is not known, and not counted"
-    if ensemble.missing:
-        yield f"  {ensemble.missing} samples are left out: not done at every load"
-    yield f"  {_on_left_out(ensemble)}"
-    yield f"  {ensemble.certificate or _NO_CERTIFICATE}"
+        posterior = posterior_if_given(ensemble, options.given_measured, options.scatter)
+    return Samples(ensemble, posterior)
 
 
 def _on_left_out(ensemble: Ensemble) -> str:

@@ -37,26 +37,14 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
 
 
 def sides(text: str) -> tuple[float, float]:
-    """Read the sides of a pixel, or the one of a square pixel.
-
-    Examples
-    --------
-    >>> sides("0.8 um"), sides("0.8 um,0.9 um")
-    ((8e-07, 8e-07), (8e-07, 9e-07))
-    """
+    """Read the sides of a pixel, or the one of a square pixel."""
     read = quantity("0.8 um")
     first, comma, second = text.partition(",")
     return read(first), read(second if comma else first)
 
 
 def bulk(text: str) -> float | dict[str, float]:
-    """Read a bulk temperature, or that of pin and disk.
-
-    Examples
-    --------
-    >>> bulk("25 degC"), bulk("pin=60 degC, disk=25 degC")
-    (298.15, {'pin': 333.15, 'disk': 298.15})
-    """
+    """Read a bulk temperature, or that of pin and disk."""
     read = quantity("25 degC", is_signed=True)
     if "=" not in text:
         return read(text)
@@ -114,13 +102,7 @@ def friction(text: str) -> float:
 
 
 def frictions(text: str) -> tuple[float, ...]:
-    """Read a friction coefficient, or several with decimal points between commas.
-
-    Examples
-    --------
-    >>> frictions("0.1"), frictions("0.09,0.103")
-    ((0.1,), (0.09, 0.103))
-    """
+    """Read a friction coefficient, or several with decimal points between commas."""
     parts = text.split(",")
     if len(parts) > 1 and not all(_DECIMAL_POINT.fullmatch(part) for part in parts):
         raise Refused(
@@ -151,13 +133,7 @@ def tolerance(text: str) -> float:
 
 
 def failing_share(text: str) -> float:
-    """Read the share of the contact beyond which wear is severe, which may be 0.
-
-    Examples
-    --------
-    >>> failing_share("10%"), failing_share("0.1"), failing_share("0")
-    (0.1, 0.1, 0.0)
-    """
+    """Read the share of the contact beyond which wear is severe, which may be 0."""
     from pipeline.scene.units import share_of  # imports NumPy, which --help needs not
 
     try:
@@ -176,15 +152,7 @@ def criterion(text: str) -> str:
 
 
 def settings(text: str) -> tuple[str, list[Any]]:
-    """Read ``KEY=VALUE,VALUE``, the values as in `setting`.
-
-    Examples
-    --------
-    >>> settings("friction.coefficient=0.08,0.12")
-    ('friction.coefficient', [0.08, 0.12])
-    >>> settings("pin.radius=2 mm,+20%")
-    ('pin.radius', ['2 mm', '+20%'])
-    """
+    """Read ``KEY=VALUE,VALUE``, the values as in `setting`."""
     key, separator, values = text.partition("=")
     if not (separator and key and values):
         raise Refused(f'"{text}" has no values; give some, like friction.coefficient=0.08,0.12')
@@ -192,13 +160,7 @@ def settings(text: str) -> tuple[str, list[Any]]:
 
 
 def setting(text: str) -> tuple[str, Any]:
-    """Read ``KEY=VALUE``, the value as in a scene file; text needs no quotes.
-
-    Examples
-    --------
-    >>> setting("increments=50"), setting("wear.pattern=local")
-    (('increments', 50), ('wear.pattern', 'local'))
-    """
+    """Read ``KEY=VALUE``, the value as in a scene file; text needs no quotes."""
     key, separator, value = text.partition("=")
     if not (separator and key and value):
         raise Refused(f'"{text}" is not a setting; give one like increments=50')
@@ -209,13 +171,7 @@ def setting(text: str) -> tuple[str, Any]:
 
 
 def pair(text: str) -> tuple[str, str]:
-    """Read ``NAME=TEXT``.
-
-    Examples
-    --------
-    >>> pair("load=F_N / N")
-    ('load', 'F_N / N')
-    """
+    """Read ``NAME=TEXT``."""
     name, separator, value = text.partition("=")
     if not (name.strip() and separator and value.strip()):
         raise Refused(f'"{text}" is not a pair; give one like "load=Normalkraft F_N / N"')

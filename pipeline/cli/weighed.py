@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import math
 from argparse import ArgumentTypeError as Refused
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,24 +17,17 @@ from scipy.special import ndtr
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
+from pipeline.cli.given import at_in, criterion_in, values_in
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
-from pipeline.cli.scenes import at_in, criterion_in, values_in
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
 from pipeline.scene.units import difference_in_si
+from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
-from pipeline.uncertain.next_tests import MOST, load_of_target, programme
-from pipeline.uncertain.posterior import differences
+from pipeline.uncertain.next_tests import MOST, Candidate, Programme, load_of_target, programme
+from pipeline.uncertain.posterior import Difference, Judged, Posterior, differences
 from tribo import InputError
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from pipeline.sweep.unknown import Unknown
-    from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.next_tests import Candidate, Programme
-    from pipeline.uncertain.posterior import Difference, Judged, Posterior
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
 _SURE = math.log(1000.0)  # from which a power of ten will do
@@ -52,9 +45,12 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         )
     with working("reading samples"):
         datasets = [pipeline.open_sweep(store) for store in stores]
-        pairs = zip(stores, datasets, strict=True)
-        at, criterion = at_in(options), criterion_in(options)
-        ensembles = [_ensemble(*pair, at, **criterion) for pair in pairs]
+        at, criterion, ensembles = at_in(options), criterion_in(options), []
+        for store, ds in zip(stores, datasets, strict=True):
+            try:
+                ensembles.append(pipeline.Ensemble.of(ds, at, **criterion))
+            except InputError as error:
+                raise InputError(f"{store}: {error}") from error
     with working("weighing the inputs by the tests"):
         weighed = pipeline.posterior(
             ensembles, discrepancy=options.discrepancy, **values_in(options, "scatter")
@@ -78,14 +74,6 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     return Result(document, text, warned, [frame], draw)
 
 
-def _ensemble(store: Path, ds: xr.Dataset, at: Mapping[str, Any], **criterion: Any) -> Ensemble:
-    """Samples of one store among several, which an error names."""
-    try:
-        return pipeline.Ensemble.of(ds, at, **criterion)
-    except InputError as error:
-        raise InputError(f"{store}: {error}") from error
-
-
 def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     """Lines on each input, before and after, and on each test."""
     samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
@@ -94,9 +82,8 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
     yield from dict.fromkeys(f"  {one}" for sweep in weighed.ensembles for one in sweep.fixed)
     yield draws_in_words(weighed)
-    heads = ("input", "before", "after", "90 % within")
-    summaries = zip(weighed.summary(), weighed.unknown, strict=True)
-    yield frame_of(heads, (_before_and_after(*pair) for pair in summaries))
+    rows = map(_before_and_after, weighed.summary(), weighed.unknown)
+    yield frame_of(("input", "before", "after", "90 % within"), rows)
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")
         yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
@@ -194,14 +181,12 @@ def _in_si(weighed: Posterior) -> pd.DataFrame:
 def _place(weighed: Posterior, judged: Judged) -> str:
     """Test, in words."""
     test = judged.test
-    words = [f"{judged.sweep + 1}: at" if len(weighed.ensembles) > 1 else "at"]
-    words.append(f"{test['normal_load']:g} N")
+    sweep = f"{judged.sweep + 1}: " if len(weighed.ensembles) > 1 else ""
+    bulk = ""
     if "bulk_temperature" in test:
-        words.append(f"and a bulk of {pipeline.display(test['bulk_temperature'], '°C')}")
-    outcome = test.get("outcome")
-    velocity = f"{test['velocity']:g} m/s"
-    words.append(f"{outcome} at {velocity}" if outcome else f"measured {velocity}")
-    return " ".join(words)
+        bulk = f" and a bulk of {pipeline.display(test['bulk_temperature'], '°C')}"
+    found = f"{test['outcome']} at" if test.get("outcome") else "measured"
+    return f"{sweep}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
 
 
 _SHOWN = 12  # candidates
@@ -220,7 +205,12 @@ def measurements_to_make(
         most = options.next if options.next > 1 else MOST
         goal = goal_of(options.until, options.target, unknown)
         planned = programme(weighed, goal, most=most, **about)
-        document = {**_plan(options, planned.tests, planned.tests), **_reached(planned)}
+        document = _plan(options, planned.tests, planned.tests) | {
+            "until": planned.until,
+            "reached": planned.is_reached,
+            "stuck": planned.is_stuck,
+            "others": [{"what": one.what, "sd": one.spread} for one in planned.others],
+        }
         frame = _measurements((*planned.tests, *planned.others), unknown)
         return document, list(_on_programme(options, planned, unknown)), frame
     if options.next > 1:
@@ -244,13 +234,9 @@ def _measurements(ranked: Sequence[Candidate], unknown: Unknown | None) -> pd.Da
     else:
         unit = "" if unknown.unit == "1" else f" [{unknown.spread.name}]"
         left, rows = f"left, ±{unit}", [float(unknown.spread.of(one.spread)) for one in ranked]
-    return pd.DataFrame(
-        {
-            "measurement": [one.what for one in ranked],
-            left: rows,
-            "narrows by [%]": [100 * one.narrows for one in ranked],
-        }
-    )
+    narrows = [100 * one.narrows for one in ranked]
+    columns = {"measurement": [one.what for one in ranked], left: rows, "narrows by [%]": narrows}
+    return pd.DataFrame(columns)
 
 
 def _target(options: argparse.Namespace) -> str:
@@ -300,16 +286,6 @@ def goal_of(text: str, target: str | None, unknown: Unknown | None) -> float:
         f'--until is "{text}"; it is the standard deviation of {what}: give one such as "{like}"'
         f"{other}"
     )
-
-
-def _reached(planned: Programme) -> dict[str, Any]:
-    """Goal of a programme, and what helps where its tests do not reach it, as plain data."""
-    return {
-        "until": planned.until,
-        "reached": planned.is_reached,
-        "stuck": planned.is_stuck,
-        "others": [{"what": one.what, "sd": one.spread} for one in planned.others],
-    }
 
 
 def _on_programme(

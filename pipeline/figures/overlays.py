@@ -41,11 +41,11 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     lubrication = Lubrication.stored(attributes_of(ds))
     if lubrication is None:
         return []
-    places = [np.linspace(*ds[name].values[[0, -1]], _RESOLUTION) for name in PLANE]
-    films = lubrication.film_parameter(
-        *np.meshgrid(*places, indexing="ij"), conditions.mean_bulk_temperature
-    )
-    film = xr.DataArray(films, list(zip(PLANE, places, strict=True)))
+    ends = {name: ds[name].values[[0, -1]].tolist() for name in PLANE}
+    places = {name: np.linspace(low, high, _RESOLUTION) for name, (low, high) in ends.items()}
+    loads, velocities = np.meshgrid(places["load"], places["velocity"], indexing="ij")
+    films = lubrication.film_parameter(loads, velocities, conditions.mean_bulk_temperature)
+    film = xr.DataArray(films, places, PLANE)
     look = {"linewidths": 1.0, "zorder": 2.5}
     legend: list[Artist] = []
     for level, beyond, dashes in _LEVELS:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from pipeline.cli import carried_out
 from pipeline.cli import options as o
+from pipeline.cli.given import values_in
 from pipeline.cli.output import Result, tell
-from pipeline.cli.scenes import values_in
 from workflows import paper
 
 _OPTIONS = (

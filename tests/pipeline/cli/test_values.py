@@ -6,8 +6,8 @@ import re
 import pytest
 
 from pipeline.cli import values
+from pipeline.cli.given import conditions_in
 from pipeline.cli.parser import parse
-from pipeline.cli.scenes import conditions_in
 from pipeline.cli.weighed import goal_of
 from pipeline.sweep.unknown import Unit, Unknown
 from tribo import InputError
@@ -131,3 +131,21 @@ def test_a_goal_has_the_unit_of_its_target(text, target, expected):
 def test_a_goal_in_another_unit_is_answered_with_the_target_and_one_of_its_own(text, target, words):
     with pytest.raises(InputError, match=re.escape(words)):
         goal_of(text, target and target.path, target)
+
+
+@pytest.mark.parametrize(
+    ("read", "text", "value"),
+    [
+        (values.sides, "0.8 um", (8e-7, 8e-7)),
+        (values.sides, "0.8 um,0.9 um", (8e-7, 9e-7)),
+        (values.bulk, "25 degC", 298.15),
+        (values.bulk, "pin=60 degC, disk=25 degC", {"pin": 333.15, "disk": 298.15}),
+        (values.setting, "increments=50", ("increments", 50)),
+        (values.setting, "wear.pattern=local", ("wear.pattern", "local")),
+        (values.settings, "friction.coefficient=0.08,0.12", ("friction.coefficient", [0.08, 0.12])),
+        (values.settings, "pin.radius=2 mm,+20%", ("pin.radius", ["2 mm", "+20%"])),
+        (values.pair, "load=F_N / N", ("load", "F_N / N")),
+    ],
+)
+def test_text_is_read_in_si_or_as_in_a_scene(read, text, value):
+    assert read(text) == value

@@ -1,0 +1,205 @@
+"""What the options of a command give: the scene, conditions, operating points, the dataset."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+import pipeline
+from pipeline.analysis.dataset import attributes_of, is_emulated
+from pipeline.analysis.scenes import taken
+from pipeline.cli.output import tell
+from pipeline.cli.values import setting
+from pipeline.scene.along import OperatingPoints, Place
+from pipeline.scene.over import notes_on_first_values
+from pipeline.store.attributes import describe, scene_hash
+from pipeline.sweep.conditions import changes_of
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.tradeoff.choose import at_accuracy
+from tribo import InputError
+
+if TYPE_CHECKING:
+    from pipeline.uncertain.certify import SceneWith
+
+CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
+"""Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
+PLACE = ("load", "velocity", "realization")
+"""Options that `pipeline.plot` takes by these names."""
+_FIXING = ("unknowns:risk", "margins:margin", "margins:boundary", "studies:design")
+"""Commands that take ``--at`` for unknown inputs of samples, too."""
+
+
+def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Options of these names that the command has and the user gave."""
+    values = {name: getattr(options, name, None) for name in names}
+    return {
+        name: value
+        for name, value in values.items()
+        if not (value is None or value is False or value == [])
+    }
+
+
+def flags_of(names: Iterable[str]) -> str:
+    """Options as they are typed, one after the other."""
+    return ", ".join(f"--{name.replace('_', '-')}" for name in names)
+
+
+def beside(store: Path | str, ending: str) -> Path:
+    """File beside a store, or here for a store at an address."""
+    path = Path(store) if "://" not in str(store) else Path(Path(store).name)
+    return path.with_name(f"{path.stem}{ending}")
+
+
+def settings_of(options: argparse.Namespace) -> dict[str, Any]:
+    """Entries of --set; keys without the prefix that those of a fidelity may have."""
+    return _each_once(
+        "--set", ((path.removeprefix("fidelity."), value) for path, value in options.set)
+    )
+
+
+def at_in(options: argparse.Namespace) -> dict[str, Any]:
+    """Values of --at by their paths."""
+    return _each_once("--at", options.at)
+
+
+def _each_once(flag: str, pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in values:
+            raise InputError(f"{flag}: {key} is given more than once; give it once")
+        values[key] = value
+    return values
+
+
+def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
+    """Conditions that the user gave in place of the scene's own; several frictions as a tuple."""
+    conditions = values_in(options, *CONDITIONS)
+    frictions = conditions.get("friction")
+    if isinstance(frictions, list):
+        conditions["friction"] = tuple(frictions) if len(frictions) > 1 else frictions[0]
+    return conditions | criterion_in(options)
+
+
+def criterion_in(options: argparse.Namespace) -> dict[str, Any]:
+    """The criterion that the user gave, and permission to run it if that is code."""
+    given = values_in(options, "criterion")
+    return given | ({"own_laws": options.own_laws} if ":" in given.get("criterion", "") else {})
+
+
+def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
+    """Operating points of a table, or the one of --load and --velocity."""
+    place = values_in(options, "load", "velocity")
+    if options.points is None and len(place) < 2:
+        raise InputError("no operating point is given; give --load and --velocity, or --points")
+    if options.points is None:
+        return OperatingPoints((Place(options.load, options.velocity),), {})
+    if place:
+        raise InputError(f"--points has each load and velocity; leave out {flags_of(place)}")
+    return OperatingPoints.read(options.points)
+
+
+def scene_of(
+    options: argparse.Namespace, points: Sequence[Point] | None = None, store: Path | None = None
+) -> Sweep:
+    """The scene with the fidelity and the conditions that the user asked for.
+
+    An accuracy is to hold at the points, or at some near the boundary; the fidelity of the store
+    is kept if it is accurate enough.
+    """
+    settings = settings_of(options)
+    sweep: Sweep = pipeline.load_scene(
+        options.scene, options.preset, settings, own_laws=options.own_laws
+    )
+    if conditions := conditions_in(options):
+        changed = sweep.conditions.changed(**conditions)
+        sweep = sweep.changed(
+            conditions=changed,
+            friction_heat=sweep.scene.friction_heat or changed.friction > 0,
+            unequal_bulks=changed.disk_temperature is not None,
+        )
+    if getattr(options, "accuracy", None) is None:
+        return sweep
+    chosen = ["--preset"] if options.preset else []
+    chosen += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
+    if chosen:
+        raise InputError(
+            f"--accuracy picks the numerical choices itself; leave out {', '.join(chosen)}"
+        )
+    sweep = at_accuracy(
+        sweep, options.accuracy, points, store, lambda line: tell(f"probing: {line}")
+    )
+    tell(str(sweep.about.selection))
+    return sweep
+
+
+def one_scene_of(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
+    """The scene, for a command that takes one value of each entry; a note says if it has more."""
+    sweep = scene_of(options, points)
+    for note in notes_on_first_values(sweep.variants):
+        tell(note)
+    return sweep
+
+
+def selected(sweep: Sweep) -> dict[str, Any]:
+    """Reason for the fidelity that was picked, for a JSON document; nothing if none was."""
+    return {"selection": sweep.about.selection.as_dict()} if sweep.about.selection else {}
+
+
+def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
+    """The store, or another one, at the entries and the wear rate that the user asked for."""
+    ds = pipeline.open_sweep(store or options.store)
+    _tell_of_another_law(options, ds)
+    ds = pipeline.at_wear_rate(ds, getattr(options, "wear_rate", None))
+    wanted = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
+    if not is_emulated(ds):
+        return pipeline.at_entries(ds, wanted)
+    ds, to_fix = taken(ds, wanted)
+    if to_fix and options.command not in _FIXING:
+        raise InputError(
+            "--at fixes unknown inputs of samples in irg risk, irg margin, irg boundary, irg infer "
+            f"and irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
+            "into another store"
+        )
+    return ds
+
+
+def _tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
+    """Note that the criterion which the user gave is not the text that the store was judged by."""
+    given, stored = criterion_in(options), attributes_of(ds).get("conditions") or {}
+    if not given.get("own_laws") or given["criterion"] != stored.get("criterion"):
+        return
+    digest, of_store = changes_of(**given)["own_criterion"].digest, stored.get("criterion_hash")
+    if digest != of_store:
+        tell(
+            f"note: {given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the "
+            f"store was judged by ({str(of_store)[:8]})"
+        )
+
+
+def by_samples(options: argparse.Namespace, ds: xr.Dataset) -> bool:
+    """True if the answer is one of samples: the sweep has them, or they are asked for."""
+    return is_emulated(ds) or bool(values_in(options, "scatter", "given_measured"))
+
+
+def scene_with_of(ds: xr.Dataset) -> SceneWith:
+    """Reader of the scene of a store with other entries, if its file is still the same."""
+    attributes = attributes_of(ds)
+    path, *words = attributes.get("arguments") or [""]
+    given = [word.partition("=")[::2] for word in words]
+    settings = dict(setting(value) for flag, value in given if flag == "--set")
+    preset = next((value for flag, value in given if flag == "--preset"), None)
+    if any("hash" in part for part in attributes["scene"].values() if isinstance(part, dict)):
+        raise InputError("it has laws of its own, and no code runs because a store names it")
+    read = partial(pipeline.load_scene, path, preset)  # also without the user's own laws
+    if not path or scene_hash(describe(read(settings))) != attributes["scene_hash"]:
+        raise InputError(f"{path or 'the scene'} is not the scene of the store any more")
+    left_out = settings.pop("without", [])
+    left_out = [left_out] if isinstance(left_out, str) else left_out
+    alone = {"without": [*left_out, "unknown", "sweep.samples"]}
+    return lambda entries: read(settings | alone | dict(entries))
