@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import pydoc
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterable
@@ -68,7 +69,8 @@ def help_(options: argparse.Namespace) -> Result:
     """Print a page, the help of a command, or the names of all pages."""
     topic, pages = options.topic, _pages()
     if topic is None:
-        titles = {name: _title(path) for name, path in pages.items()}
+        texts = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
+        titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
         lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
         if _SITE.exists():
             lines.append(f"all of them as a site: {_SITE.as_uri()}")
@@ -91,19 +93,11 @@ def help_(options: argparse.Namespace) -> Result:
 
 
 def _pages() -> dict[str, Path]:
-    """File of each page that can be printed, by the name to ask for it."""
-    return {
-        _name(path): path
-        for path in sorted(WORKFLOWS.glob("*.md"), key=_place)
-        if path.stem not in _OF_SITE
-    }
-
-
-def _place(path: Path) -> tuple[int, str]:
-    """Place of a page in the order of reading, those of no place last."""
-    name = _name(path)
-    known = name in _READING_ORDER
-    return (_READING_ORDER.index(name) if known else len(_READING_ORDER), name)
+    """File of each page that can be printed, by its name, in the order of reading."""
+    paths = (path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE)
+    named = {_name(path): path for path in paths}
+    order = dict.fromkeys((*_READING_ORDER, *sorted(named)))
+    return {name: named[name] for name in order if name in named}
 
 
 def _name(path: Path) -> str:
@@ -111,16 +105,10 @@ def _name(path: Path) -> str:
     return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))
 
 
-def _title(path: Path) -> str:
-    with path.open(encoding="utf-8") as lines:
-        return next(line[2:].strip() for line in lines if line.startswith("# "))
-
-
 def tests(options: argparse.Namespace) -> Result:
     """Print what is understood of a log or a trace, and the lines of a scene for it."""
     path = Path(options.log)
-    trace = read_trace(path)
-    if trace is not None:
+    if (trace := read_trace(path)) is not None:
         return _of_trace(path, trace)
     entries = {
         "columns": dict(options.column),

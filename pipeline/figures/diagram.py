@@ -110,7 +110,7 @@ def diagram(
         band = min(friction), max(friction)
         friction = float(np.median(friction))
     conditions = conditions_of(ds, friction, **changed)
-    beyond = _beyond(ds, conditions)
+    beyond, limit = _beyond(ds, conditions), rise_limit(conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure, axes = style.canvas(ax, (8.0, 6.4))
@@ -120,8 +120,8 @@ def diagram(
     if is_plane:
         planes = _planes(ds, conditions)
         plane = _quantile(planes, 0.5)
-        _regions(axes, plane, rise_limit(conditions))
-        if isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
+        _regions(axes, plane, limit)
+        if isoline(axes, plane, limit, "boundary", colors=BLACK, linewidths=2.2):
             label = "computed transition" + (", median" if len(planes) > 1 else "")
             legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
         legend += beyond
@@ -138,7 +138,7 @@ def diagram(
     legend += beyond_figure
     _frame(axes, ds, log)
     if is_plane:
-        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
+        name_regions(axes, plane, limit, ds["load"].values, tests)
     severe = f"severe wear: {style.criterion(conditions)}; {style.heating(conditions)}"
     style.legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
     return figure
@@ -155,12 +155,7 @@ def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
-def _of_scenes(
-    ds: xr.Dataset,
-    changed: Mapping[str, Any],
-    log: bool,
-    ax: Axes | None,
-) -> Figure:
+def _of_scenes(ds: xr.Dataset, changed: Mapping[str, Any], log: bool, ax: Axes | None) -> Figure:
     """Draw the boundary of each scene of a sweep over entries, the median of its surfaces."""
     if min(ds.sizes["load"], ds.sizes["velocity"]) < 2:
         raise InputError(
@@ -177,9 +172,8 @@ def _of_scenes(
         is_drawn = isoline(
             axes, plane, rise_limit(judged), f"boundary {name}", colors=[colour], linewidths=2.0
         )
-        outside = "" if is_drawn else ": no transition computed"
-        width = 2.0 if is_drawn else 0.0
-        legend.append(Line2D([], [], lw=width, color=colour, label=name + outside))
+        label, width = (name, 2.0) if is_drawn else (f"{name}: no transition computed", 0.0)
+        legend.append(Line2D([], [], lw=width, color=colour, label=label))
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
     legend += [*mark_tests(axes, tests), *beyond_figure]
     _frame(axes, ds, log)

@@ -22,6 +22,7 @@ function listenToConditions() {
     for (const source of sources(control)) {
       source.addEventListener("input", () => change(control, source));
     }
+    showControl(control, null);
   }
   element("surface")?.addEventListener("change", () => {
     const { value } = input("surface");
@@ -33,7 +34,6 @@ function listenToConditions() {
     for (const control of content.controls) showControl(control, null);
     update();
   });
-  for (const control of content.controls) showControl(control, null);
 }
 
 /** Field and slider of a condition. @param {Control} control */

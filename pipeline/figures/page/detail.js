@@ -31,12 +31,10 @@ function showDistribution(rows) {
   const curves = rows.map((row) => row.map((kelvin) => kelvin - ZERO_CELSIUS));
   const limits = critical === null ? [] : [critical - ZERO_CELSIUS];
   const width = Math.max(room.clientWidth, 260);
-  const { root, inside, frame } = axes(
-    width,
-    Math.round(Math.min(0.6 * width, 300)),
-    { ...ends([...curves.flat(), ...limits]), label: "temperature [°C]" },
-    { low: 0, high: 100, label: "contact that is hotter [%]" },
-  );
+  const height = Math.round(Math.min(0.6 * width, 300));
+  const x = { ...ends([...curves.flat(), ...limits]), label: "temperature [°C]" };
+  const y = { low: 0, high: 100, label: "contact that is hotter [%]" };
+  const { root, inside, frame } = axes(width, height, x, y);
   const shares = content.quantiles.map((quantile) => frame.y(100 * (1 - quantile)));
   const look = curves.length > 1 ? "faint" : "curve";
   const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);

@@ -13,10 +13,7 @@
 const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW] = [0, 1, 2, 3, 4, 5];
 const BAND = [0.1, 0.5, 0.9];
 
-/**
- * Index of the first entry above a value.
- * @param {ArrayLike<number>} x ascending @param {number} value
- */
+/** Index of the first entry above a value. @param {ArrayLike<number>} x ascending @param {number} value */
 function above(x, value) {
   let low = 0;
   let high = x.length;

@@ -52,14 +52,8 @@ function showMeasured() {
   const rows = content.measured.map((test) => {
     const { normal_load, velocity, outcome } = test;
     const { friction, bulk_temperature: bulk } = conditionsOf(test);
-    return [
-      outcome ?? "transition",
-      shown(normal_load, 6),
-      shown(velocity),
-      shown(friction),
-      shown(bulk - ZERO_CELSIUS),
-      ...comparison(test),
-    ];
+    const own = [shown(friction), shown(bulk - ZERO_CELSIUS)];
+    return [outcome ?? "transition", shown(normal_load, 6), shown(velocity), ...own, ...comparison(test)];
   });
   const heads = ["test", "load [N]", "velocity [m/s]", "friction", "bulk [°C]", "computed", "agrees"];
   element("measured").replaceChildren(table(heads, rows, 2));

@@ -30,10 +30,7 @@ function svg(name, attributes = {}, ...children) {
   return filled(/** @type {SVGElement} */ (document.createElementNS(SVG, name)), attributes, children);
 }
 
-/**
- * @param {string} name @param {Object<string, string>} [attributes]
- * @param {(Node | string)[]} children
- */
+/** @param {string} name @param {Object<string, string>} [attributes] @param {(Node | string)[]} children */
 function html(name, attributes = {}, ...children) {
   return filled(document.createElement(name), attributes, children);
 }
@@ -122,10 +119,7 @@ function axes(width, height, x, y) {
   return { root, inside, frame };
 }
 
-/**
- * Path through points; a gap where one is not finite.
- * @param {number[]} x @param {number[]} y in pixels
- */
+/** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */
 function path(x, y) {
   let pen = "M";
   const parts = x.map((across, k) => {

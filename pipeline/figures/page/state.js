@@ -11,11 +11,8 @@ const hasShare = content.shares.length > 1;
 /** Choices of the reader. @type {{conditions: Conditions, surface: number | null,
  *  point: {i: number, j: number} | null, load: number, velocity: number}} */
 const chosen = {
-  conditions: { ...content.conditions },
-  surface: sweep.surfaces > 1 ? null : 0,
-  point: null,
-  load: NaN,
-  velocity: NaN,
+  conditions: { ...content.conditions }, surface: sweep.surfaces > 1 ? null : 0,
+  point: null, load: NaN, velocity: NaN,
 };
 
 /** Surfaces that count: the one that was picked, or all. */

@@ -27,12 +27,8 @@ function table(heads, rows, words = 0) {
   const cell = (/** @type {string} */ text, /** @type {number} */ k) =>
     k ? html("td", { class: look(k) }, text) : html("th", { scope: "row", class: look(0) }, text);
   const top = heads.map((head, k) => html("th", { scope: "col", class: look(k) }, head));
-  return html(
-    "table",
-    {},
-    html("thead", {}, html("tr", {}, ...top)),
-    html("tbody", {}, ...rows.map((row) => html("tr", {}, ...row.map(cell)))),
-  );
+  const body = rows.map((row) => html("tr", {}, ...row.map(cell)));
+  return html("table", {}, html("thead", {}, html("tr", {}, ...top)), html("tbody", {}, ...body));
 }
 
 /**
@@ -49,9 +45,7 @@ function outcomeWords({ outcome, computed }, along, unit) {
 function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];
-  if (transitions.length === 1) {
-    return outcomeWords(transitions[0], along, unit) + bridgedText(transitions);
-  }
+  if (transitions.length === 1) return outcomeWords(transitions[0], along, unit) + bridgedText(transitions);
   const counts = words.map((_, code) => transitions.filter(({ outcome }) => outcome === code).length);
   const texts = counts.map((count, code) =>
     code === CROSSES ? `${count} of ${transitions.length} cross` : `${count} ${words[code]}`,

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
+from string import Template
 from typing import Any
 
 import xarray as xr
@@ -32,8 +33,6 @@ _SCRIPTS = (
     "scene", "criterion", "lines", "rise", "plot", "conditions",
     "verdict", "points", "diagram", "tables", "margin", "detail",
 )  # fmt: skip
-_OF_PLANE: tuple[str, ...] = ("state", "page")
-_OF_SAMPLES: tuple[str, ...] = ("samples",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,13 +139,13 @@ def explore(
     parts, judged = [*with_all_wear_rates(ds)], {"criterion": criterion, "own_laws": own_laws}
     if is_emulated(ds):
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
-        scripts, bodies = _OF_SAMPLES, [_of_samples(one) for one in held]
+        scripts, bodies = ["samples"], [_of_samples(one) for one in held]
     elif given_measured or scatter is not None:
         raise InputError("the sweep has no samples, which given_measured and scatter belong to")
     else:
         require_plane(ds)
         held = [content(part, most_fields // len(parts), **judged) for part in parts]
-        scripts, bodies = _OF_PLANE, [_of_plane(one) for one in held]
+        scripts, bodies = ["state", "page"], [_of_plane(one) for one in held]
     about = attributes_of(ds)
     names = [entries_in_words(dataset_of(part)) for part in parts]
     write_text(_page(str(about.get("title") or about.get("name")), names, bodies, scripts), path)
@@ -156,7 +155,7 @@ def explore(
     return Page(path, path.stat().st_size, done, *counts)
 
 
-def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: tuple[str, ...]) -> str:
+def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequence[str]) -> str:
     """The page of all scenes, with its own style and scripts, which alone may run on it."""
     style = _text("page.css")
     script = "\n".join(_text(f"{name}.js") for name in (*_SCRIPTS, *scripts))
@@ -168,8 +167,8 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: tupl
             "scenes": scene_choice(names) + templates,
             "style": style,
             "script": script,
-            "style-hash": _hash(style),
-            "script-hash": _hash(script),
+            "style_hash": _hash(style),
+            "script_hash": _hash(script),
         },
     )
 
@@ -177,37 +176,26 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: tupl
 def _of_plane(held: dict[str, Any]) -> str:
     """A scene of loads and velocities."""
     several = f", {len(held['surfaces'])} surfaces" if held["surfaces"] else ""
-    return _filled(
-        "plane.html",
-        _of_both(
-            held,
-            f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}, "
-            f"{held['done']} points done",
-        )
-        | {
-            "controls": "\n".join(Control(**control).html() for control in held["controls"]),
-            "surfaces": surface_choice(held["surfaces"]),
-            "error": f"{100 * held.pop('error'):.2g} %",
-        },
-    )
+    sizes = f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}"
+    own = {
+        "controls": "\n".join(Control(**control).html() for control in held["controls"]),
+        "surfaces": surface_choice(held["surfaces"]),
+        "error": f"{100 * held['error']:.2g} %",
+    }
+    return _filled("plane.html", _of_both(held, sizes) | own)
 
 
 def _of_samples(held: dict[str, Any]) -> str:
     """A scene of samples."""
     table, scale = held.pop("table"), held.pop("scale")
-    return _filled(
-        "samples.html",
-        _of_both(
-            held,
-            f"{len(table)} loads, {held['samples']} samples, {held['done']} points done",
-        )
-        | {
-            "basis": "".join(f"<li>{html.escape(one)}</li>" for one in held["basis"]),
-            "evidence": html.escape(held["evidence"]),
-            "table": html_of(table),
-            "scale": scale,
-        },
-    )
+    own = {
+        "basis": "".join(f"<li>{html.escape(one)}</li>" for one in held["basis"]),
+        "evidence": html.escape(held["evidence"]),
+        "table": html_of(table),
+        "scale": scale,
+    }
+    sizes = f"{len(table)} loads, {held['samples']} samples"
+    return _filled("samples.html", _of_both(held, sizes) | own)
 
 
 def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:
@@ -217,15 +205,14 @@ def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:
         "operating": _text("operating.html"),
         "title": html.escape(str(held["title"] or held["name"])),
         "record": f'<details id="record" class="record"><summary>The scene as it was stored: '
-        f"{sizes}</summary>{entries}</details>",
+        f"{sizes}, {held['done']} points done</summary>{entries}</details>",
         "data": _as_json({name: value for name, value in held.items() if name != "record"}),
     }
 
 
 def _filled(name: str, parts: dict[str, str]) -> str:
     """A file of this folder, with parts in the places of their names."""
-    pieces = _text(name).split("@@")  # text and names in turn
-    return "".join(parts[piece] if place % 2 else piece for place, piece in enumerate(pieces))
+    return Template(_text(name)).substitute(parts)
 
 
 def _text(name: str) -> str:

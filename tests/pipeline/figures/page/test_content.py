@@ -44,7 +44,7 @@ def test_the_policy_of_a_page_allows_its_own_script_and_style_alone(tmp_path):
 
 
 def test_no_text_of_a_sweep_ends_the_element_that_holds_it(tmp_path):
-    title = '</script><script>alert("1")</script><!-- & é @@data@@ \u2028'
+    title = '</script><script>alert("1")</script><!-- & é ${data} \u2028'
     ds = synthetic.sweep(title=title)
     text = pipeline.explore(ds, tmp_path / "page.html").path.read_text()
     (held,) = re.findall(r'id="content">(.*?)</script>', text, re.DOTALL)
