@@ -12,6 +12,7 @@ import atexit
 import gc
 import io
 import os
+import resource
 import sys
 import warnings
 from collections.abc import Callable, Sequence
@@ -22,11 +23,6 @@ from typing import Any
 import pipeline
 from pipeline.cli.parser import function_of, parse
 from pipeline.run import forkserver
-
-try:
-    import resource
-except ImportError:  # not a POSIX system
-    resource = None  # type: ignore[assignment]
 
 _LEAST_MEMORY = 700 * 2**20  # [bytes] of addresses, with which the packages can be loaded
 
@@ -111,8 +107,6 @@ def _too_little_memory() -> str | None:
 
     With less, OpenBLAS tries for ever to get some when it is loaded.
     """
-    if resource is None:
-        return None
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     if limit == resource.RLIM_INFINITY or limit >= _LEAST_MEMORY:
         return None

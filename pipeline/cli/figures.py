@@ -3,66 +3,44 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
-from typing import Any
 
 import pipeline
 from pipeline.cli import given
 from pipeline.cli.output import Result, tell, working
+from pipeline.figures.plot import options_of, watch
 from tribo import InputError
 
-_OF_KINDS = (*given.PLACE, *given.CONDITIONS, "log", "show", "against", "given_measured", "scatter")
-"""Options that only some kinds of figures have."""
+_OF_KINDS = (*given.PLACE, "scatter", "log", "show", "against", "given_measured")
+"""Options that only some kinds of figures have, beside the conditions."""
 
 
 def plot(options: argparse.Namespace) -> Result:
-    """Draw a figure of a store."""
-    look = given.values_in(
-        options, *given.PLACE, "scatter", "width", "log", "show", "against", "given_measured"
-    )
-    conditions = given.conditions_in(options)
-    _require_options(options.kind, [*look, *conditions])
-    look |= {"with_title": not options.no_title}
-    if options.watch:
-        return _watched(options, look | conditions)
-    ds = given.opened(options)
-    out = options.output or given.beside(options.store, f"_{options.kind}.png")
-    written = pipeline.plot(ds, options.kind, out, **look, **conditions)
-    document = {"kind": options.kind, "file": str(written)}
-    return Result(document, [str(written)], pipeline.warned(ds, **conditions))
-
-
-def _watched(options: argparse.Namespace, look: dict[str, Any]) -> Result:
-    """Draw the figure as points come."""
-    from pipeline.figures.plot import watch  # with xarray
-
+    """Draw a figure of a store, or draw it again and again as points come."""
+    kind, conditions = options.kind, given.conditions_in(options)
+    look = given.values_in(options, *_OF_KINDS) | conditions
+    allowed = [name for name in options_of(kind) if name in (*_OF_KINDS, *given.CONDITIONS)]
+    if others := [name for name in look if name not in (*allowed, "own_laws")]:
+        flag, flags = given.flags_of(others[:1]), given.flags_of(allowed)
+        raise InputError(f"--kind {kind} takes no {flag}; it takes {flags}")
+    look |= given.values_in(options, "width") | {"with_title": not options.no_title}
+    if not options.watch:
+        ds = given.opened(options)
+        out = options.output or given.beside(options.store, f"_{kind}.png")
+        written = pipeline.plot(ds, kind, out, **look)
+        warned = pipeline.warned(ds, **conditions)
+        return Result({"kind": kind, "file": str(written)}, [str(written)], warned)
     state = watch(
         options.store,
         options.watch,
-        options.kind,
+        kind,
         read=lambda: given.opened(options),
         progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
         **look,
     )
-    document = {
-        "kind": options.kind,
-        "file": str(options.watch),
-        "done": state.done,
-        "points": state.total,
-    }
+    document = {"kind": kind, "file": str(options.watch)}
+    document |= {"done": state.done, "points": state.total}
     text = f"{options.store}: {state.done} of {state.total} points done, and no run goes on"
     return Result(document, [text])
-
-
-def _require_options(kind: str, names: Iterable[str]) -> None:
-    """Raise an `InputError` that names, as it is typed, an option that a kind of figure lacks."""
-    from pipeline.figures.plot import options_of
-
-    allowed = [name for name in options_of(kind) if name in _OF_KINDS]
-    for name in names:
-        if name in _OF_KINDS and name not in allowed:
-            flag, others = given.flags_of([name]), given.flags_of(allowed)
-            raise InputError(f"--kind {kind} takes no {flag}; it takes {others}")
 
 
 def explore(options: argparse.Namespace) -> Result:

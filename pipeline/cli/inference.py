@@ -127,8 +127,14 @@ def _on_point(
 
 def infer(options: argparse.Namespace) -> Result:
     """Infer a critical temperature, a wear rate, or all unknown inputs."""
-    if any(path.is_dir() for path in options.scene):
-        return _of_stores(options)
+    if stores := [path for path in options.scene if path.is_dir()]:
+        if others := [path for path in options.scene if path not in stores]:
+            raise InputError(
+                f"{others[0]} is not a store, as the others are; give stores of samples alone, or "
+                "one scene"
+            )
+        _require_as_stored(options, stores[0])
+        return posterior(options, stores)
     scene, *others = options.scene
     if others:
         raise InputError(f"{others[0]} is not a store; give one scene, or several stores")
@@ -211,17 +217,6 @@ def _of_tests(
     ]  # fmt: skip
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
     return Result(document | {"toml": "\n".join(toml)}, text, frames=[frame])
-
-
-def _of_stores(options: argparse.Namespace) -> Result:
-    """Inputs as the tests leave them, from stores of samples."""
-    if others := [path for path in options.scene if not path.is_dir()]:
-        raise InputError(
-            f"{others[0]} is not a store, as the others are; give stores of samples alone, or one "
-            "scene"
-        )
-    _require_as_stored(options, options.scene[0])
-    return posterior(options, options.scene)
 
 
 def _require_as_stored(options: argparse.Namespace, store: Path) -> None:
