@@ -91,7 +91,9 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
             if not isinstance(error, OSError):
                 raise
             output.complain(f"cannot go on: {error}{safe}")
-            _drop_output()
+            with suppress(OSError, ValueError, AttributeError):
+                # Python is not to try again, at its end, to print what could not be printed.
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return output.WRONG_USE
         output.complain(
             "out of memory, or of the threads and processes that this user may start (ulimit -a)"
@@ -114,9 +116,3 @@ def _too_little_memory() -> str | None:
         f"this process may take {limit / 2**20:.0f} MB of memory (ulimit -v), and needs "
         f"{_LEAST_MEMORY / 2**20:.0f} MB at least: raise the limit"
     )
-
-
-def _drop_output() -> None:
-    """Let Python not try again, at its end, to print what could not be printed."""
-    with suppress(OSError, ValueError, AttributeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -110,20 +109,15 @@ def tests(options: argparse.Namespace) -> Result:
     path = Path(options.log)
     if (trace := read_trace(path)) is not None:
         return _of_trace(path, trace)
-    entries = {
-        "columns": dict(options.column),
-        "words": dict(options.word),
-        "decimal": options.decimal,
-    }
-    if strange := sorted(set(entries["columns"]) - TEST.keys.keys()):
+    columns, words = dict(options.column), dict(options.word)
+    if strange := sorted(columns.keys() - TEST.keys.keys()):
         allowed = ", ".join(TEST.keys)
         raise InputError(f'--column: no test has "{strange[0]}"; give one of {allowed}')
-    log = read_log(path, entries)
-    row_of = TEST
-    columns = log.sheet.places.keys()
-    if "outcome" not in columns and {"load", "velocity"} <= columns:
-        row_of = TRANSITION
-        log = read_log(path, entries, row_of)
+    entries = {"columns": columns, "words": words, "decimal": options.decimal}
+    row_of, log = TEST, read_log(path, entries)
+    places = log.sheet.places.keys()
+    if "outcome" not in places and {"load", "velocity"} <= places:
+        row_of, log = TRANSITION, read_log(path, entries, TRANSITION)
     found, faults = entries_of_log(log, row_of)
     toml = list(_toml(log, options.decimal, row_of is TEST)) if found else []
     document = {
@@ -132,7 +126,10 @@ def tests(options: argparse.Namespace) -> Result:
     }  # fmt: skip
     text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
     if found:
-        text.append(f"{_counts(found)}; to paste into a scene beside the log:")
+        outcomes = Counter(test.get("outcome", "transition") for test in found)
+        counts = ", ".join(f"{number} {name}" for name, number in sorted(outcomes.items()))
+        tests = counted(len(found), "test", "tests")
+        text.append(f"{tests}: {counts}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
             text.append(
                 "(read as transitions, since no column has outcomes; if they are tests, name the "
@@ -176,13 +173,6 @@ def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
     if without := [name for name in TEST.keys if name not in log.sheet.places]:
         needed = [f"{name} (needed)" if name in TEST.needed else name for name in without]
         yield f"without a column: {', '.join(needed)}"
-
-
-def _counts(found: list[dict[str, Any]]) -> str:
-    """Number of tests by outcome."""
-    outcomes = Counter(test.get("outcome", "transition") for test in found)
-    listed = ", ".join(f"{number} {name}" for name, number in sorted(outcomes.items()))
-    return f"{counted(len(found), 'test', 'tests')}: {listed}"
 
 
 def _toml(log: Log, decimal: str | None, is_tests: bool) -> Iterable[str]:

@@ -10,15 +10,13 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import criterion_in, opened
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
 from pipeline.store.place import ROOT, StoreError
-from pipeline.store.progress import Summary, summary
+from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes
 from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.tradeoff.choose import stored_selection
@@ -27,9 +25,11 @@ _MOST_POINTS = 10  # that are printed; files have all
 
 
 def status(options: argparse.Namespace) -> Result:
-    """Count the points of a store, or list the stores and scenes below a folder."""
+    """Count the points of a store, or list the stores and scenes below a folder, running none."""
     if _is_folder_of_stores(options.store):
-        frame = listing(Path(options.store))
+        folder = Path(options.store)
+        rows = [row for entry in _stores_and_scenes(folder) if (row := _row(entry, folder))]
+        frame = frame_of(_HEADS, ([row.get(head) for head in _HEADS] for row in rows))
         held = short(frame) if len(frame) else f"{options.store} holds none"
         return Result(as_dict(frame), [held])
     state = pipeline.summary(options.store)
@@ -50,10 +50,12 @@ def status(options: argparse.Namespace) -> Result:
         state.title,
         f"{state.total} points: {state.done} done, {len(state.failed)} failed, "
         f"{state.pending} pending",
-        *_besides(state),
-        error_in_words(attributes),
-        *(f"failed: {point}" for point in state.failed),
     ]
+    if state.earlier:
+        text.append(f"{state.earlier} more are done from an earlier run, which asked for them")
+    if state.running:
+        text.append(f"running: {state.running}")
+    text += [error_in_words(attributes), *(f"failed: {point}" for point in state.failed)]
     try:
         warned = pipeline.warned(options.store)
     except StoreError as error:  # the points are counted all the same
@@ -70,14 +72,6 @@ def _is_folder_of_stores(path: Path | str) -> bool:
         and path.suffix != ".zarr"
         and not (path / ROOT).exists()
     )
-
-
-def _besides(state: Summary) -> Iterator[str]:
-    """Points beyond those that were asked for, and the process that runs."""
-    if state.earlier:
-        yield f"{state.earlier} more are done from an earlier run, which asked for them"
-    if state.running:
-        yield f"running: {state.running}"
 
 
 def verify(options: argparse.Namespace) -> Result:
@@ -137,12 +131,6 @@ def diff(options: argparse.Namespace) -> Result:
 
 
 _HEADS = "name", "kind", "state", "preset", "changed", "size [MB]", "title"
-
-
-def listing(folder: Path) -> pd.DataFrame:
-    """Stores and scenes below a folder, a row each; no code that they name is run."""
-    rows = [row for entry in _stores_and_scenes(folder) if (row := _row(entry, folder))]
-    return frame_of(_HEADS, ([row.get(head) for head in _HEADS] for row in rows))
 
 
 def _stores_and_scenes(folder: Path) -> Iterator[Path]:

@@ -352,13 +352,7 @@ _FILE = "CITATION.cff"
 
 
 def citation() -> Iterator[str]:
-    """References to the program and to the works that it builds on, a line each.
-
-    Examples
-    --------
-    >>> next(citation())  # doctest: +ELLIPSIS
-    'The irg-transition developers: irg-transition (version ...). BSD-3-Clause.'
-    """
+    """References to the program and to the works that it builds on, a line each."""
     package = resources.files("pipeline")
     file = package / _FILE  # in a wheel; in a checkout it is beside the package
     if not file.is_file():

@@ -100,7 +100,9 @@ def _axis(
 
 def _draw_margins(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> None:
     """Margins with their errors, and the line at which wear turns severe."""
-    margins, errors = (frame[name].to_numpy(float) for name in _IN_KELVIN)
+    margins, errors = (
+        frame[name].to_numpy(float) for name in ("distance [K]", "temperature error [K]")
+    )
     size = 6.0 if len(frame) <= _MANY else 3.0
     if (np.diff(x) > 0).all():
         axes.plot(x, margins, color=GREY, lw=0.7, zorder=2)
@@ -126,9 +128,6 @@ def _draw_margins(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
     axes.axhspan(min(low, -1.0), 0.0, color=TINTS["severe"], zorder=0.5)
     axes.set_ylim(min(low, -1.0), max(high, 1.0))
     axes.set_ylabel("margin to severe wear [K]")
-
-
-_IN_KELVIN = "distance [K]", "temperature error [K]"
 
 
 def _draw_factors(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> None:

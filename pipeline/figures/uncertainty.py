@@ -72,7 +72,9 @@ def draw_risk(
             ls="none", label="operating point",
         )  # fmt: skip
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
-    _limit(axes, p, x)
+    (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
+    if columns.size:  # where anything is uncertain at some load, and a little more
+        axes.set_xlim(x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)])
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
@@ -84,13 +86,6 @@ def draw_risk(
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
     return figure
-
-
-def _limit(axes: Axes, p: Array, x: Array) -> None:
-    """Show velocities at which anything is uncertain at some load, and a little more."""
-    (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
-    if columns.size:
-        axes.set_xlim(x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)])
 
 
 @style.in_house_style

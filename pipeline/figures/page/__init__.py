@@ -1,5 +1,1 @@
-"""A page that shows a sweep in a browser: one file, which asks for nothing from anywhere.
-
-`content` tabulates the rises of a sweep, ``rise.js`` joins them by straight lines, and ``page.js``
-shows what follows.
-"""
+"""A page that shows a sweep in a browser: Python tabulates its rises, the scripts join them."""

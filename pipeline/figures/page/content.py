@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from pipeline.analysis.conditions import at_wear_rate, conditions_of
 from pipeline.analysis.dataset import (
@@ -77,7 +76,9 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     systems = [corrected_sweep(at_wear_rate(rows, rate), conditions) for rate in rates or (None,)]
     tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
     own = stored, ratios.index(0.0), shares.index(conditions.failing_share)
-    steps = _shown_steps(tables[stored][0], ds, own[1:])[..., None]
+    deciding, ends = tables[stored][0][..., own[1], own[2]], ds["load"].values[:, None, None]
+    # The step at which each point is shown is the one that decides.
+    steps = worst_moment(deciding, values_of(ds, "normal_load"), ends)[..., None]
     rises = [
         np.take_along_axis(quantiles, steps[..., None, None], axis=-3)[..., 0, :, :]
         for _, quantiles in tables
@@ -229,12 +230,6 @@ def _at_worst(decisive: Array, ds: xr.Dataset) -> Array:
     done = (values_of(ds, "status") == DONE)[..., None, None]
     result: Array = np.where(done, rises, np.nan)
     return result
-
-
-def _shown_steps(decisive: Array, ds: xr.Dataset, place: tuple[int, int]) -> NDArray[np.intp]:
-    """Step at which each point is shown: the one that decides, at a bulk ratio and a share."""
-    rises, loads = decisive[..., place[0], place[1]], ds["load"].values[:, None, None]
-    return worst_moment(rises, values_of(ds, "normal_load"), loads)
 
 
 def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str, Any]:

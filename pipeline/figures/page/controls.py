@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,27 +87,26 @@ def surface_choice(surfaces: Sequence[int] | None) -> str:
     """Choice of a surface, or of all of them; nothing where there is but one."""
     if not surfaces or len(surfaces) < 2:
         return ""
-    options = [f'<option value="">all {len(surfaces)} surfaces</option>'] + [
-        f'<option value="{number}">surface {name}</option>' for number, name in enumerate(surfaces)
-    ]
-    return (
-        '<label for="surface">surface: </label>'
-        f'<select id="surface" autocomplete="off">{"".join(options)}</select>'
-    )
+    numbered = {str(number): f"surface {name}" for number, name in enumerate(surfaces)}
+    options = {"": f"all {len(surfaces)} surfaces", **numbered}
+    return f'<label for="surface">surface: </label>{_select("surface", options)}'
 
 
 def scene_choice(names: Sequence[str]) -> str:
     """Choice of a scene of a sweep over entries by their values; nothing where there is but one."""
     if len(names) < 2:
         return ""
-    options = (
-        f'<option value="{number}">{html.escape(name)}</option>'
-        for number, name in enumerate(names)
+    options = {str(number): name for number, name in enumerate(names)}
+    select = _select("scene", options)
+    return f'<p class="screen"><label>values of the entries: {select}</label></p>\n'
+
+
+def _select(name: str, options: Mapping[str, str]) -> str:
+    """Choice among texts, by their values."""
+    listed = "".join(
+        f'<option value="{value}">{html.escape(text)}</option>' for value, text in options.items()
     )
-    return (
-        '<p class="screen"><label>values of the entries: <select id="scene" autocomplete="off">'
-        f"{''.join(options)}</select></label></p>\n"
-    )
+    return f'<select id="{name}" autocomplete="off">{listed}</select>'
 
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:

@@ -45,19 +45,8 @@ class Page:
         The file.
     size : int
         Size of the page [byte].
-    points : int
-        Number of points of the sweep that are done.
-    points_with_fields : int
-        Number of those whose fields the page holds.
-    stored_fields : int
-        Number of those whose fields the sweep holds.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> page = pipeline.explore("results/first_try.zarr", "results/page.html", most_fields=6)
-    >>> page.points, page.stored_fields, page.size < 1e6
-    (24, 24, True)
+    points, points_with_fields, stored_fields : int
+        Points of the sweep that are done; those whose fields the page holds, and the sweep.
     """
 
     path: Path
