@@ -211,9 +211,8 @@ _THRESHOLD = (
     ),
     CRITERION,
 )  # fmt: skip
-_INSTEAD = "conditions, instead of the scene's"
-CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, *_THRESHOLD))
-CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, *_THRESHOLD))
+CONDITIONS = Group("conditions, instead of the scene's", (FRICTION, BULK, *_THRESHOLD))
+CONDITIONS_AT_FRICTIONS = CONDITIONS._replace(options=(FRICTIONS, BULK, *_THRESHOLD))
 
 OVER = Option(
     "--over", metavar="KEY=VALUE,VALUE", type=values.settings, action="append", default=[],
@@ -232,6 +231,8 @@ SCATTER = Option(
 GIVEN_MEASURED = _flag(
     "--given-measured", "use the posterior: inputs weighed by the scene's transitions and tests"
 )
+WEIGHED = (GIVEN_MEASURED, SCATTER)
+JUDGED = (AT, CRITERION, OWN_LAWS)
 CERTIFY = _flag(
     "--certify", "find 25 boundaries of random inputs by simulations, and keep them in the store"
 )

@@ -51,8 +51,7 @@ COMMANDS = (
     ),
     Command(
         "run", "run", "sweeps:run", "run or resume the sweep of a scene",
-        "scene.toml --accuracy 2%",
-        (*o.OF_SCENE, *o.OF_RUN),
+        "scene.toml --accuracy 2%", (*o.OF_SCENE, *o.OF_RUN),
     ),
     Command(
         "run", "check", "sweeps:check", "print the meaning of a scene, and the cost of its sweep",
@@ -71,18 +70,15 @@ COMMANDS = (
         "ask", "boundary", "margins:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (
-            o.STORE, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
-            o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS,
-        ),
+        (o.STORE, o.TABLE, *o.WEIGHED, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS),
     ),
     Command(
         "ask", "margin", "margins:margin",
         "distance of operating points from severe wear: one, a table, or the rows of pairs",
         f"results/scene.zarr {_AT}",
         (
-            o.STORE, *o.PLACE, o.POINTS, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
-            o.CONDITIONS, o.OWN_LAWS,
+            o.STORE, *o.PLACE, o.POINTS, o.TABLE, *o.WEIGHED, o.WEAR_RATE, o.AT, o.CONDITIONS,
+            o.OWN_LAWS,
         ),
     ),
     Command(
@@ -112,39 +108,32 @@ COMMANDS = (
         "ask", "risk", "unknowns:risk",
         "find the probability of severe wear, where inputs are not known exactly",
         f"results/uncertain.zarr {_AT}",
-        (
-            o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.CERTIFY, o.AT,
-            o.CRITERION, o.OWN_LAWS,
-        ),
+        (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, *o.WEIGHED, o.CERTIFY, *o.JUDGED),
     ),
     Command(
         "ask", "sensitivity", "unknowns:sensitivity",
         "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
         "results/uncertain.zarr -o sensitivity.png",
-        (
-            o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER, o.AT, o.CRITERION, o.OWN_LAWS,
-        ),
+        (o.STORE, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
         "ask", "design", "studies:design",
         "find the value of an unknown input that makes severe wear unlikely enough",
         f"results/uncertain.zarr {_AT} --risk 1% --over disk.roughness.correlation_length",
         (
-            o.STORE, *o.OF_DESIGN, *o.PLACE, o.POINTS, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED,
-            o.SCATTER, o.AT, o.CRITERION, o.OWN_LAWS,
+            o.STORE, *o.OF_DESIGN, *o.PLACE, o.POINTS, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED,
         ),
     ),
     Command(
         "ask", "trade", "studies:trade", "measure speed against accuracy",
-        "scene.toml -o trade.png",
-        o.OF_TRADE,
+        "scene.toml -o trade.png", o.OF_TRADE,
     ),
     Command(
         "show", "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
-            o.STORE, *o.OF_PLOT, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
-            o.CONDITIONS_AT_FRICTIONS, *o.PLACE, o.REALIZATION, o.OWN_LAWS,
+            o.STORE, *o.OF_PLOT, *o.WEIGHED, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS,
+            *o.PLACE, o.REALIZATION, o.OWN_LAWS,
         ),
     ),
     Command(
@@ -159,14 +148,11 @@ COMMANDS = (
     Command(
         "show", "explore", "figures:explore", "write a page to explore a store in a browser",
         "results/scene.zarr -o page.html",
-        (
-            o.STORE, *o.OF_EXPLORE, o.GIVEN_MEASURED, o.SCATTER, o.AT, o.CRITERION, o.OWN_LAWS,
-        ),
+        (o.STORE, *o.OF_EXPLORE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
         "look after", "help", "begin:help_", "print a page of the documentation, or list them",
-        "first-hour",
-        (o.TOPIC,),
+        "first-hour", (o.TOPIC,),
     ),
 )  # fmt: skip
 
