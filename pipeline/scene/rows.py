@@ -75,13 +75,14 @@ def read_rows(
         for number, cells in below
         if len(cells) != len(heads)
     ]
+    is_sure = decimal is not None
     if decimal is None:
         cells = (cell for row in below for cell in row.cells)
         # Between commas they are quoted; those before three digits alone may be thousands.
         mark = _SURE_COMMA if separator == "," else _COMMA
         decimal = "," if any(map(mark.fullmatch, cells)) else "."
     rows = [
-        Row(row.number, [_plain(cell, decimal) for cell in row.cells])
+        Row(row.number, [_plain(cell, decimal, is_sure) for cell in row.cells])
         for row in below
         if len(row.cells) == len(heads)
     ]
@@ -167,11 +168,16 @@ def _without_empty_end(cells: Sequence[str], least: int = 0) -> list[str]:
     return list(cells[:end])
 
 
-def _plain(cell: str, decimal: str) -> str:
+def _plain(cell: str, decimal: str, is_sure: bool) -> str:
     """Cell with a decimal point and no marks of thousands; one that may have them stays a fault."""
     if decimal == "," and (match := _COMMA.fullmatch(cell)):
         whole, decimals, unit = match.groups()
-        return f"{whole.replace('.', '')}.{decimals}{unit}"
+        # A digit more, since 1.250 may be thousands and 1,250 is none here.
+        more = "0" if len(decimals) == 3 else ""
+        return f"{whole.replace('.', '')}.{decimals}{more}{unit}"
+    if decimal == "," and is_sure and may_be_thousands(cell):
+        number, *unit_of_it = cell.split(" ")
+        return " ".join([number.replace(".", ""), *unit_of_it])
     return cell.replace(",", "") if decimal == "." and _THOUSANDS.match(cell) else cell
 
 

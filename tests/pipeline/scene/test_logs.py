@@ -194,6 +194,20 @@ def test_a_number_that_may_be_thousands_is_refused(lab):
         lab("load [N];velocity [m/s];outcome\n1.250;1,5;mild\n")
 
 
+def test_three_decimals_behind_a_comma_are_no_thousands(lab):
+    scene = lab("load [N];velocity [m/s];COF;outcome\n1.250,125;3,662;1,250;mild\n")
+    assert scene.about.tested[1] == Measurement(1250.125, 3.662, 1.25, outcome="mild")
+
+
+@pytest.mark.parametrize(("mark", "load"), [(",", 1250.0), (".", 1.25)])
+def test_a_decimal_mark_that_is_given_decides_what_may_be_thousands(lab, tmp_path, mark, load):
+    scene = tmp_path / "lab.toml"
+    scene.write_text(f'{SCENE}\ndecimal = "{mark}"\n', encoding="utf-8")
+    assert (
+        lab("load [N];velocity [m/s];outcome\n1.250;2;mild\n").about.tested[1].normal_load == load
+    )
+
+
 def test_an_entry_that_no_test_has_is_named(tmp_path):
     (tmp_path / "lab.toml").write_text(SCENE + '\ncolumns = { lod = "x" }\n', encoding="utf-8")
     (tmp_path / "log.csv").write_text("load [N],velocity [m/s],outcome\n1,1,mild\n")
