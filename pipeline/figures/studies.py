@@ -17,7 +17,7 @@ from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.unknown import Unknown
-from pipeline.tradeoff.table import Choice, Trade
+from pipeline.tradeoff.trade import Choice, Trade
 from pipeline.uncertain.design import Limit
 from pipeline.uncertain.ensemble import Ensemble
 from tribo import PRESETS

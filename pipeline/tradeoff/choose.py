@@ -74,28 +74,8 @@ def at_accuracy(
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, and the reasons for it.
 
-    Parameters
-    ----------
-    sweep, accuracy, points, progress, own_laws
-        See `choose_fidelity`.
-    store : str or path, optional
-        Store that the sweep goes on with. If its fidelity was picked for an accuracy, it is taken
-        again without another probe.
-
-    Raises
-    ------
-    StoreMismatchError
-        If the fidelity of the store was not picked, or for a lower accuracy and does not keep this
-        one.
-    StoreError
-        If the store cannot be written.
-    InputError
-        See `choose_fidelity`.
-
-    Examples
-    --------
-    >>> scene = at_accuracy("first_try", "5%")  # doctest: +SKIP
-    >>> print(scene.selection)  # doctest: +SKIP
+    A store that goes on with the sweep keeps the fidelity that was picked for it, without another
+    probe, if that keeps the accuracy; see `choose_fidelity`.
     """
     sweep, accuracy = sweep_of(sweep, own_laws), share_of(accuracy)
     selection = None if store is None else stored_selection(store)
@@ -113,28 +93,13 @@ def at_accuracy(
             f"{store} was computed with {selection.name}, whose boundary errs by "
             f"{100 * selection.error:.2g} %; write to another store for {100 * accuracy:g} %"
         )
-    fidelity = selection.fidelity
-    named = fidelity == PRESETS.get(selection.name)
-    return sweep.changed(
-        fidelity=fidelity,
-        preset=selection.name if named else None,
-        selection=selection,
-    )
+    is_preset = selection.fidelity == PRESETS.get(selection.name)
+    preset = selection.name if is_preset else None
+    return sweep.changed(fidelity=selection.fidelity, preset=preset, selection=selection)
 
 
 def stored_selection(path: PathLike) -> Selection | None:
-    """Why a store has the fidelity that it has; None if it was not picked, or is not there.
-
-    Raises
-    ------
-    StoreError
-        If there is something else in its place.
-
-    Examples
-    --------
-    >>> print(stored_selection("results/first_try.zarr"))
-    None
-    """
+    """Why a store has the fidelity that it has; None if it was not picked, or is not there."""
     selection = (read_attributes(path) or {}).get("selection")
     return None if selection is None else Selection.from_dict(selection)
 
@@ -264,11 +229,8 @@ def _first_within(
 def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
     """Points at velocities a little below and above those of each given point."""
     apart = math.exp(_APART)
-    return tuple(
-        point._replace(velocity=velocity)
-        for point in points
-        for velocity in (point.velocity / apart, point.velocity * apart)
-    )
+    pairs = ((point, (point.velocity / apart, point.velocity * apart)) for point in points)
+    return tuple(point._replace(velocity=v) for point, either in pairs for v in either)
 
 
 def _steps_to_probe(sweep: Sweep, places: Sequence[Target]) -> float:
@@ -328,8 +290,7 @@ def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
 
 def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
     """A fidelity with the scene's own heat, or with that of all the past."""
-    kept = fidelity
     if past:  # which needs every step on one grid
-        steps = max(kept.increments, _FEWEST_STEPS)
-        kept = replace(kept, history_coarsening=1, heat_model="history", increments=steps)
-    return on_pixels(sweep, kept)
+        steps = max(fidelity.increments, _FEWEST_STEPS)
+        fidelity = replace(fidelity, history_coarsening=1, heat_model="history", increments=steps)
+    return on_pixels(sweep, fidelity)

@@ -46,13 +46,6 @@ class Estimate:
         Wall time on an idle machine, roughly, by steps that are timed here and now [s].
     worker_bytes, disk_bytes : float
         Memory of each worker; room that the store takes on a disk [B].
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> cost = pipeline.estimate("first_try", workers=1)
-    >>> cost.chains, cost.steps, cost.disk_bytes < 10e6
-    (6, 42, True)
     """
 
     points: int
@@ -171,7 +164,9 @@ def _timed(sweep: Sweep) -> _Timed:
     for state, taken in _clocked(sweep, velocity):
         of_contacts.append(taken)
         if state.is_asked and state.heat is None:
-            of_heat.append(_heat_seconds(sweep, state, velocity))
+            began = time.process_time()
+            heat(sweep.scene, state, velocity)
+            of_heat.append(time.process_time() - began)
         if state.is_asked and sum(of_contacts) + sum(of_heat) > _PATIENCE:
             break
     return _Timed(float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state)
@@ -189,13 +184,6 @@ def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
                 began = time.process_time()
             if state.on_trunk:
                 trunk = state.history or replace(state, heat=None)
-
-
-def _heat_seconds(sweep: Sweep, state: State, velocity: float) -> float:
-    """Processor time of the temperature of a contact [s]."""
-    began = time.process_time()
-    heat(sweep.scene, state, velocity)
-    return time.process_time() - began
 
 
 def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
@@ -227,35 +215,30 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
 
 def savings(sweep: Sweep) -> Iterator[str]:
     """Lines on the work that this scene does not need, each with the reason."""
-    nx, ny = sweep.scene.grid.shape
-    steps = max(step_count(sweep.scene, load) for load in sweep.plane.loads)
-    if sweep.scene.is_plane:
-        rows = sweep.scene.rows_per_element
+    scene, plane = sweep.scene, sweep.plane
+    nx, ny = scene.grid.shape
+    steps = max(step_count(scene, load) for load in plane.loads)
+    if scene.is_plane:
+        rows = scene.rows_per_element
         yield f"the axis y, since both bodies are smooth ({nx} × 1 elements, not {nx} × {rows})"
-    increments = sum(
-        1
-        for _ in sweep.scene.loading.stations(
-            max(sweep.plane.loads), sweep.scene.fidelity.increments
-        )
-    )
+    increments = len([*scene.loading.stations(max(plane.loads), scene.fidelity.increments)])
     if steps < increments:
         yield f"{increments - steps} of {increments} steps, since nothing wears between them"
-    if sweep.scene.wear is None:
+    if scene.wear is None:
         yield "wear, since the scene has no table [wear]"
-    if not math.isfinite(sweep.scene.hardness):
+    if not math.isfinite(scene.hardness):
         yield "the upper bound on the pressure, since no body has a hardness"
-    still = sum(velocity == 0 for velocity in sweep.plane.velocities)
-    if not sweep.scene.friction_heat:
+    if not scene.friction_heat:
         yield "heat, since the friction coefficient is 0"
-    elif still:
-        points = still * len(sweep.plane.loads) * len(sweep.variants.names)
+    elif still := sum(velocity == 0 for velocity in plane.velocities):
+        points = still * len(plane.loads) * len(sweep.variants.names)
         yield f"heat at {points} points, since nothing moves there"
     is_end = Stations.of(sweep).interval is None
-    if is_end and steps > 1 and sweep.scene.friction_heat and not sweep.scene.remembers_heat:
+    if is_end and steps > 1 and scene.friction_heat and not scene.remembers_heat:
         yield f"temperatures before the last step (up to {steps - 1} a point)"
-    if sweep.scene.coarsening > 1:
-        factor = sweep.scene.coarsening
+    if scene.coarsening > 1:
+        factor = scene.coarsening
         yield f"wear before the last step on a coarser grid ({nx // factor} × {ny // factor})"
     if not sweep.record.fields:
-        megabytes = 24e-6 * nx * ny * len(sweep.plane.loads) * sweep.ramps
+        megabytes = 24e-6 * nx * ny * len(plane.loads) * sweep.ramps
         yield f"fields, since the scene does not ask for them (up to {megabytes:.0f} MB)"

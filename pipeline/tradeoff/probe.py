@@ -7,6 +7,7 @@ import time
 import tracemalloc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -32,10 +33,6 @@ class Target(NamedTuple):
     load: float
     variant: Variant = ()
 
-    def point(self, velocity: float) -> Point:
-        """The point of this place at a velocity [m/s]."""
-        return Point(self.load, velocity, self.variant)
-
 
 _USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # of the rise over velocity; where few nodes touch, it jumps
 _STEPS_FOR_MEMORY = 3
@@ -47,20 +44,13 @@ _STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
 class Reading:
     """Result of one point."""
 
-    rise: float
-    """Rise that decides, at friction 1 [K]."""
+    rise: float  # that decides, at friction 1 [K]
     failed_share: float
-    """Share of the contact above the critical temperature."""
-    contact_width: float
-    """Width of the contact along the sliding direction [m]."""
-    contact_nodes: int
-    """Number of elements in contact."""
-    contact_fraction: float
-    """Share of the window in contact."""
-    mean_pressure: float
-    """Mean pressure over the contact [Pa]."""
-    saturated_fraction: float
-    """Share of the contact at the hardness."""
+    contact_width: float  # along the sliding direction [m]
+    contact_nodes: int  # elements in contact
+    contact_fraction: float  # of the window
+    mean_pressure: float  # over the contact [Pa]
+    saturated_fraction: float  # of the contact, at the hardness
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,13 +59,10 @@ class Probe:
 
     fidelity: Fidelity
     readings: tuple[Reading, ...]
-    seconds: float
-    """Processor time [s], where the memory is measured without surfaces and kernels."""
+    seconds: float  # processor time; where memory is measured, without surfaces and kernels
     convolutions: int
-    work: float
-    """Convolutions times the elements of their grids, which do not depend on the machine."""
-    peak_bytes: int | None = None
-    """Most memory for arrays that a point took, kernels included, if it was asked for."""
+    work: float  # convolutions times the elements of their grids, alike on every machine
+    peak_bytes: int | None = None  # most memory for arrays at a point, kernels included
 
 
 def probe(
@@ -125,8 +112,7 @@ def _peak_bytes(sweep: Sweep, points: Sequence[Point]) -> int:
         tracemalloc.stop()
 
 
-@dataclass(frozen=True, slots=True)
-class _Run:
+class _Run(NamedTuple):
     state: State
     trunk: State | None
     convolutions: int
@@ -180,13 +166,10 @@ def on_pixels(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
 
 def some_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
     """Some of a sweep's loads, both ends among them, and its variants in turn."""
-    last, variants = len(sweep.plane.loads) - 1, sweep.variants.names
-    chosen = sorted({round(last * k / max(number - 1, 1)) for k in range(number)})
+    loads, variants = sweep.plane.loads, sweep.variants.names
+    chosen = sorted({round((len(loads) - 1) * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
-    places = (
-        Target(sweep.plane.loads[chosen[k]], variants[(k + turn) % len(variants)])
-        for turn, k in turns
-    )
+    places = (Target(loads[chosen[k]], variants[(k + turn) % len(variants)]) for turn, k in turns)
     return tuple(dict.fromkeys(places))
 
 
@@ -209,14 +192,14 @@ def near_the_boundary(
         )
     limit = rise_limit(sweep.conditions)
 
+    def rise_at(place: Target, velocity: float) -> float:
+        run = _run(scene.variant(place.variant), place.load, velocity)
+        return _reading(sweep, scene.scene, run.state).rise
+
     for place in places:
-
-        def rise(velocity: float, place: Target = place) -> float:
-            variant = scene.variant(place.variant)
-            return _reading(sweep, scene.scene, _run(variant, place.load, velocity).state).rise
-
+        rise = partial(rise_at, place)
         velocity = critical_velocity(rise, limit, min(moving) / 2, max(moving) * 2)
-        points.append(place.point(velocity))
+        points.append(Point(place.load, velocity, place.variant))
         ratio = rise(velocity * math.exp(_STEP)) / rise(velocity * math.exp(-_STEP))
         exponents.append(max(math.log(ratio) / (2 * _STEP), _FLATTEST))
     return tuple(points), tuple(exponents)
@@ -268,18 +251,12 @@ _MARGIN = 1.2  # errors between the points are so much larger
 class OwnError:
     """Relative error of the yardstick itself in the boundary velocity."""
 
-    steps: float
-    """Error due to its number of increments."""
-    heat_model: float
-    """Error due to the heat model "elapsed", if the scene takes it."""
-    work: float
-    """Elements times convolutions that were spent on it."""
+    steps: float  # by the number of its increments
+    heat_model: float  # by the heat model "elapsed", if the scene takes it
+    work: float  # elements times convolutions spent on it
+    # More increments reduce nothing: under a ball each step wears by other positions of the disk,
+    # and where few elements touch, their imprint is left to chance.
     scatters: bool = False
-    """True if more increments do not reduce the error of the steps.
-
-    Under a ball each step wears by other positions of the disk; where few elements touch, their
-    imprint is left to chance.
-    """
 
     def of(self, fidelity: Fidelity) -> float:
         """Error of a fidelity that differs from the yardstick in its steps and heat model alone."""
@@ -293,15 +270,11 @@ class Yardstick:
     """Results of the yardstick at points near the boundary, or at those that were asked for."""
 
     points: tuple[Point, ...]
-    exponents: tuple[float, ...]
-    """d ln(rise)/d ln(velocity) at each."""
+    exponents: tuple[float, ...]  # d ln(rise)/d ln(velocity) at each
     readings: tuple[Reading, ...]
-    work: float
-    """Elements times convolutions that were spent, those on larger elements included."""
-    own_work: float
-    """Elements times convolutions of the yardstick alone."""
-    coarser: float | None = None
-    """Largest relative change of the boundary by elements of twice the pixels' size, if any."""
+    work: float  # elements times convolutions spent, those on larger elements included
+    own_work: float  # of the yardstick alone
+    coarser: float | None = None  # largest relative change by elements of twice the pixels' size
 
     def errors(self, other: Probe) -> tuple[float, ...]:
         """Relative errors of the boundary velocity by another fidelity, one at each point."""

@@ -10,13 +10,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+import pandas as pd
+
+from pipeline.analysis.tables import as_dict, frame_of, lines_of
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import in_si
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (
@@ -28,12 +31,153 @@ from pipeline.tradeoff.probe import (
     some_places,
     velocity_errors,
 )
-from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
 _SAVES, _MOVES = 1.1, 0.002  # a choice is wasted that saves so much, and moves so little
+_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # of the error, for each of which the cheapest is named
+_HEADS = (
+    "name", "velocity error [%]", "rise error [%]", "width error [%]", "share error",
+    "area error [%]", "pressure error [%]", "saturated error", "seconds [s]", "speedup", "saving",
+    "convolutions", "peak bytes [MB]",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One fidelity against the reference."""
+
+    name: str  # of a preset, or what is varied in it
+    varied: str | None  # field of the fidelity
+    fidelity: Fidelity
+    velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
+    # Largest at any point, without sign: relative, but for the failed share.
+    velocity_error: float
+    rise_error: float
+    width_error: float
+    share_error: float
+    # Largest of what the size of the elements decides, with sign: contact fraction and mean
+    # pressure, relative, and share of the contact at the hardness.
+    area_error: float
+    pressure_error: float
+    saturated_error: float
+    seconds: float  # processor time of the points [s]
+    convolutions: int
+    work: float  # convolutions times the elements of their grids
+    peak_bytes: int | None  # most memory that arrays took at a point [B]
+    speedup: float  # factors by which the reference takes more time, and more work
+    saving: float
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A numerical choice that costs much and gains nothing."""
+
+    preset: str
+    field: str  # of its fidelity
+    value: Any  # that the preset has
+    cheaper: Any  # value that would do
+    saving: float  # factor by which it takes less work
+    moves: float  # largest relative change of the boundary velocity by it
+
+    def __str__(self) -> str:
+        return (
+            f"{self.field} = {_shown(self.value)} of {self.preset!r}: with {_shown(self.cheaper)} "
+            f"the work is {self.saving:.2g} times less, and the boundary moves by "
+            f"{100 * self.moves:.2f} %"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Trade:
+    """Speed and accuracy of numerical choices on a scene.
+
+    Attributes
+    ----------
+    title : str
+        Title of the scene.
+    points : tuple of Point
+        Points at which the errors are measured.
+    base : str
+        Preset that was varied.
+    choices : tuple of Choice
+        Fidelities that were measured, the reference last.
+    wasted : tuple of Finding
+        Choices of the base that cost much and gain nothing.
+    not_converged : tuple of str
+        Choices that did not converge, and why.
+    """
+
+    title: str
+    points: tuple[Point, ...]
+    base: str
+    choices: tuple[Choice, ...]
+    wasted: tuple[Finding, ...]
+    not_converged: tuple[str, ...] = ()
+
+    @property
+    def reference(self) -> Choice:
+        """The choice that the others are compared with."""
+        return self.choices[-1]
+
+    @property
+    def front(self) -> tuple[Choice, ...]:
+        """Choices that no other one beats in both work and error, the cheapest first."""
+        best, choices = math.inf, []
+        for choice in sorted(self.choices, key=lambda choice: (choice.work, choice.velocity_error)):
+            if choice.velocity_error < best:
+                best = choice.velocity_error
+                choices.append(choice)
+        return tuple(choices)
+
+    def cheapest(self, error: float) -> Choice:
+        """The choice of least work whose boundary velocity errs by no more than `error`."""
+        return min(
+            (choice for choice in self.choices if choice.velocity_error <= error),
+            key=lambda choice: choice.work,
+        )
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """Cost and errors of the choices, one in a row."""
+        names = as_dict(pd.DataFrame(columns=[*_HEADS]))
+        return frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all of it as plain data."""
+        return asdict(self) | {
+            "points": [{"load": point.load, "velocity": point.velocity} for point in self.points],
+            "front": [choice.name for choice in self.front],
+            "cheapest_within": {f"{bound:g}": self.cheapest(bound).name for bound in _BOUNDS},
+        }
+
+    def __str__(self) -> str:
+        places = ", ".join(f"{point.load:g} N {point.velocity:.3g} m/s" for point in self.points)
+        lines = [
+            f"{self.title}: speed against accuracy at",
+            f"  {places}",
+            "",
+            *lines_of(self.table),
+            "",
+            "Largest errors at these points: of boundary velocity, decisive rise, contact width",
+            "and failed share; and of contact area, mean pressure and share of the contact at the",
+            "hardness, which the size of the elements decides. All are against the reference on",
+            "the same pixels, without the margin for other points that --accuracy adds.",
+            "",
+            *(
+                f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"
+                for bound in _BOUNDS
+            ),
+            *(f"wasted: {finding}" for finding in self.wasted),
+            *(f"no result: {reason}" for reason in self.not_converged),
+        ]
+        return "\n".join(lines)
+
+
+def _shown(value: Any) -> str:
+    """A value as it is printed."""
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def trade(
@@ -81,25 +225,18 @@ def trade(
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("friction is 0, so there is no boundary; give one above 0")
-    without_surfaces = sweep.changed(variants=Variants())
-    asked = tuple(in_si("load", load, "600 N") for load in loads or ())
-    asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
-    places, exponents = near_the_boundary(sweep, [Target(load) for load in asked])
+    asked = [Target(in_si("load", load, "600 N")) for load in loads or ()]
+    asked = asked or [*some_places(sweep.changed(variants=Variants()), _LOADS)]
+    places, exponents = near_the_boundary(sweep, asked)
     exact = on_pixels(sweep, PRESETS["reference"])
-    candidates = _candidates(sweep, presets, base)
     stages = staged(
-        [("reference", None, exact), *candidates],
+        [("reference", None, exact), *_candidates(sweep, presets, base)],
         progress,
         name=lambda stage: stage[0],
         weight=lambda stage: _work(stage[2]),
     )
     next(stages)
     reference = probe(sweep, exact, places, with_memory=True)
-
-    def choice(name: str, varied: str | None, measured: Probe) -> Choice:
-        errors = velocity_errors(measured.readings, reference.readings, exponents)
-        return _choice(name, varied, measured, reference, errors)
-
     choices, failed = [], []
     for name, varied, fidelity in stages:
         try:
@@ -107,8 +244,8 @@ def trade(
         except ConvergenceError as error:
             failed.append(f"{name}: {error}")
         else:
-            choices.append(choice(name, varied, tried))
-    choices.append(choice("reference", None, reference))
+            choices.append(_choice(name, varied, tried, reference, exponents))
+    choices.append(_choice("reference", None, reference, reference, exponents))
     return Trade(
         title=sweep.about.title,
         points=places,
@@ -142,12 +279,10 @@ def _candidates(
         for field, values in _variations(start, sweep.scene.unequal_bulks).items():
             for value in values:
                 changed = on_pixels(sweep, replace(start, **{field: value}))
-                candidates.append((f"{base}, {field} = {shown(value)}", field, changed))
-    unique: dict[Fidelity, tuple[str, str | None, Fidelity]] = {}
-    for candidate in candidates:
-        unique.setdefault(candidate[2], candidate)
-    unique.pop(on_pixels(sweep, PRESETS["reference"]), None)
-    return list(unique.values())
+                candidates.append((f"{base}, {field} = {_shown(value)}", field, changed))
+    first = {candidate[2]: candidate for candidate in reversed(candidates)}
+    first.pop(on_pixels(sweep, PRESETS["reference"]), None)
+    return [candidate for candidate in candidates if candidate in first.values()]
 
 
 def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ...]]:
@@ -170,16 +305,21 @@ def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ..
 
 
 def _choice(
-    name: str, varied: str | None, measured: Probe, reference: Probe, errors: tuple[float, ...]
+    name: str,
+    varied: str | None,
+    measured: Probe,
+    reference: Probe,
+    exponents: Sequence[float],
 ) -> Choice:
-    """A choice against the reference, with its errors of the boundary velocity."""
+    """A choice against the reference."""
+    errors = velocity_errors(measured.readings, reference.readings, exponents)
 
     def largest(name: str, relative: bool = True) -> float:
         """Largest error of a value at any point, with its sign."""
         readings = zip(measured.readings, reference.readings, strict=True)
         pairs = ((getattr(one, name), getattr(true, name)) for one, true in readings)
-        errors = [one / true - 1 if relative else one - true for one, true in pairs]
-        return float(max(errors, key=abs))
+        off = (one / true - 1 if relative else one - true for one, true in pairs)
+        return float(max(off, key=abs))
 
     return Choice(
         name=name,
