@@ -1,5 +1,4 @@
 from .analysis.boundary import boundary as boundary
-from .analysis.conditions import at_wear_rate as at_wear_rate
 from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.decisive import decisive_temperature as decisive_temperature
@@ -8,6 +7,7 @@ from .analysis.difference import diff as diff
 from .analysis.margins import margin_table as margin_table
 from .analysis.margins import margins as margins
 from .analysis.scenes import at_entries as at_entries
+from .analysis.scenes import at_wear_rate as at_wear_rate
 from .analysis.warned_points import warned as warned
 from .figures.page.write import explore as explore
 from .figures.plot import plot as plot

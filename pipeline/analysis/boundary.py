@@ -18,7 +18,6 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
 from pipeline.analysis.dataset import (
     asked,
     attributes_of,
@@ -28,7 +27,7 @@ from pipeline.analysis.dataset import (
     require_plane,
     variant_of,
 )
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import Bulk, attributes_by, conditions_of, decisive_rise
 from pipeline.analysis.scenes import differing, scenes, stacked
 from pipeline.analysis.transition import (
     ABOVE,
@@ -88,20 +87,16 @@ def boundary(
     -------
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first crossing
-        from mild to severe wear, NaN where the computed points do not cross. ``outcome_at_load``
-        and ``outcome_at_velocity`` give the reason: mild throughout or severe throughout,
-        where the outermost points of the scene's own range are done and say so; above or below what
-        was computed, where they are not; or not known for want of points. ``computed_from_at_load``
-        and ``computed_to_at_load`` are the lowest and highest velocity computed [m/s], likewise
-        ``computed_from_at_velocity``. ``rise_exponent_at_load`` is d ln(rise) over
-        d ln(velocity) at the crossing: an error of the rise, divided by it, is that of the critical
-        velocity. ``missing_at_load`` and
-        ``missing_at_velocity`` count the points that are pending or failed, ``bridged_at_load``
-        and ``bridged_at_velocity`` those of them that a crossing is interpolated across. The
-        conditions are attributes, whose units are in ``units_of_attributes``, and
-        ``missing_points`` is the total of those that are missing. Where the scene gives an oil,
-        ``film_parameter_at_load`` and ``film_parameter_at_velocity`` are the film parameters at
-        the crossings (see `pipeline.sweep.surface`).
+        from mild to severe wear, NaN where the computed points do not cross. With each, by the
+        suffix ``_at_load`` or ``_at_velocity``: ``outcome``, which gives the reason (mild or severe
+        throughout, where the outermost points of the scene's own range are done and say so; above
+        or below what was computed; not known for want of points); ``computed_from`` and
+        ``computed_to``, the ends of what was computed [m/s, N]; ``missing``, the points that are
+        pending or failed, and ``bridged``, those of them that a crossing is interpolated across;
+        ``film_parameter``, where the scene gives an oil. ``rise_exponent_at_load`` is d ln(rise)
+        over d ln(velocity) at the crossing: an error of the rise, divided by it, is that of the
+        critical velocity. The conditions are attributes, whose units are in
+        ``units_of_attributes``, and ``missing_points`` is the total of those that are missing.
 
         Over several surfaces all have a dimension ``realization`` in front, and there are also
         ``critical_velocity_quantile(quantile, load)``, the velocity below which 10, 50 and 90 %
@@ -277,14 +272,11 @@ def with_band(boundaries: xr.Dataset, variant: str | None) -> xr.Dataset:
         )
         crossing = (outcome == CROSSES).sum(variant)
         certain = outcome.isin((CROSSES, MILD, SEVERE)).sum(variant)
+        quantiles = quantiles.transpose(..., "quantile", axis)
         columns = {
             f"{name}_mean": (mean, unit, "mean over the surfaces"),
             f"{name}_spread": (spread, unit, "their standard deviation"),
-            f"{name}_quantile": (
-                quantiles.transpose(..., "quantile", axis),
-                unit,
-                "that a share of the surfaces stays below",
-            ),
+            f"{name}_quantile": (quantiles, unit, "that a share of the surfaces stays below"),
             f"crossing_at_{axis}": (crossing, "1", "surfaces that cross"),
             f"known_at_{axis}": (certain, "1", "surfaces whose outcome is known"),
         }
@@ -316,12 +308,11 @@ def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Ar
 
     One above what was computed may lie anywhere there, and one below likewise.
     """
-    infinite = np.full(places.shape, np.inf)
     is_kind = [outcomes == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
-    low = np.select(is_kind, [places, infinite, -infinite, last, -infinite], math.nan)
-    high = np.select(is_kind, [places, infinite, -infinite, infinite, first], math.nan)
-    is_finite = ~np.isnan(low)
-    return (low[is_finite], high[is_finite]) if is_finite.any() else (np.array([math.nan]),) * 2
+    low = np.select(is_kind, [places, np.inf, -np.inf, last, -np.inf], math.nan)
+    high = np.select(is_kind, [places, np.inf, -np.inf, np.inf, first], math.nan)
+    is_known = ~np.isnan(low)
+    return (low[is_known], high[is_known]) if is_known.any() else (np.array([math.nan]),) * 2
 
 
 def quantile(low: Array, high: Array, share: float) -> float:

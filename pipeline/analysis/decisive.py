@@ -1,14 +1,19 @@
-"""The rise that decides at each point of a stored sweep, and temperatures that follow from it."""
+"""The conditions that a stored sweep is judged by, the rise that decides, and temperatures."""
 
 from __future__ import annotations
 
 import itertools
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
 from pipeline.analysis.dataset import (
+    attributes_of,
     dataset_of,
     own_wear_rate,
     plane_of,
@@ -17,18 +22,101 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.scenes import by_scene
 from pipeline.analysis.transition import certain, interpolated
+from pipeline.scene.faults import quoted
+from pipeline.scene.units import in_si, share_of
 from pipeline.store.schema import DONE, PLANE
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, changes_of
 from pipeline.sweep.criterion import (
     columns_needed,
     contact_temperature,
     failed_fraction,
+    require_bulks,
     rise_limit,
     worst_rises,
 )
+from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
+
+Bulk = float | str | Mapping[str, float | str]
+"""A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
+
+CONDITIONS = (
+    "friction", "bulk_temperature", "critical_temperature", "share", "criterion", "own_laws",
+)  # fmt: skip
+"""Names of the conditions that may be given in place of the sweep's own, and the permission."""
+
+_STORED = {entry.name for entry in fields(Conditions)} - {"own_criterion"}
+COLDEST_OIL, HOTTEST_OIL = 220.0, 900.0
+"""Bulk temperatures between which an oil may work [K]."""
+
+
+def conditions_of(
+    ds: xr.Dataset,
+    friction: float | None = None,
+    bulk_temperature: Bulk | None = None,
+    critical_temperature: float | str | None = None,
+    share: float | str | None = None,
+    criterion: str | None = None,
+    own_laws: bool = False,
+) -> Conditions:
+    """Take the sweep's own conditions, and those that are given in their place."""
+    bulk: Any = bulk_temperature
+    stored = attributes_of(ds).get("conditions") or {}
+    values = {name: value for name, value in stored.items() if name in _STORED} | changes_of(
+        friction,
+        {body: _kelvin("bulk_temperature", one) for body, one in bulk.items()}
+        if isinstance(bulk, Mapping)
+        else _kelvin("bulk_temperature", bulk),
+        _kelvin("critical_temperature", critical_temperature),
+        None if share is None else share_of(share),
+        criterion,
+        own_laws,
+    )
+    named = str(values.get("criterion", ""))
+    if ":" in named and "own_criterion" not in values:
+        raise OwnLawError(
+            f"the store was judged by the criterion {quoted(named)} (SHA-256 "
+            f"{stored.get('criterion_hash')}), which is code, and nothing that a store names is "
+            f"run; give --criterion={quoted(named)} --own-laws in the folder of its file, or "
+            "another, such as --criterion=share"
+        )
+    for name in ("friction", "failing_share", "bulk_temperature"):
+        if values.get(name) is None:
+            raise InputError(f"the sweep has no {name} of its own; give one")
+    conditions = Conditions(**values)
+    require_bulks(ds, conditions)
+    if conditions.friction and not attributes_of(ds).get("scene", {}).get("friction_heat", True):
+        raise InputError(
+            f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
+            "so without any heat: run it again with friction, into another store"
+        )
+    return conditions
+
+
+def _kelvin(name: str, value: float | str | None) -> float | None:
+    """Read a temperature [K], and refuse one at which no oil works."""
+    if isinstance(value, str):
+        value = in_si(name, value, "80 degC")
+    if value is None or isinstance(value, Iterable):
+        return value  # several are refused with the other conditions
+    hottest = HOTTEST_OIL if name == "bulk_temperature" else np.inf
+    if value < COLDEST_OIL or hottest < value < np.inf:
+        raise InputError(
+            f"{name} is {value - 273.15:.4g} °C ({value:g} K), at which no oil works; give one "
+            f"from {COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
+            'text has its unit, such as "80 degC"'
+        )
+    return value
+
+
+def attributes_by(conditions: Conditions) -> dict[str, Any]:
+    """Conditions as attributes of types that netCDF can store; corrections as JSON."""
+    plain = conditions.as_dict()
+    if "corrections" in plain:
+        plain["corrections"] = json.dumps(plain["corrections"])
+    return plain
 
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
@@ -125,19 +213,16 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
     It is NaN beyond the outermost points that are done. With a limit, above which wear is severe
     [K], it is extrapolated as a power of velocity: below mild points and above severe ones.
     """
-    loads, velocities = rise["load"].values, rise["velocity"].values
-    axes = {
-        "load": np.linspace(loads[0], loads[-1], resolution),
-        "velocity": np.linspace(velocities[0], velocities[-1], resolution),
-    }
+    x = {name: rise[name].values for name in PLANE}
+    axes = {name: np.linspace(values[0], values[-1], resolution) for name, values in x.items()}
 
-    def at_velocities(row: Array) -> Array:
-        if limit is None:
-            return interpolated(velocities, row, axes["velocity"])
-        return certain(velocities, row, axes["velocity"], limit)
+    def along(name: str, row: Array) -> Array:
+        if name == "load" or limit is None:
+            return interpolated(x[name], row, axes[name])
+        return certain(x[name], row, axes[name], limit)
 
-    rows = np.apply_along_axis(at_velocities, -1, rise.values)
-    plane = np.apply_along_axis(lambda column: interpolated(loads, column, axes["load"]), -2, rows)
+    rows = np.apply_along_axis(partial(along, "velocity"), -1, rise.values)
+    plane = np.apply_along_axis(partial(along, "load"), -2, rows)
     coords = {
         name: (name, axes[str(name)], coord.attrs) if name in axes else coord.variable
         for name, coord in rise.coords.items()
@@ -145,7 +230,6 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
 
 
-@by_scene
 def decisive_temperature(
     ds: xr.Dataset,
     friction: float | None = None,
@@ -177,21 +261,19 @@ def decisive_temperature(
     >>> temperature.sel(load=600, velocity=1.6).round().item()
     444.0
     """
-    ds = plane_of(ds)
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion, own_laws
-    )
-    rise = decisive_rise(ds, conditions)
-    temperature = contact_temperature(rise, conditions)
-    temperature.attrs = {
-        "units": "K",
-        "long_name": f"deciding temperature, {conditions.decisive.temperature}",
-        **attributes_by(conditions),
-    }
-    return temperature.rename("decisive_temperature")
+    given = friction, bulk_temperature, critical_temperature, share, criterion, own_laws
+
+    def of_scene(scene: xr.Dataset) -> xr.DataArray:
+        scene = plane_of(scene)
+        conditions = conditions_of(scene, *given)
+        temperature = contact_temperature(decisive_rise(scene, conditions), conditions)
+        words = f"deciding temperature, {conditions.decisive.temperature}"
+        temperature.attrs = {"units": "K", "long_name": words, **attributes_by(conditions)}
+        return temperature.rename("decisive_temperature")
+
+    return by_scene(ds, of_scene)
 
 
-@by_scene
 def temperatures(
     ds: xr.Dataset,
     friction: float | None = None,
@@ -225,10 +307,15 @@ def temperatures(
     >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
     463.0
     """
+    given = friction, bulk_temperature, critical_temperature
     # No temperature depends on the criterion, and that of a store may be code.
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, criterion="share"
+    return by_scene(
+        ds, lambda scene: _temperatures(scene, conditions_of(scene, *given, criterion="share"))
     )
+
+
+def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+    """Temperatures of one scene."""
     rises = sweep_at_bulks(ds, conditions)
     attributes = attributes_by(conditions)
     del attributes["criterion"]

@@ -37,29 +37,18 @@ _STATES = {DONE: "done", FAILED: "failed"}
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Differences between two stores, A and B.
+    """Differences between two stores, A and B."""
 
-    Attributes
-    ----------
-    entries : DataFrame
-        Entries of the scenes that differ: ``entry``, ``a``, ``b``.
-    boundary : DataFrame
-        Critical velocities at the loads that both have, medians over several surfaces, each under
-        the conditions of its own scene: ``load [N]``, ``a [m/s]``, ``b [m/s]``, ``change [%]``,
-        ``outcome a`` and ``outcome b``. Of rows with places of their own, margins by row:
-        labels, ``a [K]``, ``b [K]``, ``change [K]``, verdicts, and ``in b`` what is other there.
-    points : DataFrame
-        Points that are done in one store alone, or whose highest rises differ: ``load [N]``,
-        ``velocity [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``
-        and ``change [%]``.
-    alike : int
-        Number of points that are done in both, with equal rises.
-    """
-
-    entries: pd.DataFrame
+    entries: pd.DataFrame  #: Entries of the scenes that differ: ``entry``, ``a``, ``b``.
+    #: Critical velocities at the loads of both, each by its own conditions: ``load [N]``, ``a
+    #: [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``. Of rows with places of
+    #: their own margins: labels, ``a [K]``, ``b [K]``, ``change [K]``, verdicts, and ``in b`` what
+    #: is other there.
     boundary: pd.DataFrame
+    #: Points done in one alone or with other rises: ``load [N]``, ``velocity [m/s]``, ``variant``,
+    #: ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]`` and ``change [%]``.
     points: pd.DataFrame
-    alike: int
+    alike: int  #: Points that are done in both, with equal rises.
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
@@ -116,9 +105,8 @@ def diff(
 
 def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     """Entries that differ, in the order of the scene."""
-    values = [entries_of(attributes_of(ds)) for ds in (a, b)]
-    paths = dict.fromkeys([*values[0], *values[1]])
-    rows = ((path, *(entries.get(path) for entries in values)) for path in paths)
+    of_a, of_b = (entries_of(attributes_of(ds)) for ds in (a, b))
+    rows = ((path, of_a.get(path), of_b.get(path)) for path in of_a | of_b)
     return frame_of(("entry", "a", "b"), (row for row in rows if row[1] != row[2]))
 
 
@@ -126,15 +114,14 @@ def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
     """Critical velocities at the loads of both; none where wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
-        crossings = [_crossings(ds, **criterion) for ds in (a, b)]
+        one, other = (_crossings(ds, **criterion) for ds in (a, b))
     except OwnLawError:
         raise
     except InputError:  # no critical temperature, or samples, whose boundary is a probability
         return frame_of(heads, ())
-    loads = sorted(crossings[0].keys() & crossings[1].keys())
     rows = []
-    for load in loads:
-        (first, of_a), (second, of_b) = (crossing[load] for crossing in crossings)
+    for load in sorted(one.keys() & other.keys()):
+        (first, of_a), (second, of_b) = one[load], other[load]
         rows.append((load, first, second, second / first - 1, of_a, of_b))
     return frame_of(heads, rows)
 
@@ -164,14 +151,12 @@ def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
 
 def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
     """Critical velocity and outcome at each load; over several surfaces the median."""
-    boundaries = boundary(ds, **criterion)
-    meanings, outcome = outcomes("velocity"), boundaries["outcome_at_load"]
-    words = [
-        ", ".join(meanings[code] for code in np.unique(codes))
-        for codes in outcome.transpose("load", ...).values
-    ]
-    values = zip(middle_of(boundaries, "critical_velocity").values.tolist(), words, strict=True)
-    return dict(zip(boundaries["load"].values.tolist(), values, strict=True))
+    boundaries, meanings = boundary(ds, **criterion), outcomes("velocity")
+    middles = middle_of(boundaries, "critical_velocity").values.tolist()
+    codes = boundaries["outcome_at_load"].transpose("load", ...).values
+    words = (", ".join(meanings[code] for code in np.unique(here)) for here in codes)
+    loads = boundaries["load"].values.tolist()
+    return dict(zip(loads, zip(middles, words, strict=True), strict=True))
 
 
 def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
@@ -220,16 +205,11 @@ _ATTRIBUTES = (
     "samples", "sample_seed", "wear_rates", "measured", "tested", "preset",
 )  # fmt: skip
 _NOT_SHOWN = (
-    "friction_heat",
-    "unequal_bulks",
-    "lubrication.",
-    "sweep.samples.",
-    "conditions.corrections.course",
-    "conditions.corrections.motion",
+    "friction_heat", "unequal_bulks", "lubrication.", "sweep.samples.",
+    "conditions.corrections.course", "conditions.corrections.motion",
     "conditions.corrections.rate",
-)
+)  # fmt: skip
 """Paths of values that follow from other entries."""
-_TESTS = ("measured.", "tested.")
 _TYPES = tuple(
     f"{name}.type"
     for name in ("material", "disk", "pixels", "loading", "roughness", "wear", "motion", "fidelity")
@@ -283,11 +263,12 @@ _UNITS = {
     "mm² K/W": ("film_resistance",),
     "MJ/(m³ K)": ("heat_capacity",),
 }
+_DIGEST = re.compile(r"(sha256:)?[0-9a-f]{32,64}")  # of an array, beside which words stand
 _UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
 
 
 def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Entries of a store's scene by their paths in a scene file, those that have a value."""
+    """Entries of a store by their paths in a scene file, those that have a value."""
     entries = {}
     for attribute in _ATTRIBUTES:
         prefix = "" if attribute == "scene" else attribute
@@ -298,19 +279,12 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
             if path == "pixels.periodic":
                 repeated = [axis for axis, repeats in zip("xy", value, strict=True) if repeats]
                 entries[entry] = f"along {' and '.join(repeated)}" if repeated else "no"
-            elif path.startswith("roughness.") and _is_digest(value):
-                continue  # its words stand beside
-            else:
+            elif not (path.startswith("roughness.") and _DIGEST.fullmatch(str(value))):
                 entries[entry] = in_usual_unit(path, value)
     for data in attributes.get("unknown") or []:
         path, _, distribution = str(Unknown.from_dict(data)).partition(": ")
         entries[f'unknown."{path}"'] = distribution
     return entries
-
-
-def _is_digest(value: Any) -> bool:
-    """True of the hash of an array, which says nothing to a reader."""
-    return isinstance(value, str) and re.fullmatch(r"(sha256:)?[0-9a-f]{32,64}", value) is not None
 
 
 def in_usual_unit(path: str, value: Any) -> str:
@@ -334,7 +308,9 @@ def _in_scene(path: str) -> str:
     for name, other in _PATHS.items():
         if path == name or path.startswith(f"{name}."):
             return other + path[len(name) :]
-    return path.replace("normal_load", "load") if path.startswith(_TESTS) else path
+    return (
+        path.replace("normal_load", "load") if path.startswith(("measured.", "tested.")) else path
+    )
 
 
 def _text(value: Any, unit: str) -> str:
@@ -344,6 +320,6 @@ def _text(value: Any, unit: str) -> str:
     if isinstance(value, list):
         items = [_text(item, unit).removesuffix(f" {unit}") for item in value]
         return f"{', '.join(items)} {unit}".rstrip()
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if not isinstance(value, int | float):
         return str(value)
     return display(value, unit) if unit else f"{value:g}"

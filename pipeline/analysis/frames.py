@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of, entry_dims, plane_of, variant_of
+from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
 from pipeline.analysis.margins import notes_of, rows_of
-from pipeline.analysis.scenes import entry_heads, frame_by_scene, planes
+from pipeline.analysis.scenes import frame_by_scene, heads_of, planes
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
 from pipeline.sweep.conditions import Conditions
@@ -56,7 +56,7 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     for judged in ("friction", *JUDGED):
         if judged not in frame:
             frame[judged] = boundaries.attrs.get(judged)
-    heads = entry_heads(boundaries[name]) | {axis: f"{axis} [{UNITS[axis]}]"} | JUDGED
+    heads = heads_of(boundaries[name]) | {axis: f"{axis} [{UNITS[axis]}]"} | JUDGED
     names = [*dict.fromkeys([*dims[:-1], "friction", axis, *values, *JUDGED])]
     rows = frame[names].itertuples(index=False, name=None)
     return frame_of([heads.get(column, column) for column in names], rows)
@@ -65,7 +65,8 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
 def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Crossings of one surface, by their heads."""
     other = name.removeprefix("critical_")
-    codes, *ends = (boundaries[f"{part}_at_{axis}"] for part in _OUTCOME)
+    parts = "outcome", "computed_from", "computed_to"
+    codes, *ends = (boundaries[f"{part}_at_{axis}"] for part in parts)
     worded = np.vectorize(
         lambda code, *ends: in_words(outcomes(other)[code], ends, other), otypes=[object]
     )
@@ -92,9 +93,6 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
             yield "cross" if code == CROSSES else words, (codes == code).sum(variant)
     bridged = (boundaries[f"bridged_at_{axis}"] > 0).sum(variant)
     yield "of them across points not done", bridged.where(bridged > 0)
-
-
-_OUTCOME = "outcome", "computed_from", "computed_to"
 
 
 def frictions_of(boundaries: xr.Dataset) -> list[float]:

@@ -34,57 +34,26 @@ class Margin:
 
     Beyond the velocities computed at a load the rise is extrapolated as a power of the velocity,
     such as in a sweep of the boundary alone. The boundary is not extrapolated.
-
-    Attributes
-    ----------
-    load : float
-        Normal load on the whole pin [N].
-    velocity : float
-        Sliding velocity [m/s].
-    realization : int or None
-        Seed of the random surface, in a sweep over several.
-    entries : mapping
-        Values of entries with several, by their paths [SI].
-    decisive_temperature : float
-        Temperature of the contact that decides [K].
-    is_severe : bool
-        Severe wear by the deciding temperature as it was found, whatever its error.
-    error : RiseError
-        Error of the deciding temperature by its three parts [K].
-    is_computed : bool
-        That very point is done, and the temperature not interpolated.
-    is_continued : bool
-        Temperature extrapolated beyond the computed points.
-    critical_temperature : float
-        Temperature above which the lubricant fails [K].
-    critical_velocity, critical_load : float
-        Velocity [m/s] at this load, and load [N] at this velocity, at which wear turns severe; NaN
-        where the sweep does not reach the transition.
-    velocity_outcome, load_outcome : str
-        One of `pipeline.analysis.transition.outcomes`, along the velocity and along the load.
-    velocity_range, load_range : tuple of float
-        Lowest and highest velocity [m/s] and load [N] computed there.
-    velocity_bridged, load_bridged : int
-        Pending or failed points that the critical velocity and load are interpolated across.
     """
 
-    load: float
-    velocity: float
-    realization: int | None
-    decisive_temperature: float
-    is_severe: bool
-    error: RiseError
-    is_computed: bool
-    is_continued: bool
-    critical_temperature: float
-    critical_velocity: float
-    critical_load: float
-    velocity_outcome: str
-    load_outcome: str
-    velocity_range: tuple[float, float]
-    load_range: tuple[float, float]
-    velocity_bridged: int
-    load_bridged: int
+    load: float  #: Normal load on the whole pin [N].
+    velocity: float  #: Sliding velocity [m/s].
+    realization: int | None  #: Seed of the random surface, in a sweep over several.
+    decisive_temperature: float  #: Temperature of the contact that decides [K].
+    is_severe: bool  #: Severe wear by that temperature as it was found, whatever its error.
+    error: RiseError  #: Error of that temperature by its three parts [K].
+    is_computed: bool  #: That very point is done, and the temperature not interpolated.
+    is_continued: bool  #: Temperature extrapolated beyond the computed points.
+    critical_temperature: float  #: Temperature above which the lubricant fails [K].
+    critical_velocity: float  #: At this load [m/s]; NaN if the sweep does not reach it.
+    critical_load: float  #: At this velocity [N]; NaN if the sweep does not reach it.
+    velocity_outcome: str  #: One of `pipeline.analysis.transition.outcomes`.
+    load_outcome: str  #: Likewise, along the load.
+    velocity_range: tuple[float, float]  #: Lowest and highest velocity computed there [m/s].
+    load_range: tuple[float, float]  #: Lowest and highest load computed there [N].
+    velocity_bridged: int  #: Points not done that the critical velocity is interpolated across.
+    load_bridged: int  #: Points not done that the critical load is interpolated across.
+    #: Values of entries with several, by their paths [SI].
     entries: Mapping[str, float | str] = field(default_factory=dict)
 
     @property

@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 import scipy  # loads its parts when they are used
@@ -57,31 +57,25 @@ class RiseError:
     @property
     def total(self) -> float | None:
         """Sum of the parts; None where one is."""
-        parts = (self.interpolation, self.preset, self.warned)
+        parts = astuple(self)
         return None if None in parts else sum(filter(None, parts))
 
     @property
     def worded(self) -> str:
         """The error [K] and its parts in words."""
-        parts = {
-            "interpolation": self.interpolation,
-            "preset": self.preset,
-            "warned points": self.warned,
-        }
+        names = "interpolation", "preset", "warned points"
+        parts = dict(zip(names, astuple(self), strict=True))
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
-        unknown = " and ".join(name for name, part in parts.items() if part is None)
-        if unknown:
-            return f"not known, since that of {unknown} is not known" + (
-                f" ({known})" if known else ""
-            )
+        if unknown := " and ".join(name for name, part in parts.items() if part is None):
+            beside = f" ({known})" if known else ""
+            return f"not known, since that of {unknown} is not known{beside}"
         return f"± {self.total:.2g} K" + (f": {known}" if known else "")
 
     def times(self, factor: float) -> RiseError:
         """The parts times a factor; all are 0 where the factor is 0."""
         if factor == 0:
             return RiseError(0.0, 0.0, 0.0)
-        parts = (self.interpolation, self.preset, self.warned)
-        return RiseError(*(None if part is None else factor * part for part in parts))
+        return RiseError(*(None if part is None else factor * part for part in astuple(self)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,21 +119,15 @@ def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
     Its shape is (n_surface, 2 n_load − 1, 2 n_velocity − 1); NaN where it is not known.
     """
     promised = velocity_error(attributes_of(ds))
-    loads, velocities = (_with_middles(rise[name].values) for name in ("load", "velocity"))
-
-    def at(grid: RisePlane, load: float, velocity: float) -> float:
-        total = rise_error(grid, load, velocity, promised).total
-        return math.nan if total is None else total
-
-    planes = [[[at(grid, f, v) for v in velocities] for f in loads] for grid in grids_of(ds, rise)]
-    return np.array(planes, dtype=float)
-
-
-def _with_middles(x: Array) -> list[float]:
-    """Abscissae, and those midway between each two of them."""
-    ends = np.repeat(x, 2)
-    middles: list[float] = ((ends[1:] + ends[:-1]) / 2).tolist()
-    return middles
+    twice = (np.repeat(rise[name].values, 2) for name in ("load", "velocity"))
+    loads, velocities = (((x[1:] + x[:-1]) / 2).tolist() for x in twice)
+    totals = [
+        rise_error(grid, load, velocity, promised).total
+        for grid in grids_of(ds, rise)
+        for load in loads
+        for velocity in velocities
+    ]
+    return np.array(totals, dtype=float).reshape(-1, len(loads), len(velocities))
 
 
 def rise_error(

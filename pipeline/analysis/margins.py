@@ -14,7 +14,6 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.boundary import BAND
-from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import (
     asked,
     attributes_of,
@@ -24,7 +23,7 @@ from pipeline.analysis.dataset import (
     require_plane,
     with_wear_rates,
 )
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import Bulk, conditions_of, decisive_rise
 from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
 from pipeline.analysis.margin_error import grids_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
@@ -231,7 +230,7 @@ def frame_of_points(
     The answer ends with the note. Where a point raises an `InputError`, that is the note, and its
     verdict is not known.
     """
-    results = _results(heads, [(place, partial(answer, *place)) for place in points.places])
+    results = _results(heads, points.places, [partial(answer, *place) for place in points.places])
     others = {
         f"{head} (given)" if head in {*results, *as_dict(results)} else head: values
         for head, values in points.others.items()
@@ -241,11 +240,12 @@ def frame_of_points(
 
 def _results(
     heads: Sequence[str],
-    asked: Iterable[tuple[tuple[float, float], Callable[[], Sequence[Any]]]],
+    places: Iterable[tuple[float, float]],
+    answers: Iterable[Callable[[], Sequence[Any]]],
 ) -> pd.DataFrame:
     """Frame of answers at places; where an `InputError` stands for one it is the note."""
     rows = []
-    for place, answer in asked:
+    for place, answer in zip(places, answers, strict=True):
         try:
             rows.append((*place, *answer()))
         except InputError as error:
@@ -255,13 +255,12 @@ def _results(
 
 def frame_of_rows(ds: xr.Dataset, rows: Iterable[JudgedRow]) -> pd.DataFrame:
     """Frame of the rows of the table of variants that have places of their own, with margins."""
-    rows = [row for row in rows if row.place]
-    held = [name for row in rows[:1] for name in row.shown]
-    names = [name for name in held if name not in (PLACE, VARIANT)] or held
-    heads = heads_of(ds, names)
-    labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in rows])
-    asked = [(row.place or (np.nan, np.nan), lambda row=row: _of_one(row.here())) for row in rows]
-    return pd.concat([labels, _results(_HEADS, asked)], axis="columns")
+    placed = {row: row.place for row in rows if row.place}
+    held = [name for row in [*placed][:1] for name in row.shown]
+    heads = heads_of(ds, [name for name in held if name not in (PLACE, VARIANT)] or held)
+    labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in placed])
+    answers = [partial(lambda row: _of_one(row.here()), row) for row in placed]
+    return pd.concat([labels, _results(_HEADS, placed.values(), answers)], axis="columns")
 
 
 def labels_of_rows(frame: pd.DataFrame) -> list[str]:
@@ -304,12 +303,12 @@ def notes_of(frame: pd.DataFrame) -> list[str]:
 
 def _note(margins: Sequence[Margin]) -> str | None:
     """Note on critical values that are interpolated across points that are not done."""
-    names = ("velocity", "load")
-    bridged = {name: max(getattr(one, f"{name}_bridged") for one in margins) for name in names}
-    if not any(bridged.values()):
-        return None
-    listed = ", ".join(f"{count} along the {name}" for name, count in bridged.items() if count)
-    return f"points not done next to the transition: {listed}"
+    bridged = {
+        "velocity": max(margin.velocity_bridged for margin in margins),
+        "load": max(margin.load_bridged for margin in margins),
+    }
+    listed = [f"{count} along the {name}" for name, count in bridged.items() if count]
+    return f"points not done next to the transition: {', '.join(listed)}" if listed else None
 
 
 def _of_one(margin: Margin) -> tuple[Any, ...]:
@@ -326,10 +325,9 @@ def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:
     errors = [margin.temperature_error for margin in margins]
     error = None if None in errors else max(filter(None, errors), default=0.0)
     low, middle, high = np.quantile([margin.distance for margin in margins], BAND).tolist()
-    temperature = float(np.median([margin.decisive_temperature for margin in margins]))
-    factors = (
+    temperature, *factors = (
         float(np.median([getattr(margin, name) for margin in margins]))
-        for name in ("velocity_factor", "load_factor")
+        for name in ("decisive_temperature", "velocity_factor", "load_factor")
     )
     values = severe, undecided, len(margins), temperature, error, middle, low, high, *factors
     return verdict, *values, _note(margins)

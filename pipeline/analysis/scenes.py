@@ -1,15 +1,21 @@
-"""The scenes of a sweep in which entries take several values (``[sweep] over``)."""
+"""A sweep at values of entries and wear rates that it was computed for, and scene by scene.
+
+A point at the velocity V and the sweep's own wear rate k has the contacts of V' = Vk/k' at the rate
+k', so that rows at several rates share contacts. Between them the logarithm of the rise is
+interpolated over that of the rate, as it is between velocities.
+"""
 
 from __future__ import annotations
 
-import functools
+import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, Concatenate, ParamSpec, TypeVar, cast
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
+import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.dataset import (
@@ -17,15 +23,18 @@ from pipeline.analysis.dataset import (
     dataset_of,
     entry_dims,
     has_plane,
+    is_emulated,
+    own_wear_rate,
     with_wear_rates,
 )
 from pipeline.analysis.tables import frame_of
-from pipeline.scene.units import display, to_si
+from pipeline.scene.units import display, in_si, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.variants import WEAR_RATE
 from tribo import InputError
+from tribo.types import Array
 
-Given = ParamSpec("Given")
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
 _SHOWN = {"m s-1": "m/s", "m": "mm", "K": "°C", "Pa": "GPa", "m2 N-1": "mm³/(N m)"}
@@ -74,6 +83,111 @@ its scene sweep.over, and run it into another store
     return ds
 
 
+def at_wear_rate(ds: xr.Dataset | PathLike, wear_rate: float | str | None) -> xr.Dataset:
+    """Take a sweep at a specific wear rate, without a new simulation.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store, of a scene with
+        ``[sweep] wear_rates``.
+    wear_rate : float or str or None
+        Specific wear rate [m²/N] or text such as ``"2e-6 mm^3/(N m)"``, within those of the sweep;
+        its own if None.
+
+    Returns
+    -------
+    Dataset
+        The sweep with its contacts at the velocities at which this rate has them, and their rises;
+        these only from when the load of a point is reached on. Without fields, since those were
+        stored at the sweep's own rate alone. The attribute ``wear_rate`` is the rate [m²/N].
+
+    Raises
+    ------
+    InputError
+        If the sweep does not answer for that wear rate.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> pipeline.at_wear_rate(ds, "2e-6 mm^3/(N m)")
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: wear_rate is 2e-06 mm³/(N m); the sweep was computed for its own \
+rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into another store
+    """
+    rows, ds = with_wear_rates(ds), dataset_of(ds)
+    if wear_rate is None:
+        return ds
+    rate = in_si("wear_rate", wear_rate, "2e-6 mm^3/(N m)")
+    if is_emulated(ds):
+        raise InputError(
+            f"wear_rate is {display(rate, 'mm³/(N m)', 4)}, but these samples have it as an input; "
+            f'give --at "wear.specific_wear_rate={rate * 1e9:g} mm^3/(N m)", in Python '
+            "pipeline.Ensemble.of"
+        )
+    attributes = attributes_of(ds)
+    stored_rate = own_wear_rate(ds)
+    if rate == stored_rate:
+        return ds.assign_attrs(wear_rate=rate)
+    _require_known(rate, stored_rate, rows)
+
+    def at_rate(name: str) -> xr.DataArray:
+        values = rows[name].transpose(*ds[name].dims, WEAR_RATE).values
+        return ds[name].copy(data=_power_law(rows[WEAR_RATE].values, values, rate))
+
+    quantile = at_rate("rise_quantile")
+    highest = quantile.isel(cooler_share=-1).assign_attrs(ds["max_rise"].attrs)
+    scale = stored_rate / rate
+    velocities = ds["velocity"] * scale
+    own_range = [velocity * scale for velocity in attributes.get("velocities", [])]
+    left_out = [name for name in ds.data_vars if "x" in ds[name].dims]
+    return (
+        ds.drop_vars(left_out)
+        .assign(
+            rise_quantile=quantile,
+            mean_rise=at_rate("mean_rise"),
+            max_rise=highest,
+            sliding_distance=(ds["sliding_distance"] * scale).assign_attrs(
+                ds["sliding_distance"].attrs
+            ),
+            pin_heat_share=at_rate("pin_heat_share"),
+        )
+        .assign_coords({"velocity": velocities.assign_attrs(ds["velocity"].attrs), WEAR_RATE: rate})
+        .assign_attrs(
+            wear_rate=rate,
+            velocities=json.dumps(own_range),
+            title=f"{attributes.get('title')}, wear rate {display(rate, 'mm³/(N m)', 4)}",
+        )
+    )
+
+
+def _require_known(rate: float, stored_rate: float, rows: xr.Dataset) -> None:
+    text = f"wear_rate is {display(rate, 'mm³/(N m)', 4)}; the sweep was computed for"
+    if not stored_rate:
+        raise InputError(f"{text} a pin that does not wear, and has no others")
+    if WEAR_RATE not in rows.dims:
+        raise InputError(
+            f"{text} its own rate alone, {display(stored_rate, 'mm³/(N m)', 4)}: give its scene "
+            "sweep.wear_rates, and run it into another store"
+        )
+    low, high = rows[WEAR_RATE].values[[0, -1]].tolist()
+    if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
+        ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
+        raise InputError(f"{text} {ends}: give one within")
+
+
+def _power_law(rates: Array, rises: Array, rate: float) -> Array:
+    """Rises at a rate, between those at others along the last axis; NaN where one is not known."""
+    positive = np.all(rises > 0, axis=-1, keepdims=True)
+    logarithms = np.log(np.where(positive, rises, 1.0))
+    curve = scipy.interpolate.PchipInterpolator(np.log(rates), logarithms, axis=-1)
+    power_law = np.exp(curve(np.log(rate)))
+    is_finite = np.isfinite(rises).all(axis=-1)
+    return np.where(is_finite, np.where(positive[..., 0], power_law, 0.0), np.nan)
+
+
 def taken(
     ds: xr.Dataset, values: Mapping[str, float | str]
 ) -> tuple[xr.Dataset, dict[str, float | str]]:
@@ -103,21 +217,11 @@ def with_all_wear_rates(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
         yield ds.isel(dict(zip(names, places, strict=True)))
 
 
-def by_scene(
-    function: Callable[Concatenate[xr.Dataset, Given], Result],
-) -> Callable[Concatenate[xr.Dataset | PathLike, Given], Result]:
-    """Apply a function of one scene to each scene of a sweep, and stack the results."""
-
-    @functools.wraps(function)
-    def of_all(ds: xr.Dataset | PathLike, *args: Given.args, **options: Given.kwargs) -> Result:
-        ds = dataset_of(ds)
-        names = entry_dims(ds)
-        results = [function(scene, *args, **options) for scene in scenes(ds)]
-        result = stacked(results, [ds[name] for name in names])
-        rows = [result.attrs for result in results]
-        return result.assign_coords(differing(rows, [ds[name] for name in names]))
-
-    return cast("Callable[Concatenate[xr.Dataset | PathLike, Given], Result]", of_all)
+def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:
+    """Answers on each scene of a sweep, side by side; what differs is a coordinate."""
+    ds = dataset_of(ds)
+    results, axes = [answer(scene) for scene in scenes(ds)], [ds[name] for name in entry_dims(ds)]
+    return stacked(results, axes).assign_coords(differing([one.attrs for one in results], axes))
 
 
 def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
@@ -134,15 +238,10 @@ def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Datas
         yield values, part.drop_vars([*names, *attributes]).assign_attrs(attributes)
 
 
-def entry_heads(ds: xr.Dataset | xr.DataArray) -> dict[str, str]:
-    """Heads in a data frame of the entries that have several values, by their paths."""
-    return heads_of(ds, entry_dims(ds))
-
-
-def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str]) -> dict[str, str]:
-    """Heads in a data frame of some labels of rows, with the units in which these are shown."""
+def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str] | None = None) -> dict[str, str]:
+    """Heads in a data frame of labels of rows, by default of entries with several values."""
     heads = {}
-    for name in names:
+    for name in entry_dims(ds) if names is None else names:
         unit = _usual_unit(ds[name]) or str(ds[name].attrs.get("units", "1"))
         heads[name] = name if unit in ("", "1") else f"{name} [{unit}]"
     return heads
@@ -160,7 +259,7 @@ def frame_by_scene(
     ds: xr.Dataset, frame_of_scene: Callable[[xr.Dataset], pd.DataFrame]
 ) -> pd.DataFrame:
     """Frames of all scenes below each other, with the values of their entries in front."""
-    heads, frames = entry_heads(ds["status"]), []
+    heads, frames = heads_of(ds["status"]), []
     for scene in scenes(ds):
         frame = frame_of_scene(scene)
         values = frame_of([*heads.values()], [[scene[name].item() for name in heads]] * len(frame))

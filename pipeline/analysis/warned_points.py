@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -21,10 +21,15 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary_under
-from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import attributes_of, dataset_of, entry_dims, has_one_scene
-from pipeline.analysis.decisive import decisive_rise, turns
-from pipeline.analysis.scenes import planes, stacked, value_text
+from pipeline.analysis.dataset import (
+    attributes_of,
+    dataset_of,
+    entry_dims,
+    has_one_scene,
+    has_plane,
+)
+from pipeline.analysis.decisive import conditions_of, decisive_rise, turns
+from pipeline.analysis.scenes import by_scene, planes, stacked, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -39,26 +44,14 @@ from tribo.types import Array
 
 @dataclass(frozen=True, slots=True)
 class Warned:
-    """Points of a sweep that carry a warning, by kind.
+    """Points of a sweep that carry a warning, by kind."""
 
-    Attributes
-    ----------
-    points : int
-        Number of points with at least one warning.
-    kinds : dict of int
-        Number of points with a warning of each kind that occurs.
-    at_boundary : int or None
-        Number of these beside the boundary: a neighbour in load or in velocity has the other kind
-        of wear.
-        None where there is no boundary, for want of a critical temperature.
-    example : str
-        One of the points beside the boundary, or else any of them, with its warning.
-    """
-
-    points: int
-    kinds: dict[str, int]
+    points: int  #: Points with at least one warning.
+    kinds: dict[str, int]  #: Points with a warning of each kind that occurs.
+    #: Those with a neighbour in load or in velocity with the other kind of wear; None where there
+    #: is no boundary, for want of a critical temperature.
     at_boundary: int | None
-    example: str = ""
+    example: str = ""  #: One of these, or else of any, with its warning.
 
     def __add__(self, other: Warned) -> Warned:
         """Points of two sweeps."""
@@ -143,15 +136,18 @@ def _molten(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
     """Points at which steel would have melted; none where no single condition judges them."""
     if isinstance(conditions.get("friction"), Iterable):
         return xr.zeros_like(ds["status"], bool)
-    # Of a criterion that is code nothing runs here; the share serves as well.
-    asked = conditions | {"criterion": "share"}
-    parts = [
-        contact_temperature(decisive_rise(scene, judged), judged) > MELTS
-        for scene in planes(ds)
-        for judged in [conditions_of(scene, **asked)]
-    ]
-    axes = [ds[name] for name in entry_dims(ds)]
-    return stacked(parts, axes) if parts else xr.zeros_like(ds["status"], bool)
+
+    def of_scene(scene: xr.Dataset) -> xr.DataArray:
+        # Of a criterion that is code nothing runs here; the share serves as well.
+        judged = conditions_of(scene, **conditions | {"criterion": "share"})
+        return contact_temperature(decisive_rise(scene, judged), judged) > MELTS
+
+    return _marked(ds, of_scene)
+
+
+def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.DataArray:
+    """Points that are marked in their scene; none where rows have places of their own."""
+    return by_scene(ds, mark) if has_plane(ds) else xr.zeros_like(ds["status"], bool)
 
 
 def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
@@ -208,20 +204,17 @@ def slow_rise(ds: xr.Dataset) -> xr.DataArray:
 
     It is the rise by friction, between bodies of equal temperature.
     """
-    parts = [_of_one(scene) for scene in planes(ds)]
-    axes = [ds[name] for name in entry_dims(ds)]
-    return stacked(parts, axes) if parts else xr.zeros_like(ds["status"], bool)
 
+    def of_scene(scene: xr.Dataset) -> xr.DataArray:
+        stored = attributes_of(scene).get("conditions") or {}
+        kind, share = stored.get("criterion", "share"), stored.get("failing_share") or 0.0
+        plain = Conditions(1.0, 300.0, None, share, criterion=kind if kind in CRITERIA else "share")
+        rise = decisive_rise(scene, plain)
+        x = rise["velocity"].values
+        slow = np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rise.values)
+        return rise.copy(data=slow)
 
-def _of_one(ds: xr.Dataset) -> xr.DataArray:
-    """Those of one scene."""
-    stored = attributes_of(ds).get("conditions") or {}
-    kind, share = stored.get("criterion", "share"), stored.get("failing_share") or 0.0
-    plain = Conditions(1.0, 300.0, None, share, criterion=kind if kind in CRITERIA else "share")
-    rise = decisive_rise(ds, plain)
-    velocities = rise["velocity"].values
-    slow = np.apply_along_axis(lambda row: exponents(velocities, row) < SLOWEST, -1, rise.values)
-    return rise.copy(data=slow)
+    return _marked(ds, of_scene)
 
 
 def exponents(x: Array, y: Array) -> Array:
@@ -245,7 +238,10 @@ _PARTS = {kind.__name__: kind for kind in (Ball, Crowned, Cylinder, Material, Mo
 
 
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> str | None:
-    """Say that bodies roll as if each turn met a cold track; None where none does."""
+    """Say that bodies roll as if each turn met a cold track; None where none does.
+
+    The crossings are the boundary of a sweep under conditions that replace the sweep's own.
+    """
     scene = attributes_of(ds).get("scene", {})
     if not (scene.get("motion") and has_one_scene(ds)) or np.ndim(conditions.get("friction", 0.0)):
         return None
@@ -257,8 +253,8 @@ def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> 
     pin, disk = _made(scene["pin"]), _made(scene["disk"])
     corrections, around = with_turns(judged.corrections, pin, disk, motion)
     warm = boundary_under(ds, replace(judged, corrections=corrections))
-    moved = (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
-    moved = 100 * moved[np.isfinite(moved)]
+    moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
+    moved = moved[np.isfinite(moved)]
     size = "move the boundary to lower velocities, by more than is computed here"
     if moved.size:
         size = f"move the critical velocities by {moved.max():+.0f} to {moved.min():+.0f} %"

@@ -16,8 +16,8 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis import frames
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import attributes_of, has_plane
+from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import LONG, in_counts, margins_at, notes_of
 from pipeline.analysis.scenes import parts_of, words

@@ -17,7 +17,6 @@ from matplotlib.patches import Patch
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from pipeline.analysis.boundary import BAND, boundary_under
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     asked,
     at_labels,
@@ -28,7 +27,7 @@ from pipeline.analysis.dataset import (
     has_plane,
     is_emulated,
 )
-from pipeline.analysis.decisive import decisive_rise, refined
+from pipeline.analysis.decisive import conditions_of, decisive_rise, refined
 from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, CROSSES, Crossing, range_of

@@ -11,9 +11,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import corrected_field, drawn_row, on_surface
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.figures import style
 from pipeline.scene.units import in_si
 from pipeline.sweep.conditions import Conditions

@@ -12,8 +12,8 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.conditions import CONDITIONS
 from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.decisive import CONDITIONS
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import PendingError, fields
 from pipeline.figures.ramp import ramp, temperature

@@ -13,9 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import on_surface, sweep_at_bulks
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.transition import crossing, interpolated
 from pipeline.figures import style
 from pipeline.figures.fields import chosen_points, index_of_load, point_name, require_done_at

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.difference import entries_of
 from pipeline.analysis.frames import JUDGED, agreement, compared, frames_of
 from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of

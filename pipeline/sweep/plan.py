@@ -51,37 +51,20 @@ class Trunk:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointResult:
-    """The result of computing one point.
+    """The result of computing one point."""
 
-    Attributes
-    ----------
-    point : Point
-        Load, velocity and variant.
-    columns : dict of ndarray, shape (n_step,), ``rise_quantile`` (n_step, n_quantile)
-        Values at each station of the point, by variable of the dataset; the last one is its end.
-    state : State
-        State at the end, with temperature; where few elements touch, on smaller ones than the
-        scene's, see `tribo.Fidelity.fewest_elements`.
-    shape : tuple of int
-        Numbers of elements of the scene along x and y.
-    warnings : tuple of PointWarning
-        Reasons for care in relying on the point.
-    trunk : Trunk
-        Trunk of the ramp, which the next higher load continues.
-    at_load : tuple of State
-        States with temperature from when the load is reached on, which decide.
-    wall_time : float
-        Duration of the computation, which may have begun on a trunk [s].
-    """
-
-    point: Point
+    point: Point  #: Load, velocity and variant.
+    #: Values at each station, the end last, by variable of the dataset: shape (n_step,), or
+    #: (n_step, n_quantile).
     columns: dict[str, Array]
+    #: State at the end, with temperature; where few elements touch, on smaller ones than the
+    #: scene's, see `tribo.Fidelity.fewest_elements`.
     state: State
-    shape: tuple[int, int]
-    warnings: tuple[PointWarning, ...]
-    trunk: Trunk
-    at_load: tuple[State, ...]
-    wall_time: float
+    shape: tuple[int, int]  #: Elements of the scene along x and y.
+    warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
+    trunk: Trunk  #: Trunk of the ramp, which the next higher load continues.
+    at_load: tuple[State, ...]  #: States that decide, from when the load is reached on.
+    wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
 
     def __repr__(self) -> str:
         return as_lines(str(self.point), list(on_point(self.columns, self.warnings)))

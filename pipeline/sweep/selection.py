@@ -52,44 +52,20 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The fidelity that was picked, and why.
+    """The fidelity that was picked, and why."""
 
-    Attributes
-    ----------
-    accuracy : float
-        Largest relative error of the boundary velocity that was asked for.
-    name : str
-        Name of the fidelity that was picked, as shown to the user.
-    fidelity : Fidelity
-        The numerical choices that were picked.
-    error : float
-        Largest relative error of the boundary velocity to expect, from those measured and from
-        what the yardstick itself may err in its steps and its heat model.
-    coarser : float or None
-        Largest relative change of the boundary by elements of twice the pixels' size, against which
-        the error does not count; None where pixels cannot be joined.
-    trials : tuple of Trial
-        Fidelities tried, from cheap to dear; the last one was picked.
-    points : tuple of (float, float)
-        Loads [N] and velocities [m/s] at which errors were measured.
-    saving : float
-        Work of the yardstick over that of the fidelity.
-    work : float
-        Work of the whole probe, in elements times convolutions.
-    seconds : float
-        Duration of the probe [s].
-    """
-
-    accuracy: float
-    name: str
-    fidelity: Fidelity
-    error: float
+    accuracy: float  #: Largest relative error of the boundary velocity that was asked for.
+    name: str  #: Name of the fidelity, as shown to the user.
+    fidelity: Fidelity  #: The numerical choices.
+    error: float  #: Largest relative error to expect, with what the yardstick itself may err.
+    #: Largest relative change by elements of twice the pixels' size, against which the error does
+    #: not count; None where pixels cannot be joined.
     coarser: float | None
-    trials: tuple[Trial, ...]
-    points: tuple[tuple[float, float], ...]
-    saving: float
-    work: float
-    seconds: float
+    trials: tuple[Trial, ...]  #: Fidelities tried, from cheap to dear; the last one was picked.
+    points: tuple[tuple[float, float], ...]  #: Loads [N] and velocities [m/s] of the probe.
+    saving: float  #: Work of the yardstick over that of the fidelity.
+    work: float  #: Work of the whole probe, in elements times convolutions.
+    seconds: float  #: Duration of the probe [s].
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""

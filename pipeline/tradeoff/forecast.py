@@ -32,30 +32,16 @@ _PATIENCE = 3.0  # [s] of processor time, after which no further step is timed
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Cost of a sweep.
+    """Cost of a sweep."""
 
-    Attributes
-    ----------
-    points, steps, temperatures : int
-        Points of the diagram; contacts and heat partitions to solve for them.
-    chains : int
-        Chains of points, each of which one worker computes at a time: more workers are idle.
-    workers : int
-        Processes that compute.
-    seconds : float
-        Wall time on an idle machine, roughly, by steps that are timed here and now [s].
-    worker_bytes, disk_bytes : float
-        Memory of each worker; room that the store takes on a disk [B].
-    """
-
-    points: int
-    steps: int
-    temperatures: int
-    chains: int
-    workers: int
-    seconds: float
-    worker_bytes: float
-    disk_bytes: float
+    points: int  #: Points of the diagram.
+    steps: int  #: Contacts to solve for them.
+    temperatures: int  #: Heat partitions to solve for them.
+    chains: int  #: Chains of points, one worker each: more workers are idle.
+    workers: int  #: Processes that compute.
+    seconds: float  #: Wall time on an idle machine, roughly, by steps timed here and now [s].
+    worker_bytes: float  #: Memory of each worker [B].
+    disk_bytes: float  #: Room that the store takes on a disk [B].
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields by name."""

@@ -91,30 +91,14 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Trade:
-    """Speed and accuracy of numerical choices on a scene.
+    """Speed and accuracy of numerical choices on a scene."""
 
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    points : tuple of Point
-        Points at which the errors are measured.
-    base : str
-        Preset that was varied.
-    choices : tuple of Choice
-        Fidelities that were measured, the reference last.
-    wasted : tuple of Finding
-        Choices of the base that cost much and gain nothing.
-    not_converged : tuple of str
-        Choices that did not converge, and why.
-    """
-
-    title: str
-    points: tuple[Point, ...]
-    base: str
-    choices: tuple[Choice, ...]
-    wasted: tuple[Finding, ...]
-    not_converged: tuple[str, ...] = ()
+    title: str  #: Title of the scene.
+    points: tuple[Point, ...]  #: Points at which the errors are measured.
+    base: str  #: Preset that was varied.
+    choices: tuple[Choice, ...]  #: Fidelities that were measured, the reference last.
+    wasted: tuple[Finding, ...]  #: Choices of the base that cost much and gain nothing.
+    not_converged: tuple[str, ...] = ()  #: Choices that did not converge, and why.
 
     @property
     def reference(self) -> Choice:

@@ -21,7 +21,6 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import (
     attributes_of,
     dataset_of,
@@ -30,7 +29,7 @@ from pipeline.analysis.dataset import (
     require_one_scene,
     values_of,
 )
-from pipeline.analysis.decisive import require_sound
+from pipeline.analysis.decisive import conditions_of, require_sound
 from pipeline.analysis.scenes import taken
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE

@@ -10,8 +10,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, SEVERE, outcomes
 from pipeline.cli import main

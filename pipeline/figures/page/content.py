@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.conditions import at_wear_rate, conditions_of
 from pipeline.analysis.dataset import (
     asked,
     attributes_of,
@@ -27,10 +26,11 @@ from pipeline.analysis.dataset import (
     values_of,
     with_wear_rates,
 )
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.difference import entries_of
 from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.margin_error import error_table
+from pipeline.analysis.scenes import at_wear_rate
 from pipeline.analysis.transition import interpolated, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.analysis.conditions import COLDEST_OIL, HOTTEST_OIL
+from pipeline.analysis.decisive import COLDEST_OIL, HOTTEST_OIL
 from pipeline.scene.units import display
 from pipeline.sweep.conditions import Conditions
 

@@ -4,7 +4,7 @@ import shlex
 
 import pytest
 
-from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margins import margins
 from pipeline.cli.next_steps import (
     after_boundary,
