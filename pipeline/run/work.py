@@ -30,8 +30,7 @@ import scipy
 from distributed import Worker
 
 import tribo
-from pipeline.store.attributes import Simulated
-from pipeline.store.packing import packed
+from pipeline.store.attributes import Simulated, packed
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_points
 from tribo import InputError, TriboError

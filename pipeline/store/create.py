@@ -23,7 +23,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from pipeline.store.attributes import describe, differences, grown_axes, root_attributes
+from pipeline.store.attributes import describe, differences, root_attributes, scenes_of
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.layout import (
     arrays_of,
@@ -33,6 +33,7 @@ from pipeline.store.layout import (
     chunk_key,
     chunk_numbers,
     documents,
+    grown_axes,
 )
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
@@ -213,9 +214,8 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
 
 def _gaps(root: Root, sweep: Sweep) -> Iterator[str]:
     """Tell of a combination of the values of entries that neither a store nor a sweep has."""
-    names = root.attributes.get("over", [])
-    stored = [tuple(row["values"]) for row in root.attributes.get("scenes", [])]
-    known = {*stored, *(tuple(value for _, value in name) for name in sweep.variants.given)}
+    names, asked = root.attributes.get("over", []), sweep.variants.given
+    known = {*scenes_of(root.attributes), *(tuple(value for _, value in name) for name in asked)}
     axes = [dict.fromkeys(values) for values in zip(*known, strict=True)]
     gap = next((one for one in itertools.product(*axes) if one not in known), None)
     if gap is not None:
@@ -228,13 +228,11 @@ def _gaps(root: Root, sweep: Sweep) -> Iterator[str]:
 
 def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
     """Entries in which the scene of a store differs from a sweep, for the same values of `over`."""
-    scene = root.attributes["scene"]
-    held = root.attributes.get("scenes", [{"values": [], "scene": {}}])
-    stored = {tuple(entry["values"]): scene | entry["scene"] for entry in held}
+    scene, stored = root.attributes["scene"], scenes_of(root.attributes)
     for name in sweep.variants.given:
         key = f"scene with {', '.join(named(name))}: scene" if name else "scene"
         if known := stored.get(tuple(value for _, value in name)):
-            yield from differences(known, describe(sweep, name), key)
+            yield from differences(scene | known["scene"], describe(sweep, name), key)
 
 
 def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[str, bytes]) -> None:

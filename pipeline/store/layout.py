@@ -1,10 +1,10 @@
-"""Layout of a store: its arrays, their chunks, and the files that these take."""
+"""Layout of a store: its axes and arrays, their chunks, and the files that these take."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,10 @@ from pipeline.store.schema import (
     is_coordinate,
     is_of_points,
 )
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.stations import Stations
+from pipeline.sweep.variants import Variants
+from tribo import BULK_RATIOS, QUANTILES
 from tribo.types import Mask
 
 Slices = tuple[slice, ...]
@@ -56,6 +60,46 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Mapping[str, list[flo
         for name, variable in wanted.items()
         if name in STEPPED
     )
+
+
+def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[Any]]:
+    """Values along each dimension: those of a store, and what a sweep adds, ascending."""
+    chosen, plane, table = sweep.plane.chosen or (), sweep.plane, sweep.variants
+    scenes = [sweep.variant(name).scene for name in table.given]
+    stations = Stations.of(sweep)
+    steps = max(stations.count(scene, load) for scene in scenes for load in plane.loads)
+
+    def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
+        values = list(dict.fromkeys([*axes.get(name, []), *wanted]))
+        is_text = any(isinstance(value, str) for value in values)
+        return values if is_text else sorted(values)
+
+    leading = {name: widened(name, values) for name, values in table.axes.items()}
+    velocities = plane.velocities if plane.chosen is None else sorted({p.velocity for p in chosen})
+    return (
+        leading
+        | {"velocity": widened("velocity", velocities), "load": widened("load", plane.loads)}
+        | {name: [*values.values()] for name, values in _followed(axes, table, leading).items()}
+        | {
+            "step": list(range(1 - max(steps, len(axes.get("step", []))), 1)),
+            "cooler_share": list(QUANTILES),
+            "bulk_ratio": list(BULK_RATIOS),
+            "x": scenes[0].grid.coordinates(0).tolist(),
+            "y": scenes[0].grid.coordinates(1).tolist(),
+        }
+    )
+
+
+def _followed(
+    axes: Mapping[str, list[Any]], table: Variants, leading: Mapping[str, list[Any]]
+) -> dict[str, dict[Any, Any]]:
+    """Values of columns that follow from a dimension, by the values along it."""
+    followed = {}
+    for column, values in table.coordinates.items():
+        known = dict(values)
+        known |= zip(axes.get(column.along, ()), axes.get(column.name, ()), strict=True)
+        followed[column.name] = {label: known[label] for label in leading[column.along]}
+    return followed
 
 
 def documents(

@@ -235,7 +235,7 @@ def _points(
     fields = sorted(store.arrays.keys() & AT_END.keys())
     points = store.points_at([*np.transpose(indices)])
     for index, point in zip(indices, points, strict=True):
-        within = tuple(i % n for i, n in zip(index, store.block, strict=True))
+        within = store.within(index)
         entries = {name: None if of is None else of[within] for name, of in values.items()}
         yield (
             index,
@@ -256,8 +256,7 @@ def faults_at(store: Store, indices: Iterable[_Index]) -> Iterator[tuple[Point, 
     keys, of_chunk = store.place.keys(), dict[_Index, list[_Index]]()
     names = [name for name in store.arrays if name in STEPPED or name in _BESIDE]
     for index in sorted(indices):
-        numbers = tuple(i // n for i, n in zip(index, store.block, strict=True))
-        of_chunk.setdefault(numbers, []).append(index)
+        of_chunk.setdefault(store.chunk_of(index), []).append(index)
     for numbers, members in of_chunk.items():
         values = _values(store, names, numbers, keys)
         for _, point, entries in _points(store, members, values, keys):
@@ -343,9 +342,10 @@ def changed_chunks(store: Store) -> set[_Index] | None:
     for key in listed.keys() | now.keys():
         name, _, file = key.partition("/")
         numbers = chunk_numbers(file)[: len(store.dims)]
-        if numbers and name in store.arrays and listed.get(key) != now.get(key):
+        is_of_points = len(numbers) == len(store.dims) and name in store.arrays
+        if is_of_points and listed.get(key) != now.get(key):
             if name in AT_END:
-                numbers = tuple(i // n for i, n in zip(numbers, store.block, strict=True))
+                numbers = store.chunk_of(numbers)
             chunks.add(numbers)
     return chunks
 

@@ -21,11 +21,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.attributes import Simulated
+from pipeline.store.attributes import Simulated, packed, scenes_of
 from pipeline.store.files import THREADS
 from pipeline.store.layout import arrays_of, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import Lock
-from pipeline.store.packing import packed
 from pipeline.store.place import (
     LOCK,
     ROOT,
@@ -95,6 +94,14 @@ class Store:
             numbers[values[name]] for name, numbers in zip(self.dims, self._numbers, strict=True)
         )
 
+    def chunk_of(self, index: _Index) -> _Index:
+        """Numbers of the chunk that a point lies in."""
+        return tuple(i // n for i, n in zip(index, self.block, strict=True))
+
+    def within(self, index: _Index) -> _Index:
+        """Place of a point in its chunk."""
+        return tuple(i % n for i, n in zip(index, self.block, strict=True))
+
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at places that are given by their indices along each dimension."""
         loads, velocities = (self.axes[name] for name in PLANE)
@@ -108,11 +115,10 @@ class Store:
 
     def in_words(self, point: Point) -> str:
         """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
-        scenes = self.attributes.get("scenes", [])
-        written = {tuple(scene["values"]): scene["written"] for scene in scenes}
         names, values = zip(*point.variant, strict=True) if point.variant else ((), ())
-        number = len(self.attributes.get("over", []))
-        texts = *written.get(values[:number], values[:number]), *values[number:]
+        chosen = values[: len(self.attributes.get("over", []))]
+        written = scenes_of(self.attributes).get(chosen, {"written": chosen})["written"]
+        texts = *written, *values[len(chosen) :]
         return str(point._replace(variant=tuple(zip(names, texts, strict=True))))
 
     def asked_by(self, sweep: Sweep) -> Mask:
@@ -198,12 +204,11 @@ class Store:
         encoded: dict[str, bytes] = {}
         chunks: dict[tuple[str, _Index], dict[_Index, Any]] = {}
         for index, of_point in values.items():
-            chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
                 if isinstance(value, bytes):
                     encoded[field_key(name, index)] = value
                 else:
-                    chunks.setdefault((name, chunk), {})[index] = value
+                    chunks.setdefault((name, self.chunk_of(index)), {})[index] = value
         with self._writes():
             self.place.put(encoded)
             with ThreadPoolExecutor(THREADS) as threads:  # which ends when all have
@@ -222,12 +227,11 @@ class Store:
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():
-            within = tuple(i % n for i, n in zip(index, self.block, strict=True))
             if name in STEPPED:
-                part[within] = np.nan
-                part[within][-len(value) :] = value
+                part[self.within(index)] = np.nan
+                part[self.within(index)][-len(value) :] = value
             else:
-                part[within] = value
+                part[self.within(index)] = value
         array[block] = part
 
     def _put_marks(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
