@@ -301,9 +301,7 @@ def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Poin
     """Decisive rise of each point of a store that is done [K], and points that failed."""
     names = [name for name in STEPPED if name in store.arrays]
     columns = {name: store.read(name, ...) for name in names}
-    inner = len(store.dims) - store.dims.index(
-        store.along("load")
-    )  # further dimensions, with the step
+    inner = len(store.dims) - store.dims.index(store.along("load"))  # dimensions, with the step
     loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
     variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
     rises = {

@@ -26,12 +26,11 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from tribo import MeasuredLoad
-from tribo.types import Array, Mask
+from tribo.types import Array, Indices, Mask
 
 # Time since the first points [s], and points since then on each worker, that tell the pace.
 _ENOUGH, _SEVERAL = 1.0, 4
-_TURNS = 3  # of a fit of durations by load and by velocity
-_FEW = 2.0  # points of the mean duration that are added to the known ones of a load or a velocity
+_FEW = 2.0  # points of the mean duration that are added to the known ones of a velocity
 _HEAT = 8.0  # steps of contact that a temperature takes as long as: 5 to 16 of the scenes tried
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
@@ -105,7 +104,8 @@ class Tally:
     ) -> None:
         """Take note that chains of points of a sweep begin to be computed into its store."""
         self._take(store, waiting)
-        self._weights = _weights(sweep, self._store.axes["load"])
+        is_axis = store.along("load") == "load"
+        self._weights = _weights(sweep, store.axes["load"], is_axis)
         self._connection = connection
 
     def learn(self, records: Iterable[PointRecord]) -> None:
@@ -123,10 +123,8 @@ class Tally:
     def note(self, records: Iterable[PointRecord]) -> None:
         """Take note of points that have been written.
 
-        Raises
-        ------
-        ExecutionError
-            If so many points have failed alike, and none is done, that others would as well.
+        Raise an `ExecutionError` if so many points have failed alike, and none is done, that others
+        would as well.
         """
         any_new = False
         for record in records:
@@ -176,14 +174,14 @@ class Tally:
 
     def _expected(self) -> Array:
         """Durations of all points [s], shape of their statuses."""
-        dims, durations = self._store.dims, self._durations
-        axes = [dims.index(self._store.along(name)) for name in PLANE]
-        if axes[0] == axes[1]:  # rows with places of their own
-            durations, axes = durations[np.newaxis], [0, 1 + axes[1]]
-        rows = np.moveaxis(durations, axes, (-2, -1))
-        weights = self._weights if rows.shape[-2] == len(self._weights) else np.ones(1)
-        expected = expected_durations(rows, self._store.axes["velocity"], weights)
-        return np.moveaxis(expected, (-2, -1), axes).reshape(self._durations.shape)
+        dims, shape = self._store.dims, self._durations.shape
+        grid = np.indices(shape, sparse=True)
+        load, velocity = (
+            np.broadcast_to(grid[dims.index(self._store.along(name))], shape) for name in PLANE
+        )
+        return expected_durations(
+            self._durations, self._weights[load], velocity, self._store.axes["velocity"]
+        )
 
     def _slowness(self, link: Connection) -> float:
         """Time that passes while all workers do a second of work each [s].
@@ -209,14 +207,14 @@ class Tally:
         return max(1.0, (now - began) * link.workers / (worked - before))
 
 
-def _weights(sweep: Sweep, loads: Sequence[float]) -> Array:
+def _weights(sweep: Sweep, loads: Sequence[float], is_axis: bool = True) -> Array:
     """Durations of points at each of some loads to expect, in any unit.
 
-    A point takes the steps on from the next lower load and a temperature, and both take longer on
-    a larger contact.
+    A point takes the steps on from the next lower load, if the loads are an axis, and a
+    temperature, and both take longer on a larger contact.
     """
     scene = sweep.variant(sweep.variants.names[0]).scene
-    goes_on = not (sweep.plane.independent or isinstance(scene.loading, MeasuredLoad))
+    goes_on = is_axis and not (sweep.plane.independent or isinstance(scene.loading, MeasuredLoad))
     lower = [0.0, *loads[:-1]] if goes_on else [0.0] * len(loads)
     steps = [
         sum(1 for _ in scene.stations(load, after))
@@ -226,43 +224,25 @@ def _weights(sweep: Sweep, loads: Sequence[float]) -> Array:
     return weights
 
 
-def expected_durations(durations: Array, velocities: Iterable[float], weights: Array) -> Array:
-    """Durations of all points [s], shape (…, n_load, n_velocity), by those that are not NaN.
+def expected_durations(
+    durations: Array, weights: Array, numbers: Indices, velocities: Sequence[float]
+) -> Array:
+    """Durations of points [s] by those that are not NaN, their weights, and numbers of velocities.
 
-    They are the product of a number for each load and one for each velocity, with which the sums of
-    the known ones at each load and at each velocity agree; to each sum some points of the mean
-    duration are added, so that a few points do not tell of all others. Between known loads, the
-    ratio of the number to its weight is interpolated; between known velocities, the number itself.
-
-    Examples
-    --------
-    >>> known = np.array([[1.0, np.nan, 3.0], [np.nan] * 3])
-    >>> expected_durations(known, [1.0, 2.0, 3.0], np.array([1.0, 2.0])).round(1)
-    array([[1.7, 2. , 2.3],
-           [3.3, 4. , 4.7]])
+    They are the weight times a pace for each velocity, with which the sum of the known ones agrees.
+    To each sum some points of the mean are added, so that a few do not tell of all others; between
+    known velocities the pace is interpolated.
     """
-    axis = np.array(list(velocities), float)
-    rows = durations.reshape(-1, *durations.shape[-2:])
-    counts, sums = np.isfinite(rows).sum(axis=0), np.nansum(rows, axis=0)
-    loads, present = (np.flatnonzero(counts.any(axis=along)) for along in (1, 0))
-    if not present.size:
-        return np.broadcast_to(weights[:, None], durations.shape)
-    order = present[np.argsort(axis[present])]
-    weights = weights * sums.sum() / (weights @ counts).sum()
-    few = _FEW * sums.sum() / counts.sum()
-    of_load, of_velocity, numbers = weights, np.ones(axis.shape), np.arange(len(weights))
-    for _ in range(_TURNS):
-        known = (sums.sum(axis=0) + few) / (of_load @ counts + few)
-        of_velocity = np.interp(axis, axis[order], known[order])
-        known = (sums.sum(axis=1) + few) / (weights * (counts @ of_velocity) + few)
-        of_load = weights * np.interp(numbers, loads, known[loads])
-    return np.broadcast_to(of_load[:, None] * of_velocity, durations.shape)
-
-
-def in_notebook() -> bool:
-    """True in a kernel of Jupyter."""
-    ipython = sys.modules.get("IPython")
-    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
+    known = np.isfinite(durations)
+    took, worth = (
+        np.bincount(numbers[known], of[known], len(velocities)) for of in (durations, weights)
+    )
+    few, pace = _FEW * took.sum() / known.sum(), took.sum() / worth.sum()
+    present = np.flatnonzero(worth)
+    order = present[np.argsort(np.take(velocities, present))]
+    paces = (took[order] + few) / (worth[order] + few / pace)
+    expected: Array = weights * np.interp(velocities, np.take(velocities, order), paces)[numbers]
+    return expected
 
 
 @contextmanager
@@ -273,7 +253,9 @@ def reported(
 
     The line is replaced, not added to: a notebook kept with its output has one line of a run.
     """
-    if progress is not None or not in_notebook():
+    ipython = sys.modules.get("IPython")
+    in_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
+    if progress is not None or not in_notebook:
         yield progress
         return
     from IPython.display import display
@@ -295,16 +277,7 @@ STARTS = 3
 
 
 class Suspects:
-    """Points that were on a worker as it died, and how often each was lost while tried alone.
-
-    Examples
-    --------
-    >>> suspects, point = Suspects(), Point(600.0, 1.5)
-    >>> suspects.accuse(point, alone=False), [*suspects.besides(())]
-    (False, [Point(load=600.0, velocity=1.5, variant=())])
-    >>> [suspects.accuse(point, alone=True) for _ in range(TRIALS)]
-    [False, False, False, False, True]
-    """
+    """Points that were on a worker as it died, and how often each was lost while tried alone."""
 
     def __init__(self) -> None:
         self._losses: dict[Point, int] = {}

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from distributed import Client
 
 from pipeline.analysis.boundary import boundary
@@ -48,11 +47,6 @@ class Variation:
     outcomes : tuple of str
         At each load ``"crosses"``, or where there is no transition, ``"mild throughout"`` or
         ``"severe throughout"``.
-
-    Examples
-    --------
-    >>> Variation("friction.coefficient", "0.12", (1.63,), ("crosses",)).value
-    '0.12'
     """
 
     key: str
@@ -137,13 +131,8 @@ class Variations:
             "contacts": self.contacts,
             "warnings": self.warned.as_dict(),
             "physics": [
-                {
-                    "key": effect.key[0],
-                    "state": effect.state,
-                    "size": effect.size,
-                    "certainty": effect.certainty,
-                    "entry": effect.entry,
-                }
+                {"key": effect.key[0]}
+                | {name: getattr(effect, name) for name in ("state", "size", "certainty", "entry")}
                 for effect in self.physics
             ],
         }
@@ -231,22 +220,15 @@ def vary(
         # Allowed with the scene; a store itself never runs its criterion.
         judge: dict[str, Any] = {"criterion": own.reference, "own_laws": True} if own else {}
         found, carried = boundary(ds, **judge).transpose(_ROW, ...), warned(ds, **judge)
-        words = outcomes(varied.conditions.decisive)
-        unvaried, *rest = (
-            Variation(key, value, *_crossings(found.isel({_ROW: row}), words))
-            for row, (key, value) in enumerate(variations)
-        )
+        velocities = found["critical_velocity"].values.tolist()
+        codes, words = found["outcome_at_load"].values, outcomes(varied.conditions.decisive)
+    unvaried, *rest = (
+        Variation(key, value, tuple(velocities[row]), tuple(words[code] for code in codes[row]))
+        for row, (key, value) in enumerate(variations)
+    )
     counts = len(done), len(contacts)
     loads = sweep.plane.loads
     return Variations(sweep.about.title, loads, unvaried, tuple(rest), *counts, carried, effects)
-
-
-def _crossings(
-    found: xr.Dataset, words: Mapping[int, str]
-) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Critical velocities of one scene by load [m/s], and their outcomes in words."""
-    velocities = found["critical_velocity"].values.tolist()
-    return tuple(velocities), tuple(words[code] for code in found["outcome_at_load"].values)
 
 
 def _varied(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterable[Sweep]) -> Sweep:
@@ -264,18 +246,9 @@ def _varied(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterabl
 
 
 def _absolute(
-    scene: PathLike,
-    key: str,
-    values: Iterable[Any],
-    overrides: Mapping[str, Any] | None = None,
+    scene: PathLike, key: str, values: Iterable[Any], overrides: Mapping[str, Any]
 ) -> Iterator[Any]:
-    """Values of an entry, those such as ``"+20%"`` as the scene's own value changed by so much.
-
-    Examples
-    --------
-    >>> list(_absolute("first_try", "pin.radius", ["1 mm", "+20%"]))
-    ['1 mm', '2.4 mm']
-    """
+    """Values of an entry, those such as ``"+20%"`` as the scene's own value changed by so much."""
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
         if relative is None:
