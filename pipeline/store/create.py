@@ -42,9 +42,9 @@ from pipeline.store.place import (
     Bucket,
     Folder,
     PathLike,
-    Place,
     StoreError,
     StoreMismatchError,
+    StorePlace,
     larger,
     place_of,
     reads,
@@ -96,7 +96,7 @@ def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
         yield grown(place, sweep, lock)
 
 
-def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
+def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = find_root(place)
     if root:
@@ -111,7 +111,7 @@ def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
 
 
 def _repaired_if_need_be(
-    place: Place, root: Root, lock: Lock | None, use: Callable[[Store], _T]
+    place: StorePlace, root: Root, lock: Lock | None, use: Callable[[Store], _T]
 ) -> _T:
     """What a function makes of an open store, which is repaired first if it cannot be read."""
     try:
@@ -121,7 +121,7 @@ def _repaired_if_need_be(
         return use(Store(place, root, lock))
 
 
-def _with_room(place: Place, before: Root | None, sweep: Sweep, lock: Lock | None) -> Root:
+def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock | None) -> Root:
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
     with_fields = "pressure" in before.arrays if before else sweep.record.fields
     wanted = variables_of(sweep, with_fields)
@@ -316,7 +316,7 @@ def restore_root(path: PathLike, sweep: Sweep) -> bool:
     return False
 
 
-def _remade(place: Place, sweep: Sweep, lost: StoreError) -> Root:
+def _remade(place: StorePlace, sweep: Sweep, lost: StoreError) -> Root:
     """The root as the sweep says, if the points of the store agree."""
     with_fields = place.read(f"pressure/{ROOT}") is not None
     try:
@@ -350,7 +350,7 @@ def _remade(place: Place, sweep: Sweep, lost: StoreError) -> Root:
     return root
 
 
-def _metadata(place: Place, name: str) -> Any:
+def _metadata(place: StorePlace, name: str) -> Any:
     content = place.read(f"{name}/{ROOT}")
     if content is None:
         raise KeyError(f"{name}/{ROOT} is lost")

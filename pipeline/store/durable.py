@@ -19,15 +19,6 @@ class Durable(LocalStore):
 
     A file is written beside its place, synced and renamed, and its folder synced. So after a cut
     each key has its old content or its new one, and the new one if `set` had returned.
-
-    Examples
-    --------
-    >>> import tempfile, zarr
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     array = zarr.create_array(Durable(folder), shape=3, dtype="f8")
-    ...     array[:] = 1.5
-    ...     zarr.open_array(folder, mode="r")[:].tolist()
-    [1.5, 1.5, 1.5]
     """
 
     async def get(
@@ -62,17 +53,7 @@ class Durable(LocalStore):
         if not await self.exists(key):
             await self.set(key, value)
 
-    async def delete(self, key: str) -> None:
-        """Remove a key."""
-        await super().delete(key)
-        await asyncio.to_thread(files.sync, (self.root / key).parent)
-
     def set_sync(self, key: str, value: Buffer) -> None:
         """Replace the content of a key."""
         self._check_writable()
         files.replace_file(self.root / key, value.to_bytes())
-
-    def delete_sync(self, key: str) -> None:
-        """Remove a key."""
-        super().delete_sync(key)
-        files.sync((self.root / key).parent)

@@ -12,7 +12,7 @@ import zarr
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore, StorePath
 
-from pipeline.store.place import ROOT, Place
+from pipeline.store.place import ROOT, StorePlace
 from pipeline.store.schema import (
     AT_END,
     COMPRESSION,
@@ -139,7 +139,7 @@ def documents(
     return contents, {name: json.loads(contents[f"{name}/{ROOT}"]) for name in wanted}
 
 
-def arrays_of(place: Place, metadata: Mapping[str, Any], read_only: bool) -> dict[str, Any]:
+def arrays_of(place: StorePlace, metadata: Mapping[str, Any], read_only: bool) -> dict[str, Any]:
     """Open the arrays of a store by the metadata of its root, which may have changed since."""
     store = place.zarr(read_only)
     # A chunk of nothing but fill values that is not written looks like one that was lost. Zarr's

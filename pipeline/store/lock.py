@@ -24,7 +24,7 @@ from pathlib import Path
 import psutil
 
 from pipeline.store.files import PARTIAL, make_folder
-from pipeline.store.place import LOCK, Folder, Place, StoreError, writes
+from pipeline.store.place import LOCK, Folder, StoreError, StorePlace, writes
 
 try:
     import fcntl
@@ -69,7 +69,7 @@ class FileLock:
 class Heartbeat:
     """A lock that this process holds as long as its content is in the file of the lock."""
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: StorePlace) -> None:
         self._place = place
         self._content = _this_process() + f"{_machine()} {uuid.uuid4().hex}\n".encode()
 
@@ -116,7 +116,7 @@ Lock = FileLock | Heartbeat
 
 
 @contextmanager
-def held(place: Place) -> Iterator[Lock]:
+def held(place: StorePlace) -> Iterator[Lock]:
     """Hold the lock of a store, at once or not at all.
 
     Raise a `StoreError` if another process holds it, or the place cannot be written to.
@@ -180,7 +180,7 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
 
 
 @contextmanager
-def _beating(place: Place) -> Iterator[Heartbeat]:
+def _beating(place: StorePlace) -> Iterator[Heartbeat]:
     """Hold the lock of a store by a heartbeat, at once or not at all."""
     heart = Heartbeat(place)
     heart.take()
@@ -210,7 +210,7 @@ def _repeated(action: Callable[[], None]) -> Iterator[None]:
         thread.join()
 
 
-def holder_of(place: Place) -> str | None:
+def holder_of(place: StorePlace) -> str | None:
     """Name the process that writes to a store; None if there is none."""
     if fcntl is None:
         return None
@@ -231,7 +231,7 @@ def _is_locked(file: Path) -> bool:
     return False
 
 
-def _beats(place: Place) -> bytes | None:
+def _beats(place: StorePlace) -> bytes | None:
     """Content of the lock of a process that holds a store by a heartbeat, by our clock, if any."""
     content = place.read(LOCK) or b""
     is_of_heart = _named(content)[2]  # and not of a `flock`
@@ -240,7 +240,7 @@ def _beats(place: Place) -> bytes | None:
     return content
 
 
-def _in_use(place: Place, content: bytes | None, more: str = "") -> StoreError:
+def _in_use(place: StorePlace, content: bytes | None, more: str = "") -> StoreError:
     """Error for a store to which another process writes, whose lock has this content."""
     return StoreError(
         f"{place} is in use by {_named(content)[0]}; wait for it, or write to another store{more}"
@@ -275,7 +275,7 @@ def _is_dead(content: bytes) -> bool:
     return not psutil.pid_exists(int(number))
 
 
-def _age(place: Place) -> float:
+def _age(place: StorePlace) -> float:
     """Time since the lock was renewed [s], by the clock that its disk or object store has."""
     probe = f"{LOCK}.{uuid.uuid4().hex}{PARTIAL}"
     place.put({probe: b""})

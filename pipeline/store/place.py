@@ -217,11 +217,11 @@ class Bucket:
 _OPTIONS = {"use_listings_cache": False, "max_concurrency": 1}
 
 
-Place = Folder | Bucket
+StorePlace = Folder | Bucket
 """Files of a store by their keys; what goes wrong is an `OSError`."""
 
 
-def place_of(path: PathLike) -> Place:
+def place_of(path: PathLike) -> StorePlace:
     """Place of a store; raises a `StoreError` for a path that cannot be one."""
     address = os.fspath(path)
     if address.startswith(SCHEME):
@@ -251,7 +251,7 @@ def place_of(path: PathLike) -> Place:
     return Folder(folder)
 
 
-def steadily(path: PathLike, read: Callable[[Place], T]) -> T:
+def steadily(path: PathLike, read: Callable[[StorePlace], T]) -> T:
     """Read a place, and once more if a larger store has replaced it meanwhile."""
     for _ in range(_TRIES):
         place = place_of(path)
@@ -301,7 +301,7 @@ def require_writable(path: PathLike) -> None:
 
 
 @contextmanager
-def writes(place: Place, advice: str = "") -> Iterator[None]:
+def writes(place: StorePlace, advice: str = "") -> Iterator[None]:
     """Turn an `OSError` into a `StoreError` that says why a place cannot be written."""
     try:
         yield
@@ -313,7 +313,7 @@ def writes(place: Place, advice: str = "") -> Iterator[None]:
 
 
 @contextmanager
-def reaches(place: Place) -> Iterator[None]:
+def reaches(place: StorePlace) -> Iterator[None]:
     """Turn an `OSError` into a `StoreError` that says why a place cannot be read."""
     try:
         yield
@@ -324,7 +324,7 @@ def reaches(place: Place) -> Iterator[None]:
 
 
 @contextmanager
-def reads(place: Place, name: str) -> Iterator[None]:
+def reads(place: StorePlace, name: str) -> Iterator[None]:
     """Turn an error of Zarr or its codecs on damaged data into a `StoreError` that names them."""
     try:
         yield
@@ -334,7 +334,7 @@ def reads(place: Place, name: str) -> Iterator[None]:
         raise StoreError(damaged(place, name)) from error
 
 
-def damaged(place: Place, name: str) -> str:
+def damaged(place: StorePlace, name: str) -> str:
     """Message that data of a store cannot be read."""
     return (
         f"{place}: {name} cannot be read; irg verify names what is damaged, and repairs it with "

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeline.store.lock import holder_of
-from pipeline.store.place import PathLike, Place, steadily
+from pipeline.store.place import PathLike, StorePlace, steadily
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
@@ -99,7 +99,7 @@ def summary(path: PathLike) -> Summary:
     (24, 0, ())
     """
 
-    def read(place: Place) -> Summary:
+    def read(place: StorePlace) -> Summary:
         store = Store(place, read_root(place))
         warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
         return replace(

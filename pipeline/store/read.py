@@ -18,8 +18,8 @@ from xarray.core import indexing
 from pipeline.store.place import (
     Mark,
     PathLike,
-    Place,
     StoreError,
+    StorePlace,
     damaged,
     place_of,
     reaches,
@@ -49,7 +49,7 @@ class _Backend(BackendEntrypoint):
         """Open a store; no variable may be dropped."""
         return steadily(filename_or_obj, self._opened)
 
-    def _opened(self, place: Place) -> xr.Dataset:
+    def _opened(self, place: StorePlace) -> xr.Dataset:
         mark, root = place.mark(), read_root(place)
         seen = _Generation(place, mark, root.attributes["generation"])
         store = Store(place, root)  # statuses first: a point that was done stays whole
@@ -77,7 +77,7 @@ class _Backend(BackendEntrypoint):
 class _Generation:
     """The generation of a store, in which each point has its place in the arrays."""
 
-    def __init__(self, place: Place, mark: Mark, generation: int) -> None:
+    def __init__(self, place: StorePlace, mark: Mark, generation: int) -> None:
         self._place, self._mark, self._generation = place, mark, generation
 
     def __deepcopy__(self, _: Any) -> _Generation:

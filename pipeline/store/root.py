@@ -22,8 +22,8 @@ from pipeline.store.place import (
     ROOT,
     Folder,
     PathLike,
-    Place,
     StoreError,
+    StorePlace,
     is_beginning,
     place_of,
     reaches,
@@ -204,7 +204,7 @@ class Root(NamedTuple):
         return axes
 
 
-def read_root(place: Place) -> Root:
+def read_root(place: StorePlace) -> Root:
     """Read the root of a store.
 
     Raise a `StoreError` if there is no store, or its root is lost, damaged or of another version.
@@ -223,7 +223,7 @@ def read_root(place: Place) -> Root:
     raise StoreError(f"{place} was left unfinished as it was made; run its scene again")
 
 
-def find_root(place: Place) -> Root | None:
+def find_root(place: StorePlace) -> Root | None:
     """Read the root of a store; None if there is none, nor anything else; else as `read_root`."""
     with reaches(place):
         if isinstance(place, Folder):
@@ -262,7 +262,7 @@ def root_document(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> b
     return json.dumps(document, allow_nan=False).encode()
 
 
-def _parsed(place: Place, content: bytes) -> Root:
+def _parsed(place: StorePlace, content: bytes) -> Root:
     try:
         root = json.loads(content)
         attributes, arrays = root["attributes"], root[_CONSOLIDATED]["metadata"]
@@ -303,7 +303,7 @@ def _require_small_file(folder: Path) -> None:
         )
 
 
-def require_likely(place: Place, root: Root) -> None:
+def require_likely(place: StorePlace, root: Root) -> None:
     """Refuse a root of more points, other arrays or attributes of other kinds than a store has."""
     if fault := _fault(root):
         raise StoreError(f"{place}: {ROOT} {fault}; {_ELSEWHERE}")
@@ -375,7 +375,7 @@ def _hash(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
-def _no_store(place: Place) -> StoreError:
+def _no_store(place: StorePlace) -> StoreError:
     return StoreError(
         f"{place} is not a store: there is no {ROOT}; give a folder that irg run made, or to run a "
         "scene into, one that is not there yet"

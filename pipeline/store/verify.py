@@ -31,8 +31,8 @@ from pipeline.store.place import (
     ROOT,
     Folder,
     PathLike,
-    Place,
     StoreError,
+    StorePlace,
     place_of,
     reaches,
     steadily,
@@ -111,7 +111,7 @@ def verify_store(
     (24, (), True)
     """
 
-    def read(place: Place, lock: Lock | None = None) -> Verification:
+    def read(place: StorePlace, lock: Lock | None = None) -> Verification:
         return examined(Store(place, read_root(place), lock, is_damaged=True), repair, progress)
 
     if not repair:
@@ -244,7 +244,7 @@ def _points(
         )
 
 
-def _read_field(place: Place, name: str, index: _Index) -> bytes | None:
+def _read_field(place: StorePlace, name: str, index: _Index) -> bytes | None:
     """A field of a point as it is encoded; None if it is lost."""
     with suppress(OSError):
         return place.read(field_key(name, index))

@@ -30,8 +30,8 @@ from pipeline.store.place import (
     ROOT,
     Bucket,
     PathLike,
-    Place,
     StoreError,
+    StorePlace,
     reads,
     steadily,
     writes,
@@ -60,7 +60,7 @@ class Store:
     """
 
     def __init__(
-        self, place: Place, root: Root, lock: Lock | None = None, is_damaged: bool = False
+        self, place: StorePlace, root: Root, lock: Lock | None = None, is_damaged: bool = False
     ) -> None:
         self.place, self.root, self.lock = place, root, lock
         self.attributes, self.axes = root.attributes, root.axes
