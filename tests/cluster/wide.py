@@ -46,7 +46,7 @@ class Waiting:
         self._seconds, self._known, self._run_points = seconds, {}, work.run_points
         self._lock = threading.Lock()
 
-    def __call__(self, sweep, points, trunk=None):
+    def __call__(self, sweep, points, trunk=None, failed=()):
         with self._lock:
             for point in points:
                 if point.load not in self._known:
