@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -85,9 +86,9 @@ class Folder:
     def read(self, key: str) -> bytes | None:
         """Content of a file; None if there is none."""
         file = self.path / key
-        if file.exists() and not file.is_file() and file.exists():  # a pipe has no end
-            raise OSError(f"{key} is not a file")
         try:
+            if not stat.S_ISREG(file.stat().st_mode):  # a pipe has no end
+                raise OSError(f"{key} is not a file")
             return file.read_bytes()
         except (FileNotFoundError, NotADirectoryError):  # perhaps by now
             return None
