@@ -129,68 +129,56 @@ def examined(
 ) -> Verification:
     """Read all of an open store, or only these chunks of points; see `verify_store`."""
     with writes(store.place) if repair else reaches(store.place):
-        return _examined(store, repair, progress, chunks)
-
-
-def _examined(
-    store: Store,
-    repair: bool,
-    progress: Callable[[int, int], None] | None,
-    chunks: Container[_Index] | None,
-) -> Verification:
-    shared, keys = [*_shared_faults(store, repair)], store.place.keys()
-    begun = [
-        (numbers, block)
-        for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
-        if any(chunk_key(name, numbers) in keys for name in RECORDS)
-        and (chunks is None or numbers in chunks)
-    ]
-    unknown, lost = _read_marks(store, begun, keys, shared)
-    keys = store.place.keys()  # again: a writer may have finished points meanwhile
-    names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
-    total, count = int(np.count_nonzero(store.flags == DONE)), 0
-    damaged: dict[_Index, FailedPoint] = {}
-    complete: list[Point] = []
-    for numbers, block in begun:
-        values = _values(store, names, numbers, keys)
-        lost += [
-            (name, block)
-            for name in names
-            if values[name] is None and not keys.isdisjoint(store.chunk_keys(name, numbers))
+        shared, keys = [*_shared_faults(store, repair)], store.place.keys()
+        begun = [
+            (numbers, block)
+            for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
+            if any(chunk_key(name, numbers) in keys for name in RECORDS)
+            and (chunks is None or numbers in chunks)
         ]
-        indices = np.argwhere((store.flags != PENDING)[block] | unknown[block])
-        indices += [part.start for part in block]
-        places = [*map(tuple, indices)]
-        for index, point, entries in _points(store, places, values, keys):
-            is_done = bool(unknown[index] or store.flags[index] == DONE)
-            fault = _fault(store, point, entries, is_done)
-            if fault and not unknown[index]:
-                damaged[index] = FailedPoint(
-                    *point[:2], fault, point.variant, store.in_words(point)
-                )
-            elif unknown[index] and not fault:
-                complete.append(point)
-        count += int(np.count_nonzero(store.flags[block] == DONE))
-        if progress:
-            progress(count, total)
-    done = total - sum(bool(store.flags[index] == DONE) for index in damaged)
-    if repair:
-        _repair(store, lost, damaged, unknown, complete)
-        done = int(np.count_nonzero(store.flags == DONE))
-    return Verification(
-        done=done,
-        damaged=tuple(damaged.values()),
-        shared=tuple(dict.fromkeys(shared)),
-        without_status=tuple(complete),
-        repaired=repair,
-    )
+        unknown, lost = _read_marks(store, begun, keys, shared)
+        keys = store.place.keys()  # again: a writer may have finished points meanwhile
+        names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
+        total, count = int(np.count_nonzero(store.flags == DONE)), 0
+        damaged: dict[_Index, FailedPoint] = {}
+        complete: list[Point] = []
+        for numbers, block in begun:
+            values = _values(store, names, numbers, keys)
+            lost += [
+                (name, block)
+                for name in names
+                if values[name] is None and not keys.isdisjoint(store.chunk_keys(name, numbers))
+            ]
+            indices = np.argwhere((store.flags != PENDING)[block] | unknown[block])
+            indices += [part.start for part in block]
+            places = [*map(tuple, indices)]
+            for index, point, entries in _points(store, places, values, keys):
+                is_done = bool(unknown[index] or store.flags[index] == DONE)
+                fault = _fault(store, point, entries, is_done)
+                if fault and not unknown[index]:
+                    damaged[index] = FailedPoint(
+                        *point[:2], fault, point.variant, store.in_words(point)
+                    )
+                elif unknown[index] and not fault:
+                    complete.append(point)
+            count += int(np.count_nonzero(store.flags[block] == DONE))
+            if progress:
+                progress(count, total)
+        done = total - sum(bool(store.flags[index] == DONE) for index in damaged)
+        if repair:
+            _repair(store, lost, damaged, unknown, complete)
+            done = int(np.count_nonzero(store.flags == DONE))
+        return Verification(
+            done=done,
+            damaged=tuple(damaged.values()),
+            shared=tuple(dict.fromkeys(shared)),
+            without_status=tuple(complete),
+            repaired=repair,
+        )
 
 
 def _read_marks(
-    store: Store,
-    begun: Iterable[tuple[_Index, Slices]],
-    keys: set[str],
-    shared: list[str],
+    store: Store, begun: Iterable[tuple[_Index, Slices]], keys: set[str], shared: list[str]
 ) -> tuple[Mask, list[tuple[str, Slices]]]:
     """Read statuses and points asked for; points whose status is unknown, and chunks that are lost.
 
@@ -237,11 +225,8 @@ def _points(
     for index, point in zip(indices, points, strict=True):
         within = store.within(index)
         entries = {name: None if of is None else of[within] for name, of in values.items()}
-        yield (
-            index,
-            point,
-            entries | {name: _read_field(store.place, name, index) for name in fields},
-        )
+        entries |= {name: _read_field(store.place, name, index) for name in fields}
+        yield index, point, entries
 
 
 def _read_field(place: StorePlace, name: str, index: _Index) -> bytes | None:
