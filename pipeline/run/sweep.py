@@ -137,16 +137,15 @@ def run_sweep(
     sweep = sweep_of(sweep, own_laws)
     require_free_names(sweep)  # before a folder is made
     began = time.monotonic()
-    is_restored = restore_root(out, sweep)
-    before = read_attributes(out)
-    restored = [f"the root of {out} was lost or damaged, and is made again"] if is_restored else []
     tell = tell or unheard
+    if restore_root(out, sweep):
+        tell(f"the root of {out} was lost or damaged, and is made again")
+    before = read_attributes(out)
     with writing(out, sweep) as store, reported(progress) as report:
-        checked = [*_repaired(store)] if before else []
+        for note in (*_repaired(store), *_notes(store, before)) if before else ():
+            tell(note)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
-        for note in (*restored, *checked, *_notes(store, before or {})):
-            tell(note)
         tally = Tally(store, report, began)
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
@@ -236,8 +235,7 @@ def _repaired(store: Store) -> Iterator[str]:
 def _notes(store: Store, before: Mapping[str, Any]) -> Iterator[str]:
     """Notes on a store that is resumed, which had these attributes before."""
     present = store.attributes["conditions"]
-    changed = [*differences(before.get("conditions", present), present, "conditions")]
-    if changed:
+    if changed := [*differences(before.get("conditions", present), present, "conditions")]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"
