@@ -21,22 +21,17 @@ from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
-import numpy as np
 from distributed import LocalCluster, Worker
 
 import pipeline
 from pipeline.run import schedule, work
 from pipeline.run.cluster import client_of
 from pipeline.store.write import Store
+from tests.cluster.cheap import EnoughError
+from tests.crash.many import sweep_of
 from tests.crash.sweeps import keep_one_thread
-from tests.helpers import tiny
 
-_LOADS = 10
 ROOT = Path(__file__).parents[2]
-
-
-class EnoughError(Exception):
-    """The time is over."""
 
 
 class Waiting:
@@ -60,16 +55,6 @@ async def host(address, number):
     workers = [Worker(address, nthreads=2, memory_limit=0) for _ in range(number)]
     await asyncio.gather(*workers)
     await asyncio.gather(*(worker.finished() for worker in workers))
-
-
-def sweep_of(points):
-    """A plane of few loads and many velocities, on smooth bodies."""
-    return tiny.sweep(
-        increments=3,
-        roughness=None,
-        loads=tuple(np.linspace(375.0, 600.0, _LOADS).tolist()),
-        velocities=tuple(np.geomspace(0.5, 20.0, points // _LOADS).tolist()),
-    )
 
 
 def driven(out, address, options):
