@@ -1,6 +1,9 @@
 """Stores of the tiny sweep, made without a cluster, and writers that are killed."""
 
 import functools
+import os
+import subprocess
+import sys
 import threading
 from contextlib import contextmanager
 
@@ -25,6 +28,19 @@ HOLDER = """if True:
         time.sleep(60)
 """
 """Program that holds the lock of a store, once it has said so."""
+
+
+@contextmanager
+def held_elsewhere(path, program=HOLDER):
+    """Let another process hold a store, which a lock names so, and be killed in the end."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", program, path]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
+        assert process.stdout.readline() == b"held\n"
+        try:
+            yield f"process {process.pid} on {os.uname().nodename}"
+        finally:
+            process.kill()
 
 
 class Killed(BaseException):

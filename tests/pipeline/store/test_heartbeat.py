@@ -1,8 +1,6 @@
 """On a disk that other machines see, a store belongs to who renews its lock."""
 
 import os
-import subprocess
-import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,7 +14,7 @@ from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
-from tests.helpers.stores import HOLDER, assert_is_as_computed, commit, record
+from tests.helpers.stores import HOLDER, assert_is_as_computed, commit, held_elsewhere, record
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
 HERE = f"process {os.getpid()} on {os.uname().nodename}"
@@ -74,12 +72,8 @@ def test_a_lock_that_was_cut_short_is_free_after_minutes(path, left):
 
 
 def test_a_process_of_this_machine_that_was_killed_holds_nothing(path):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", ON_NFS, path]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
-        assert process.stdout.readline() == b"held\n"
-        refuse(path, f"process {process.pid} on {os.uname().nodename}")
-        process.kill()
+    with held_elsewhere(path, ON_NFS) as holder:
+        refuse(path, holder)
     assert (path / LOCK).exists()
     assert summary(path).running is None
     commit(path, SWEEP, ())

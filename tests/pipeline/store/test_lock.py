@@ -5,7 +5,6 @@ import fcntl
 import os
 import shutil
 import subprocess
-import sys
 import threading
 
 import pytest
@@ -20,7 +19,7 @@ from pipeline.store.verify import verify_store
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
-from tests.helpers.stores import HOLDER, assert_is_as_computed, commit, contents, record
+from tests.helpers.stores import assert_is_as_computed, commit, contents, held_elsewhere, record
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
 HERE = f"process {os.getpid()} on {os.uname().nodename}"
@@ -87,15 +86,8 @@ def test_a_store_is_locked_through_a_mount_of_itself(path, mounted):
 def test_a_process_that_was_killed_holds_nothing(path, is_new):
     if is_new:
         shutil.rmtree(path)
-    process = subprocess.Popen(
-        [sys.executable, "-c", HOLDER, path],
-        stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
-    with process:
-        assert process.stdout.readline() == b"held\n"
-        refuse(path, f"process {process.pid} on {os.uname().nodename}")
-        process.kill()
+    with held_elsewhere(path) as holder:
+        refuse(path, holder)
     commit(path, SWEEP, [POINT])
     assert_is_as_computed(path, [POINT])
 

@@ -1,8 +1,6 @@
 """Stores in an object store, on a server of this machine."""
 
 import os
-import subprocess
-import sys
 import time
 
 import boto3
@@ -25,7 +23,14 @@ from pipeline.sweep.plan import points
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.s3 import served
-from tests.helpers.stores import HOLDER, Killed, assert_is_as_computed, commit, done_points, record
+from tests.helpers.stores import (
+    Killed,
+    assert_is_as_computed,
+    commit,
+    done_points,
+    held_elsewhere,
+    record,
+)
 
 ELSEWHERE = b"process 7 on elsewhere\nmachine %s\n" % (b"0" * 32)
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
@@ -181,15 +186,10 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address,
 
 
 def test_another_driver_of_this_machine_counts_as_long_as_it_lives(address):
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", HOLDER, address]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
-        assert process.stdout.readline() == b"held\n"
-        holder = f"process {process.pid} on {os.uname().nodename}"
+    with held_elsewhere(address) as holder:
         assert summary(address).running == holder
         with pytest.raises(StoreError, match=f"in use by {holder}"):
             commit(address, SWEEP, ())
-        process.kill()
     assert summary(address).running is None
     commit(address, SWEEP, ())
 
