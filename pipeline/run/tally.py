@@ -174,14 +174,13 @@ class Tally:
 
     def _expected(self) -> Array:
         """Durations of all points [s], shape of their statuses."""
-        dims, shape = self._store.dims, self._durations.shape
+        shape, along = self._durations.shape, [self._store.along(name) for name in PLANE]
         grid = np.indices(shape, sparse=True)
-        load, velocity = (
-            np.broadcast_to(grid[dims.index(self._store.along(name))], shape) for name in PLANE
-        )
-        return expected_durations(
-            self._durations, self._weights[load], velocity, self._store.axes["velocity"]
-        )
+        numbers: list[Indices] = [
+            np.broadcast_to(grid[self._store.dims.index(dim)], shape) for dim in along
+        ]
+        weights, velocities = self._weights[numbers[0]], self._store.axes["velocity"]
+        return expected_durations(self._durations, weights, numbers[1], velocities)
 
     def _slowness(self, link: Connection) -> float:
         """Time that passes while all workers do a second of work each [s].
