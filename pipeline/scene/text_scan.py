@@ -162,7 +162,7 @@ def _table(path: Path, body: list[str], separator: str, decimal: str) -> Array:
             is_wrong = pd.to_numeric(values, errors="coerce").isna() & values.notna()
             problem = f'"{values[is_wrong].iloc[0]}" is not a number; write holes as NaN'
             raise InputError(f"{path}: {problem}, and decimals all with the same mark")
-    table: Array = frame.to_numpy(dtype=np.float64)
+    table: Array = frame.to_numpy(dtype=np.float64, copy=True)  # for holes to be written
     return table
 
 

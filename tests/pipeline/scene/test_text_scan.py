@@ -75,6 +75,12 @@ def test_the_word_of_a_file_for_a_hole_is_taken(tmp_path):
     assert np.argwhere(np.isnan(heights)).tolist() == [[1, 1]]
 
 
+def test_a_profile_in_one_column_may_have_a_word_for_holes(tmp_path):
+    (tmp_path / "profile.txt").write_text("# No data: 0.5\n0.25\n0.5\n1.25\n")
+    heights = read_surface(tmp_path / "profile.txt", 1.0).heights
+    assert heights[:, 0] == pytest.approx([0.25, np.nan, 1.25], nan_ok=True)
+
+
 @pytest.mark.parametrize(
     "text", ["1;2;3\n4;;6\n7;8;\n", "1,2,3\n4,NaN,6\n7,8,nan\n", "1 2 3\n4 *** 6\n7 8 BAD\n"]
 )
