@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.scene.bodies import LOAD, SPEED
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, with_value
+from pipeline.scene.format import LOAD, SPEED
 from pipeline.scene.headings import Sheet, heading_of, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
 from pipeline.scene.rows import may_be_thousands

@@ -10,8 +10,7 @@ from typing import Any
 import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import nearest
-from pipeline.scene.parts import track_of
-from pipeline.scene.surfaces import Roughness
+from pipeline.scene.parts import Roughness, track_of
 from pipeline.scene.units import display
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +22,12 @@ def with_correlations(
     """Unknown inputs, each with its correlations with those that stand before it in the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
     pairs: dict[tuple[int, int], tuple[str, float]] = {}
-    for key, path, other, correlation in _correlations(table):
+    stated = [
+        (f"unknown.{quoted(path)}.correlated.{quoted(other)}", path, other, correlation)
+        for path, shape in table.items()
+        for other, correlation in shape.correlated.items()
+    ]
+    for key, path, other, correlation in stated:
         if other not in table or other == path:
             hint = did_you_mean(other, [name for name in table if name != path])
             faults.note(key, f"this is not another input of [unknown]{hint}")
@@ -47,18 +52,8 @@ def with_correlations(
     return inputs
 
 
-def _correlations(table: Mapping[str, Shape]) -> Iterator[tuple[str, str, str, float]]:
-    """Key path of each correlation in the file, the two inputs, and the number."""
-    for path, shape in table.items():
-        for other, correlation in shape.correlated.items():
-            key = f"unknown.{quoted(path)}.correlated.{quoted(other)}"
-            yield key, path, other, correlation
-
-
 def _check_fit(
-    unknown: tuple[Unknown, ...],
-    pairs: Mapping[tuple[int, int], tuple[str, float]],
-    faults: Faults,
+    unknown: tuple[Unknown, ...], pairs: Mapping[tuple[int, int], tuple[str, float]], faults: Faults
 ) -> None:
     """Note the correlation that the others do not allow, if there is one."""
     matrix = correlations(unknown)

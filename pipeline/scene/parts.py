@@ -1,21 +1,24 @@
-"""Parts of a scene, made from the tables of its file: the bodies, loading, wear, oil, corrections.
-
-Each is None where its table is missing or faulty.
-"""
+"""Parts of a scene, made from its tables; each is None where its table is missing or faulty."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
+
+import numpy as np
 
 import tribo
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults
-from pipeline.sweep.own_laws import CRITERION, WEAR, Laws, Own, OwnLawError
+from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.surfaces import PLAIN, filled, levelled, oriented, read_surface
+from pipeline.scene.units import display
+from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own, OwnLawError
 from tribo.simulation.pins import sizes_of
+from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
+Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
@@ -172,3 +175,136 @@ def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | 
         volume = math.pi / 4 * capacity["diameter"] ** 2 * capacity["thickness"]
         capacity = volume * material.density * material.specific_heat
     return tribo.Bulk(capacity or 0.0, loss or 0.0)
+
+
+def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
+    """Seeds of the random surfaces: those listed, or a number of them from the surface's own on.
+
+    The first becomes the scene's own.
+    """
+    wanted = entry_at(tables, "sweep.realizations")
+    if wanted is None or tables["disk"] is None:
+        return ()
+    rough = entry_at(tables, "disk.roughness")
+    if rough is None or "file" in rough:
+        if not faults.touch("disk.roughness"):
+            surface = "smooth" if rough is None else "measured"
+            asked = wanted if isinstance(wanted, int) else list(wanted)
+            faults.note(
+                "sweep.realizations",
+                f"{quoted(asked)} does not fit a {surface} disk; leave it out, or give a "
+                "[disk.roughness] that is made from a seed",
+            )
+        return ()
+    if isinstance(wanted, int):
+        first = rough["seed"] or 0
+        return tuple(range(first, first + wanted))
+    seeds = tuple(sorted(wanted))
+    rough["seed"] = seeds[0]
+    return seeds
+
+
+def roughness_of(
+    tables: dict[str, Any], document: Document, laws: Laws, faults: Faults
+) -> Roughness | None:
+    """The disk's roughness; None if there is none, or a faulty one."""
+    table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
+    if law:
+        if table is not None:
+            faults.note("disk.surface", "there is a [disk.roughness], too; leave out one of them")
+        if faults.touch("disk.surface"):
+            return None
+        own = own_of("disk.surface.law", SURFACE, law["law"], laws, faults, law["parameters"])
+        return cast(tribo.Surface | None, own)
+    if table is None or faults.touch("disk.roughness"):
+        return None
+    if "file" in table:
+        heights = _heights(table, tables["window"] or {}, document, faults)
+        return None if heights is None else tribo.MeasuredRoughness(heights)
+    length = table["correlation_length"]
+    pair = length if isinstance(length, tuple) else (length, length)
+    return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
+
+
+def _heights(
+    table: Mapping[str, Any], window: Mapping[str, Any], document: Document, faults: Faults
+) -> Array | None:
+    """Heights of a measured surface as the window needs them; None if that is impossible."""
+    file, unit = (
+        document.file_of("disk.roughness.file").parent / table["file"],
+        table["height_unit"],
+    )
+    if unit is None and file.suffix.lower() in PLAIN:
+        problem = f'missing; {file.suffix} files need a unit of length, such as "um"'
+        faults.note("disk.roughness.height_unit", problem)
+        return None
+    try:
+        surface = oriented(read_surface(file, unit), table["transpose"], table["flip"])
+    except tribo.InputError as error:
+        faults.note("disk.roughness.file", " ".join(str(error).split()))
+        return None
+    pixels, sides = window.get("pixels"), window.get("pixel_size")
+    if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
+        size = " × ".join(display(side, "µm") for side in surface.pixel_size)
+        problem = f"the pixels of disk.roughness.file are {size}; give those"
+        faults.note("window.pixel_size", problem)
+    heights: Array | None = surface.heights
+    if table["crop"] is not None and pixels:
+        heights = _cropped(surface.heights, table, pixels, faults)
+    if heights is None or (heights := _without_holes(heights, table["missing"], faults)) is None:
+        return None
+    if table["level"]:
+        heights = levelled(heights)
+    if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
+        is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
+        faults.notes.append(
+            f"disk.roughness.file: {heights.shape[0]} × {heights.shape[1]} heights were "
+            f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
+            f"{pixels[1]}, so that the surface repeats itself"
+        )
+        more = np.maximum(0, np.subtract(pixels, heights.shape)).tolist()
+        heights = np.pad(heights, [(0, n) for n in more], "symmetric" if is_mirrored else "wrap")
+    levelled_words = ", levelled" if table["level"] else ""
+    faults.notes.append(f"disk.roughness.file: {file.name}{levelled_words}")
+    return heights
+
+
+def _cropped(
+    heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
+) -> Array | None:
+    """The patch of the window; as much of it as there is, if it is to be repeated."""
+    (i, j), (rows, columns) = table["crop"], pixels
+    if table["repeat"] != "no":
+        left = np.subtract(heights.shape, table["crop"])
+        rows, columns = np.minimum(pixels, np.maximum(left, 1)).tolist()
+    if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
+        faults.note(
+            "disk.roughness.crop",
+            f"a patch of {rows} × {columns} heights from row {i}, column {j} reaches beyond "
+            f"the surface of {heights.shape[0]} × {heights.shape[1]}; give a lower row and "
+            "column, or fewer window.pixels",
+        )
+        return None
+    return heights[i : i + rows, j : j + columns]
+
+
+def _without_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
+    """Heights with any holes filled; None if the scene refuses them, or all is a hole."""
+    holes = np.argwhere(~np.isfinite(heights))
+    if not len(holes):
+        return heights
+    if len(holes) == heights.size:
+        faults.note("disk.roughness.file", "all heights are missing; give another file")
+        return None
+    share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
+    if missing == "refuse":
+        i, j = holes[0].tolist()
+        problem = (
+            f"{share} are missing, the first at row {i}, column {j} (counted from 0); crop them "
+            'off, or give "fill"'
+        )
+        faults.note("disk.roughness.missing", problem)
+        return None
+    note = f"disk.roughness.file: {share} are missing and were filled from around them"
+    faults.notes.append(note)
+    return filled(heights)

@@ -28,11 +28,12 @@ from pipeline.scene.parts import (
     motion_of,
     oil_of,
     pin_of,
+    realizations_of,
+    roughness_of,
     wear_of,
 )
 from pipeline.scene.reference import sections
 from pipeline.scene.shipped import scene_path
-from pipeline.scene.surfaces import realizations_of, roughness_of
 from pipeline.scene.units import in_si
 from pipeline.scene.unknown import Make, fixed_paths, samples_of
 from pipeline.sweep import plan

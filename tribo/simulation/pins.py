@@ -1,7 +1,7 @@
 """Shapes of the pin: a cylinder, a ball, or a body of two radii.
 
 A pin of another shape is a class here with what `Pin` has, and its name in `PINS`. Entries of its
-own in a scene file stand in ``pipeline/scene/bodies.py``.
+own in a scene file stand in ``pipeline/scene/format.py``.
 """
 
 from __future__ import annotations
