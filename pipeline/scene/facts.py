@@ -78,15 +78,6 @@ class Facts:
         return {name: entry for name, entry in facts.items() if entry is not None}
 
 
-def _rates(sweep: Sweep, slid: Array) -> Array:
-    """Mean specific wear rates up to sliding distances [m²/N]."""
-    wear = sweep.scene.wear
-    if wear is None:
-        return np.zeros(slid.shape)
-    rates = [wear_over(wear, 0.0, end).specific_wear_rate for end in slid.ravel()]
-    return np.reshape(rates, slid.shape)
-
-
 def facts_of(sweep: Sweep) -> Facts:
     """Calculate the facts of a scene in closed form."""
     modulus = contact_modulus(sweep.scene.pin.material, sweep.scene.disk)
@@ -96,7 +87,9 @@ def facts_of(sweep: Sweep) -> Facts:
     half_widths = np.array([contact.half_width for contact in hertz])
     durations, impulses = np.transpose([_duration(sweep, load) for load in sweep.plane.loads])
     surface = surface_facts(sweep)
-    worn = _rates(sweep, np.outer(durations, velocities)) * np.outer(impulses, velocities)
+    slid, wear = np.outer(durations, velocities), sweep.scene.wear
+    rates = [wear_over(wear, 0.0, end).specific_wear_rate if wear else 0.0 for end in slid.flat]
+    worn = np.reshape(rates, slid.shape) * np.outer(impulses, velocities)
     widths, depths = _worn(sweep, half_widths[:, None], worn)
     if surface:
         widths = np.sqrt(widths**2 + 8 * sweep.scene.pin.radius * _ROUGH_RISE * surface.rq)
@@ -108,8 +101,8 @@ def facts_of(sweep: Sweep) -> Facts:
         contact_widths=tuple(tuple(row) for row in widths.tolist()),
         window=sweep.scene.grid.size,
         duration=Span.of(durations),
-        sliding_distance=Span.of(np.outer(durations, velocities)),
-        wear_depth=Span.of(depths) if sweep.scene.wear else None,
+        sliding_distance=Span.of(slid),
+        wear_depth=Span.of(depths) if wear else None,
         peclet_number=Span.of(
             np.outer(half_widths, np.abs(disk)) / (2 * sweep.scene.disk.thermal_diffusivity)
         ),

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, ClassVar, Literal, get_args, get_origin
 
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import RANGES, UnitError, exact_si, share_of, si_unit, to_si
@@ -31,7 +32,12 @@ def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
 
 
 class Kind(ABC):
-    """Values allowed at one place of a file."""
+    """Values allowed at one place of a file, and the words that say which."""
+
+    words: ClassVar[str] = ""
+
+    def __str__(self) -> str:
+        return self.words
 
     def read(self, value: object, place: str, faults: Faults) -> Any:
         """Value at a key path as the program wants it; None, and a fault, if it is faulty."""
@@ -49,8 +55,7 @@ class Kind(ABC):
 class Text(Kind):
     """Text that is not empty."""
 
-    def __str__(self) -> str:
-        return "text in quotes"
+    words = "text in quotes"
 
     def _read(self, value: Any, place: str, faults: Faults) -> str:
         require(value, str, "is not text")
@@ -64,8 +69,7 @@ class Text(Kind):
 class Flag(Kind):
     """True or false."""
 
-    def __str__(self) -> str:
-        return "true or false"
+    words = "true or false"
 
     def _read(self, value: Any, place: str, faults: Faults) -> bool:
         require(value, bool, "is neither true nor false")
@@ -93,13 +97,15 @@ class OneOf(Kind):
 class Number(Kind):
     """A number without a unit."""
 
+    words = "a number without a unit"
     above: float = -math.inf
     at_least: float = -math.inf
     below: float = math.inf
     at_most: float = math.inf
 
     def __str__(self) -> str:
-        return f"a number without a unit{self._limits()}"
+        bounds = [f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items()]
+        return f"{self.words}, {' and '.join(bounds)}" if bounds else self.words
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         require(value, (int, float), "is not a plain number")
@@ -114,10 +120,6 @@ class Number(Kind):
             span = f"which is from {smallest:g} to {largest:g}"
             raise UnfitError(f"{quoted(value)} is out of range, {span}")
 
-    def _limits(self) -> str:
-        bounds = [f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items()]
-        return ", " * bool(bounds) + " and ".join(bounds)
-
     @property
     def bounds(self) -> dict[str, float]:
         """Bounds that a value has, by their names."""
@@ -128,23 +130,19 @@ class Number(Kind):
 class Share(Number):
     """A share of a whole, as a number or in percent."""
 
-    def __str__(self) -> str:
-        return f'a share such as 0.1 or "10%"{self._limits()}'
+    words = 'a share such as 0.1 or "10%"'
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
-        try:
-            number = share_of(value) if isinstance(value, str) else value
-        except InputError:
-            number = value
-        return super()._read(number, place, faults)
+        with suppress(InputError):
+            value = share_of(value)
+        return super()._read(value, place, faults)
 
 
 @dataclass(frozen=True)
 class Whole(Number):
     """A whole number."""
 
-    def __str__(self) -> str:
-        return f"a whole number{self._limits()}"
+    words = "a whole number"
 
     def _read(self, value: Any, place: str, faults: Faults) -> int:
         require(value, int, "is not a whole number")
@@ -155,8 +153,7 @@ class Whole(Number):
 class Scalar(Kind):
     """A number, or a quantity whose dimension another entry fixes."""
 
-    def __str__(self) -> str:
-        return "a number, or a quantity in quotes"
+    words = "a number, or a quantity in quotes"
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
         require(value, (int, float, str), "is neither a number nor a quantity")

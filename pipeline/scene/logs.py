@@ -92,10 +92,14 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     if faults and sheet.heads and not chosen:
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
     needed = [places[name] for name in ("load", "velocity") if name in places]
-    kept = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
+    kept, left_out = list[Row](), list[int]()
+    for row in sheet.rows:
+        if not needed or any(row.cells[k] for k in needed):
+            kept.append(row)
+        else:
+            left_out.append(row.number)
     if not kept and not faults:
         faults = [f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"']
-    left_out = [row.number for row in sheet.rows if row not in kept]
     log = Log(path, sheet, {}, kept, left_out, [*faults, *sheet.of_rows])
     if "outcome" in places:
         own, title = given.get("words") or {}, sheet.heading("outcome").title

@@ -14,7 +14,6 @@ from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.surfaces import PLAIN, filled, levelled, oriented, read_surface
 from pipeline.scene.units import display
 from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own, OwnLawError
-from tribo.simulation.pins import sizes_of
 from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
@@ -38,15 +37,6 @@ def own_of(
     except tribo.InputError as error:
         faults.note(key, str(error))
         return None
-
-
-def pin_of(table: Mapping[str, Any], material: tribo.Material) -> tribo.Pin:
-    """The pin of a sound table."""
-    kind: Any = tribo.PINS[table["shape"]]
-    pin: tribo.Pin = kind(
-        **{name: table[name] for name in sizes_of(table["shape"])}, material=material
-    )
-    return pin
 
 
 def loading_of(

@@ -27,7 +27,6 @@ from pipeline.scene.parts import (
     loading_of,
     motion_of,
     oil_of,
-    pin_of,
     realizations_of,
     roughness_of,
     wear_of,
@@ -42,6 +41,7 @@ from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import Laws, Own
 from pipeline.sweep.variants import surfaces
+from tribo.simulation.pins import sizes_of
 
 
 def load_scene(
@@ -294,8 +294,10 @@ def _scene_of(tables: dict[str, Any], **parts: Any) -> tribo.Scene:
     }
     pin, window, friction = tables["pin"], tables["window"], tables["friction"]
     cylinder, periodic_y = pin["shape"] == "cylinder", window["periodic_y"]
+    kind: Any = tribo.PINS[pin["shape"]]
+    sizes = {name: pin[name] for name in sizes_of(pin["shape"])}
     return tribo.Scene(
-        pin=pin_of(pin, materials[pin["material"]]),
+        pin=kind(**sizes, material=materials[pin["material"]]),
         disk=materials[tables["disk"]["material"]],
         pixels=tribo.Grid(
             window["pixels"],
