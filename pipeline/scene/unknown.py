@@ -7,6 +7,7 @@ in ten thousand lies.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -15,17 +16,26 @@ from typing import Any, cast
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.scene.correlation import with_correlations
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
-from pipeline.scene.schema import flat
+from pipeline.scene.schema import Shape, flat
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import REACH, WEAR_RATE, Design, Draw, Layer, samples_per_contact
-from pipeline.sweep.unknown import MOST, Fixed, Form, Unit, Unknown, without
+from pipeline.sweep.unknown import (
+    MOST,
+    Fixed,
+    Form,
+    Unit,
+    Unknown,
+    allowed,
+    correlations,
+    first_unfit,
+    without,
+)
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
@@ -157,15 +167,71 @@ def _inputs(
             inputs.append(_input(path, cast(Form, shape.form), shape.parameters))
         except (UnitError, InputError) as error:
             faults.note(f"unknown.{quoted(path)}", str(error))
-    joint = with_correlations(tuple(one.unknown for one in inputs), table, faults)
+    joint = _with_correlations(tuple(one.unknown for one in inputs), table, faults)
     known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
-    by_path = {one.path: one for one in without(joint, fixed)}
-    left = [
-        replace(one, unknown=by_path[one.unknown.path])
-        for one in inputs
-        if one.unknown.path in by_path
+    left = (one for one in inputs if one.unknown.path not in fixed)
+    free = without(joint, fixed)
+    return [replace(one, unknown=new) for one, new in zip(left, free, strict=True)], known
+
+
+def _with_correlations(
+    unknown: tuple[Unknown, ...], table: Mapping[str, Shape], faults: Faults
+) -> tuple[Unknown, ...]:
+    """Unknown inputs, each with its correlations with those that stand before it in the file."""
+    order = {one.path: number for number, one in enumerate(unknown)}
+    pairs: dict[tuple[int, int], tuple[str, float]] = {}
+    stated = [
+        (f"unknown.{quoted(path)}.correlated.{quoted(other)}", path, other, correlation)
+        for path, shape in table.items()
+        for other, correlation in shape.correlated.items()
     ]
-    return left, known
+    for key, path, other, correlation in stated:
+        if other not in table or other == path:
+            hint = did_you_mean(other, [name for name in table if name != path])
+            faults.note(key, f"this is not another input of [unknown]{hint}")
+        elif not {path, other} <= set(order):
+            continue  # one of them is faulty
+        elif unknown[order[other]].kind == "list":
+            problem = "each value of a list is as likely, whatever else is; give a distribution"
+            faults.note(key, problem)
+        else:
+            pair = max(order[path], order[other]), min(order[path], order[other])
+            _, before = pairs.setdefault(pair, (key, correlation))
+            if before != correlation:
+                faults.note(key, f"{correlation:g} is {before:g} elsewhere; give it once")
+    joint = [list[tuple[str, float]]() for _ in unknown]
+    for (later, earlier), (_, correlation) in sorted(pairs.items()):
+        if correlation:
+            joint[later].append((unknown[earlier].path, correlation))
+    inputs = tuple(
+        replace(one, correlated=tuple(others)) for one, others in zip(unknown, joint, strict=True)
+    )
+    _check_fit(inputs, pairs, faults)
+    return inputs
+
+
+def _check_fit(
+    unknown: tuple[Unknown, ...], pairs: Mapping[tuple[int, int], tuple[str, float]], faults: Faults
+) -> None:
+    """Note the correlation that the others do not allow, if there is one."""
+    matrix = correlations(unknown)
+    if (i := first_unfit(matrix)) is None:
+        return
+    concerned = [pair for pair in pairs if pair[0] == i]
+    for pair in reversed(concerned):
+        if ends := allowed(matrix, *pair):
+            key, correlation = pairs[pair]
+            low, high = math.ceil(1000 * ends[0]) / 1000, math.floor(1000 * ends[1]) / 1000
+            faults.note(
+                key,
+                f"{correlation:g} cannot be, beside what else is correlated; give {low:g} to "
+                f"{high:g}, or other correlations",
+            )
+            return
+    faults.note(
+        pairs[concerned[-1]][0],
+        "the correlations of this input cannot all be; give smaller ones, or leave one out",
+    )
 
 
 def _design(
@@ -187,11 +253,8 @@ def _design(
         return None
     ends = moving[0], moving[-1]
     separable = inseparable(sweep.scene, ends) is None
-    drawn = [
-        (one.unknown, layer)
-        for one, layer in zip(inputs, layers, strict=True)
-        if layer != "conditions"
-    ]
+    pairs = zip(inputs, layers, strict=True)
+    drawn = [(one.unknown, layer) for one, layer in pairs if layer != "conditions"]
     rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
     if rates and (fault := _fault_of_rates(rates, rate, WEAR_RATE in {u.path for u, _ in drawn})):
         faults.note("sweep.wear_rates", fault)
@@ -232,22 +295,17 @@ def _drawn(
     ]
     table = over * drawn_rows(draw, count)
     values, _ = draw.design.draw(count)
-    wrong = Faults()
-
-    def part(written: Mapping[str, Any], row: list[float]) -> Part:
+    parts, wrong = list[Part](), Faults()
+    for name, row in itertools.product(over.names, values.tolist()):
         pairs = zip(drawn, row, strict=True)
-        entries = {**written, **{one.unknown.path: one.entry(value) for one, value in pairs}}
-        other = None if wrong else make(entries, wrong)
-        return () if other is None else tuple(differing_inputs(sweep, other))
-
-    parts = tuple(
-        part(written_of(over, name), row) for name in over.names for row in values.tolist()
-    )
-    if wrong:
-        reason = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
-        faults.note("unknown", f"{reason}; give narrower distributions")
-        return None
-    return replace(table, parts=parts)
+        entries = {one.unknown.path: one.entry(value) for one, value in pairs}
+        other = make({**written_of(over, name), **entries}, wrong)
+        if wrong or other is None:
+            reason = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
+            faults.note("unknown", f"{reason}; give narrower distributions")
+            return None
+        parts.append(tuple(differing_inputs(sweep, other)))
+    return replace(table, parts=tuple(parts))
 
 
 def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
@@ -279,18 +337,13 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> _Input:
     in_si = {"log-normal": float, "normal": lambda text: difference_in_si(text, first)}
     convert = in_si.get(kind, lambda text: to_si(text, first))
     values = to_si(first, first), *map(convert, others)
-    unknown = Unknown(path, kind, values, si_unit(first), _written(first, unit))
-    return _Input(unknown, unit, is_whole=False)
-
-
-def _written(text: str, unit: str) -> Unit:
-    """The unit of a quantity as it is shown."""
     try:
-        zero, one = (to_si(f"{n} {unit}", text) for n in (0, 1))
+        zero, one = (to_si(f"{n} {unit}", first) for n in (0, 1))
     except UnitError as error:
-        problem = f"{quoted(text)} is on a scale of uneven steps; give it in HV, or as a pressure"
+        problem = f"{quoted(first)} is on a scale of uneven steps; give it in HV, or as a pressure"
         raise UnitError(problem) from error
-    return Unit(_SIGNS.get(unit, unit), one - zero, zero)
+    shown = Unit(_SIGNS.get(unit, unit), one - zero, zero)
+    return _Input(Unknown(path, kind, values, si_unit(first), shown), unit, is_whole=False)
 
 
 def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
@@ -316,9 +369,8 @@ def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
         faults.note(one.key, "it changes nothing in this scene; leave it out")
     elif not changed & _DECISIVE:
         names = " and ".join(sorted(name.replace("_", " ") for name in changed))
-        faults.note(
-            one.key, f"no temperature or wear depends on it, only the {names}; leave it out"
-        )
+        problem = f"no temperature or wear depends on it, only the {names}; leave it out"
+        faults.note(one.key, problem)
     if not changed & _SIMULATED:
         # Each sample has a rise of its own share, and of its own corrections.
         return "conditions" if unknown.path in _APPLIED else "heat"
@@ -330,11 +382,11 @@ def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
 def _with_heat_of(other: Sweep, sweep: Sweep) -> Sweep:
     """A sweep with the thermal constants of another."""
 
-    def thermal(material: Material) -> dict[str, float]:
-        return {name: getattr(material, name) for name in _THERMAL}
+    def heated(material: Material, like: Material) -> Material:
+        return replace(material, **{name: getattr(like, name) for name in _THERMAL})
 
-    pin = replace(other.scene.pin.material, **thermal(sweep.scene.pin.material))
-    disk = replace(other.scene.disk, **thermal(sweep.scene.disk))
+    pin = heated(other.scene.pin.material, sweep.scene.pin.material)
+    disk = heated(other.scene.disk, sweep.scene.disk)
     return other.changed(pin=replace(other.scene.pin, material=pin), disk=disk)
 
 

@@ -26,6 +26,7 @@ MOST_SAMPLES = 1_000_000
 """Number of samples that may be drawn."""
 OF_90 = 1.645
 """Normal score within which 90 % lie, on either side."""
+_LEAST = 1e-6  # of the variance of an input's score that the others must leave open
 _OUTERMOST = 7.0  # normal score beyond which nothing is drawn
 _OFF_FACES = 2.0**-40  # of the unit cube, on which a normal score is infinite
 
@@ -210,6 +211,25 @@ def correlations(unknown: Sequence[Unknown]) -> Array:
         for path, correlation in one.correlated:
             matrix[i, number[path]] = matrix[number[path], i] = correlation
     return matrix
+
+
+def first_unfit(correlations: Array) -> int | None:
+    """Number of the first input whose stated correlations with those before it are impossible."""
+    for i in range(1, len(correlations)):
+        before, last = correlations[:i, :i], correlations[i, :i]
+        if 1 - last @ np.linalg.solve(before, last) < _LEAST:
+            return i
+    return None
+
+
+def allowed(correlations: Array, i: int, j: int) -> tuple[float, float] | None:
+    """Lowest and highest correlation of an input with one before it, given all others, if any."""
+    inverse = np.linalg.inv(correlations[:i, :i])
+    others = correlations[i, :i].copy()
+    others[j] = 0.0
+    last = others @ inverse @ others - (1 - _LEAST)
+    roots = np.sort(np.roots([inverse[j, j], 2 * inverse[j] @ others, last]))
+    return None if np.iscomplexobj(roots) else (float(roots[0]), float(roots[1]))
 
 
 def sequence(seed: int, count: int) -> Array:
