@@ -156,5 +156,5 @@ def _draw(by_oil: Mapping[str, Array], printed: float) -> Figure:
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + 0.12 * (top - bottom))  # room for the words at the lines
     axes.set_title("from each measured transition", loc="left")
-    axes.legend(loc="upper right", fontsize=7.5)
+    axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93), fontsize=7.5)  # below the words
     return figure
