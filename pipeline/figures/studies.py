@@ -179,14 +179,18 @@ def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: E
     goal, shown = limit.goal, limit.entry.shown
     if not limits[0][0]:
         values = shown.of(np.array(limit.values))
-        axes.semilogy(values, np.maximum(limit.probabilities, _LEAST_RISK), "o-", ms=4, color=BLUE)
-        axes.axhline(goal.risk, color=GREY, lw=1.0)
+        percent = 100 * np.maximum(limit.probabilities, _LEAST_RISK)
+        axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
+        axes.axhline(100 * goal.risk, color=GREY, lw=1.0, label=f"goal, {100 * goal.risk:g} %")
         if limit.value is not None and limit.interval is not None:
-            axes.axvline(shown.of(limit.value), color=VERMILION)
-            axes.axvspan(*(shown.of(end) for end in limit.interval), color=VERMILION, alpha=0.15)
+            ends = [shown.of(end) for end in limit.interval]
+            axes.axvline(shown.of(limit.value), color=VERMILION, label="limit")
+            axes.axvspan(*ends, color=VERMILION, alpha=0.15, label="90 % interval of the limit")
+        style.plain_numbers(axes, "y")
+        axes.legend()
         axes.set_xlabel(_label(limit.entry))
         less = f"less than {goal.margin:g} K below the critical" if goal.margin else "severe wear"
-        axes.set_ylabel(f"probability of {less}")
+        axes.set_ylabel(f"probability of {less} [%]")
     else:
         (path,) = limits[0][0]
         (other,) = (one for one in ensemble.unknown if one.path == path)
