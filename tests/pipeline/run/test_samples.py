@@ -12,6 +12,7 @@ from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
+from pipeline.uncertain import design
 from pipeline.uncertain.answers import risk_lines
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.helpers.stores import stored_values
@@ -223,7 +224,8 @@ def test_a_swapped_rise_of_a_sample_is_damage_though_it_is_finite(sampled, tmp_p
 RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
 
 
-def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg):
+def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg, monkeypatch):
+    monkeypatch.setattr(design, "_MOST", 40)  # simulations of a check, in place of 400
     load(tmp_path, unknown=UNKNOWN + RANGE)
     store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
     irg("run", tmp_path / "scene.toml", "-o", store, "-q")

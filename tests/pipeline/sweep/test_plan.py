@@ -16,7 +16,7 @@ from pipeline.sweep.plan import chains, points, run_point, run_points
 from pipeline.sweep.stations import Stations
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
-from tribo.simulation import contacts
+from tribo.simulation import contacts, disk_positions
 
 SWEEP = tiny.sweep()
 
@@ -105,9 +105,15 @@ PHYSICS = {
     },
     "ball": {
         "pin": tribo.Ball(8e-3, STEEL),
-        "pixels": tribo.Grid((32, 32), (24e-6, 24e-6), (False, False)),
+        "pixels": tribo.Grid((20, 20), (38e-6, 38e-6), (False, False)),
     },
 }
+
+
+@pytest.fixture(autouse=True)
+def _few_positions(monkeypatch):
+    """Of the disk under a ball, over which its temperature is a mean."""
+    monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 6)
 
 
 @pytest.mark.parametrize(

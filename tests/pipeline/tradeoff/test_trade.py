@@ -7,17 +7,16 @@ import pytest
 from pipeline.figures.studies import draw_trade
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.trade import trade
-from tests.helpers.accuracy_scenes import PAPER, SCENES
+from tests.helpers.accuracy_scenes import PAPER
 from tribo import PRESETS, InputError
 
 LOADS = (200.0, 750.0)
-SCENE = SCENES["finer pixels"]
 
 
 @pytest.fixture(scope="module")
 def measured():
     said = []
-    table = trade(SCENE, loads=LOADS[1:], progress=said.append)
+    table = trade(PAPER, loads=LOADS[1:], progress=said.append)
     assert said[0] == f"1 of {len(table.choices)}: reference"
     assert len(said) == len(table.choices)
     assert said[-1].startswith("{0} of {0}: ".format(len(table.choices)))
@@ -54,7 +53,7 @@ def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
     assert draft.velocity_error > draft.rise_error / 2 > 0
     assert 0 < draft.share_error < 1
     assert draft.area_error > 0
-    assert named(measured, "as in the scene").fidelity == SCENE.scene.fidelity
+    assert named(measured, "as in the scene").fidelity == PAPER.scene.fidelity
 
 
 def test_each_numerical_choice_is_varied_alone(measured):
@@ -137,7 +136,7 @@ def test_the_legend_names_the_values_of_each_choice_in_the_order_of_its_marks(me
 
 
 def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():
-    scene = SCENE.changed(unequal_bulks=True)
+    scene = PAPER.changed(unequal_bulks=True)
     names = []
     for name, _, fidelity in tradeoff._candidates(scene, ("draft", "fine"), "standard"):
         scene.changed(fidelity=fidelity)

@@ -9,6 +9,7 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
+from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import risk_lines
 from pipeline.uncertain.inputs import prior
 from tests.helpers.samples import (
@@ -43,6 +44,13 @@ def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=Non
     ]
 
 
+@pytest.fixture(autouse=True)
+def _fewer_draws(monkeypatch):
+    """Half as many as users have, which tell means and spreads well enough here."""
+    for name, count in {"_FIRST": 2**12, "_TEMPERED": 2**10, "_ENOUGH": 200}.items():
+        monkeypatch.setattr(weigh, name, count)
+
+
 def alone(limit, load):
     """Critical velocity where a limit of the rise is the only input."""
     return (limit / rise(np.zeros((1, 0)), load, 1.0, ())[0]) ** (1 / EXPONENT)
@@ -67,9 +75,9 @@ def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
     assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
 
 
-def test_90_percent_intervals_hold_most_of_16_hidden_truths():
+def test_90_percent_intervals_hold_most_of_8_hidden_truths():
     """Of 200 in `tests.promises.laboratories`."""
-    truths = drawn(ALL, 7, 16)
+    truths = drawn(ALL, 7, 8)
     held = []
     for number, truth in enumerate(truths):
         measured = transitions(truth, seed=number)
@@ -436,7 +444,7 @@ def searched(place, kelvins, seed, scatter_is_said):
 
 @pytest.mark.parametrize(
     ("bulk", "most_beyond", "scatter_is_said"),
-    [("25 degC", 0, False), ("110 degC", 20, True)],
+    [("25 degC", 0, False), ("110 degC", 10, True)],
 )
 def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond, scatter_is_said):
     log = OBVIOUS | ({"velocity_scatter": 0.025} if scatter_is_said else {})
@@ -446,22 +454,22 @@ def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond,
     place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
     tests = [
         searched(place, kelvins, seed, scatter_is_said)
-        for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 24)[:, 0])
+        for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 12)[:, 0])
     ]
     after = (pipeline.posterior(ensemble((CRITICAL,), tests=[test])) for test in tests)
     had = [next(outcome.summary())["posterior"]["sd"] for outcome in after]
     beyond = sum("outcome" in test for test in tests)
-    assert (beyond > 4) == (most_beyond > 0)
+    assert (beyond > 2) == (most_beyond > 0)
     assert beyond <= most_beyond
     assert math.sqrt(np.mean(np.square(had))) == pytest.approx(planned.spread, rel=0.2)
 
 
-@pytest.mark.parametrize("bulks", [["25 degC"], ["25 degC", "60 degC"]])
-def test_many_planned_tests_promise_the_spread_that_is_had(bulks):
+def test_many_planned_tests_promise_the_spread_that_is_had():
     """A truth that is among the draws it is weighed against would promise half of it."""
     idle = OBVIOUS | {"friction_scatter": 0.002}
     samples = ensemble((WIDE, RATE, FRICTION, LENGTH), tests=[idle])
-    batch = pipeline.plan_tests(pipeline.posterior(samples), 20, CRITICAL.path, bulks)
+    before = pipeline.posterior(samples)
+    batch = pipeline.plan_tests(before, 20, CRITICAL.path, ["25 degC", "60 degC"])
     had = []
     for number, truth in enumerate(drawn((WIDE, RATE, FRICTION, LENGTH), 7, 8)[:5]):
         chance = np.random.default_rng(number)
