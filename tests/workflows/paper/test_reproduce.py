@@ -14,7 +14,7 @@ from pipeline.analysis.tables import markdown_of
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
-from workflows.paper import inference
+from workflows.paper import inference, surface_band
 from workflows.paper.__main__ import main
 from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.report import Finding, line
@@ -39,7 +39,7 @@ def scenes(tmp_path_factory):
         if path.stem == "irg_transition":
             assert 'step = "50 N"' in text
             assert 'step = "0.25 m/s"' in text
-            text = text.replace('step = "0.25 m/s"', 'step = "0.9 m/s"')
+            text = text.replace('step = "0.25 m/s"', 'step = "1.5 m/s"')
             text = text.replace(
                 '{ from = "200 N", to = "750 N", step = "50 N" }',
                 '["200 N", "400 N", "600 N", "750 N"]',
@@ -52,7 +52,13 @@ def scenes(tmp_path_factory):
 def small(folder, scenes):
     """Reports of small versions, each made once."""
     made = {}
-    fewer_durations = {"_DURATIONS": (6.0, 8.0), "_CHOSEN": 1}
+    held = inference._held
+    fewer_steps = {
+        "_DURATIONS": (6.0, 8.0),
+        "_CHOSEN": 1,
+        "_held": lambda *test, steps: held(*test, steps=steps // 5),
+    }
+    fewer_places = {"_LOADS": (200.0, 400.0, 600.0, 750.0), "_VELOCITIES": (0.8, 2.0, 4.8)}
 
     def report(name):
         if name not in made:
@@ -62,7 +68,8 @@ def small(folder, scenes):
                 options = SMALL | {"surfaces": 1}
             with (
                 np.errstate(all="raise", under="ignore"),
-                mock.patch.multiple(inference, **fewer_durations),
+                mock.patch.multiple(inference, **fewer_steps),
+                mock.patch.multiple(surface_band, **fewer_places),
             ):
                 made[name] = paper.reproduce(
                     name, folder / f"{name}.png", scenes=scenes, results=folder, **options
