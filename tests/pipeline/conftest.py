@@ -10,7 +10,6 @@ from pipeline.sweep.plan import points, run_point
 from pipeline.uncertain import emulator
 from tests.helpers import tiny
 from tests.helpers.samples import Memory
-from tests.helpers.workers import Workers
 
 
 def commit_all(path, sweep, skip=()):
@@ -18,25 +17,6 @@ def commit_all(path, sweep, skip=()):
     with writing(path, sweep) as store:
         wanted = [point for point in points(sweep) if point not in skip]
         store.commit(run_point(sweep, *point).record(sweep.record.fields) for point in wanted)
-
-
-@pytest.fixture(scope="session")
-def _workers():
-    workers = Workers()
-    yield workers
-    workers.end()
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _sweeps_share_workers(request, _workers):
-    """Not in a file that says ``OWN_WORKERS = True``, whose tests count them or kill some."""
-    if getattr(request.module, "OWN_WORKERS", False):
-        _workers.end()
-        yield
-        return
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("pipeline.run.sweep.connected", _workers.connected)
-        yield
 
 
 @pytest.fixture(scope="session", autouse=True)
