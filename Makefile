@@ -41,7 +41,8 @@ test: .venv/test      ## style, types, import rules and the test suite
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 3 --dist loadfile --durations=25
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 3 --dist loadfile \
+	    --no-loadscope-reorder --durations=25
 
 javascript:           ## what checks the scripts of the page that irg explore writes; needs npm
 	mkdir -p .venv/javascript
@@ -54,7 +55,7 @@ lowest:               ## install the lowest versions that are declared, and run 
 	.venv-lowest/bin/uv pip install --quiet --python .venv-lowest/bin/python \
 	    --resolution lowest-direct --editable '.[test]'
 	OMP_NUM_THREADS=1 .venv-lowest/bin/python -m pytest -W ignore::DeprecationWarning \
-	    --numprocesses 2 --dist loadfile --durations=10
+	    --numprocesses 2 --dist loadfile --no-loadscope-reorder --durations=10
 
 slow: .venv/test      ## the long checks: random scenes, workers that die, promised accuracies
 	$(BIN)/python -m pytest tests -m slow

@@ -1,3 +1,7 @@
+import os
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,11 +13,22 @@ collect_ignore_glob = ["**/references/*"]  # scripts that made the references, n
 type(pytest.approx(0.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
 
 
+MEMORY = Path("/dev/shm")
+
+
 def pytest_configure(config):
+    # A store syncs 200 files as it is made, which takes no time where nothing reaches a disk.
+    if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > 4e9:
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
     config.addinivalue_line("markers", "slow: takes minutes; runs with -m slow only")
 
 
+# What takes minutes begins first, so that no process is left alone with it in the end.
+LONG = {"workflows", "run", "uncertain", "figures", "test_pages.py"}
+
+
 def pytest_collection_modifyitems(config, items):
+    items.sort(key=lambda item: LONG.isdisjoint(item.path.parts))
     if config.getoption("-m"):
         return
     slow = [item for item in items if item.get_closest_marker("slow")]
