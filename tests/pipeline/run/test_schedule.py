@@ -116,7 +116,7 @@ def test_workers_that_are_killed_from_outside_cost_no_point(compute_sweep):
     client = LocalClient(workers=2, is_hit=lambda number: number % 3 == 0)
     store, ended = compute_sweep(client=client)
     assert ended == {"done": 24}
-    for place in points(SWEEP):
+    for place in points(SWEEP)[::5]:
         assert_is_as_computed_alone(store, place)
 
 

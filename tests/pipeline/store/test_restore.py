@@ -34,11 +34,13 @@ HARMS = {
 }
 
 
-@pytest.mark.parametrize("place", [0.1, 0.4, 0.6, 0.9])
-@pytest.mark.parametrize("harm", HARMS.values(), ids=HARMS)
+PLACES = [("flip", 0.1), ("flip", 0.4), ("flip", 0.6), ("flip", 0.9), ("cut", 0.1), ("cut", 0.9)]
+
+
+@pytest.mark.parametrize(("harm", "place"), [*PLACES, ("empty", 0.0), ("delete", 0.0)])
 def test_a_root_is_made_again_by_the_scene_that_made_it(copy, harm, place):
     before = opened(copy).root
-    harm(copy / "zarr.json", place)
+    HARMS[harm](copy / "zarr.json", place)
     with pytest.raises(StoreError, match="irg run with the scene that made it makes it again"):
         opened(copy)
     assert restore_root(copy, SWEEP)

@@ -71,7 +71,7 @@ def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
     assert (forged / ROOT).read_text() == json.dumps(document)
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, data):
     """They are read from the root, and restored from it."""
