@@ -154,7 +154,9 @@ class _Line:
         self._printed, self._printed_at = "", -math.inf
 
     def show(self, text: str, done: int = 0, total: int = 0, is_last: bool = False) -> None:
-        """Show a text, on a terminal beside a bar if it has a total."""
+        """Show a text, on a terminal beside a bar if it has a total; if quiet, nothing."""
+        if QUIET.is_set():
+            return
         if sys.stderr.isatty():
             self._draw(text, done, total)
         elif is_last or time.monotonic() - self._printed_at >= _BETWEEN_LINES:
@@ -184,16 +186,15 @@ def run_line() -> Iterator[Callable[[Progress], None]]:
     line = _Line()
     latest: list[Progress] = []
 
-    def show(progress: Progress, is_last: bool = False) -> None:
-        if not QUIET.is_set():
-            latest[:] = [progress]
-            line.show(str(progress), progress.done, progress.total, is_last)
+    def show(progress: Progress) -> None:
+        latest[:] = [progress]
+        line.show(str(progress), progress.done, progress.total)
 
     try:
         yield show
     finally:
-        for progress in latest[:]:
-            show(progress, is_last=True)
+        for progress in latest:
+            line.show(str(progress), progress.done, progress.total, is_last=True)
         line.close()
 
 
@@ -204,12 +205,7 @@ def working(task: str) -> Iterator[Callable[[int, int], None]]:
     Yields a function to call with the number that is done and the number there is, where the
     command counts.
     """
-    if QUIET.is_set():
-        yield lambda done, total: None
-        return
-    latest = [0, 0]
-    is_over = threading.Event()
-    began = time.monotonic()
+    latest, began, is_over = [0, 0], time.monotonic(), threading.Event()
 
     def count(done: int, total: int) -> None:
         latest[:] = done, total

@@ -144,10 +144,7 @@ def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tu
 
 @style.in_house_style
 def _contact(
-    ds: xr.Dataset,
-    point: tuple[int, int],
-    conditions: Conditions,
-    stacked: bool,
+    ds: xr.Dataset, point: tuple[int, int], conditions: Conditions, stacked: bool
 ) -> Figure:
     """Draw the contact at the end of a point."""
     pressure, temperature, depth = _shown(ds, point, conditions)
