@@ -127,9 +127,9 @@ def tests(options: argparse.Namespace) -> Result:
     text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
     if found:
         outcomes = Counter(test.get("outcome", "transition") for test in found)
-        counts = ", ".join(f"{number} {name}" for name, number in sorted(outcomes.items()))
-        tests = counted(len(found), "test", "tests")
-        text.append(f"{tests}: {counts}; to paste into a scene beside the log:")
+        counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
+        number = counted(len(found), "test", "tests")
+        text.append(f"{number}: {counts}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
             text.append(
                 "(read as transitions, since no column has outcomes; if they are tests, name the "
