@@ -18,17 +18,9 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import (
-    asked,
-    attributes_of,
-    dataset_of,
-    entry_dims,
-    plane_of,
-    require_plane,
-    variant_of,
-)
+from pipeline.analysis.dataset import asked, attributes_of, dataset_of, require_plane, variant_of
 from pipeline.analysis.decisive import Bulk, attributes_by, conditions_of, decisive_rise
-from pipeline.analysis.scenes import differing, scenes, stacked
+from pipeline.analysis.scenes import by_scene, stacked
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
@@ -139,8 +131,8 @@ def boundary(
     several = list(friction) if isinstance(friction, Iterable) else [friction]
     if not several:
         raise InputError("friction is an empty list; give one at least, or leave it out")
-    rows = []
-    for scene in map(plane_of, scenes(ds)):
+
+    def of_scene(scene: xr.Dataset) -> xr.Dataset:
         judged = [conditions_of(scene, value, *others) for value in several]
         axis = xr.DataArray(
             [conditions.friction for conditions in judged],
@@ -149,18 +141,12 @@ def boundary(
             attrs={"units": "1", "long_name": "friction coefficient"},
         )
         frictions = [axis] if isinstance(friction, Iterable) else []
-        rows.append(stacked([_crossings(scene, one) for one in judged], frictions))
-    entries, attributes = [ds[name] for name in entry_dims(ds)], [row.attrs for row in rows]
-    shared = {
-        name: value
-        for name, value in attributes[0].items()
-        if all(name in row and row[name] == value for row in attributes)
-    }
-    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in shared]
-    shared["units_of_attributes"] = ", ".join(units)
-    found = stacked(rows, entries)
-    boundaries = xr.Dataset(coords=found.coords, attrs=shared)
-    boundaries = boundaries.assign_coords(differing(attributes, entries)).assign(found.data_vars)
+        return stacked([_crossings(scene, one) for one in judged], frictions)
+
+    found = by_scene(ds, of_scene)
+    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in found.attrs]
+    attributes = found.attrs | {"units_of_attributes": ", ".join(units)}
+    boundaries = xr.Dataset(coords=found.coords, attrs=attributes).assign(found.data_vars)
     return with_band(boundaries, variant_of(ds))
 
 

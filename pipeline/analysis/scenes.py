@@ -137,27 +137,25 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
         values = rows[name].transpose(*ds[name].dims, WEAR_RATE).values
         return ds[name].copy(data=_power_law(rows[WEAR_RATE].values, values, rate))
 
-    quantile = at_rate("rise_quantile")
-    highest = quantile.isel(cooler_share=-1).assign_attrs(ds["max_rise"].attrs)
-    scale = stored_rate / rate
-    velocities = ds["velocity"] * scale
-    own_range = [velocity * scale for velocity in attributes.get("velocities", [])]
+    scale, quantile = stored_rate / rate, at_rate("rise_quantile")
+    changed = {
+        "rise_quantile": quantile,
+        "mean_rise": at_rate("mean_rise"),
+        "max_rise": quantile.isel(cooler_share=-1),
+        "sliding_distance": ds["sliding_distance"] * scale,
+        "pin_heat_share": at_rate("pin_heat_share"),
+    }
+    changed = {name: values.assign_attrs(ds[name].attrs) for name, values in changed.items()}
+    velocities = (ds["velocity"] * scale).assign_attrs(ds["velocity"].attrs)
     left_out = [name for name in ds.data_vars if "x" in ds[name].dims]
+    coords = {"velocity": velocities, WEAR_RATE: rate}
     return (
         ds.drop_vars(left_out)
-        .assign(
-            rise_quantile=quantile,
-            mean_rise=at_rate("mean_rise"),
-            max_rise=highest,
-            sliding_distance=(ds["sliding_distance"] * scale).assign_attrs(
-                ds["sliding_distance"].attrs
-            ),
-            pin_heat_share=at_rate("pin_heat_share"),
-        )
-        .assign_coords({"velocity": velocities.assign_attrs(ds["velocity"].attrs), WEAR_RATE: rate})
+        .assign(changed)
+        .assign_coords(coords)
         .assign_attrs(
             wear_rate=rate,
-            velocities=json.dumps(own_range),
+            velocities=json.dumps([v * scale for v in attributes.get("velocities", [])]),
             title=f"{attributes.get('title')}, wear rate {display(rate, 'mm³/(N m)', 4)}",
         )
     )
@@ -218,10 +216,23 @@ def with_all_wear_rates(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
 
 
 def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:
-    """Answers on each scene of a sweep, side by side; what differs is a coordinate."""
+    """Answers on each scene of a sweep, side by side.
+
+    Attributes that all answers have alike are those of the whole, others become coordinates.
+    """
     ds = dataset_of(ds)
     results, axes = [answer(scene) for scene in scenes(ds)], [ds[name] for name in entry_dims(ds)]
-    return stacked(results, axes).assign_coords(differing([one.attrs for one in results], axes))
+    rows = [result.attrs for result in results]
+    names, sizes = [axis.name for axis in axes], [axis.size for axis in axes]
+    alike = {k: v for k, v in rows[0].items() if all(k in row and row[k] == v for row in rows)}
+    others = {
+        name: (names, np.reshape([row.get(name) for row in rows], sizes))
+        for name in rows[0]
+        if name not in alike
+    }
+    whole = stacked(results, axes).assign_coords(others)
+    whole.attrs = alike
+    return whole
 
 
 def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
@@ -267,15 +278,6 @@ def frame_by_scene(
     return pd.concat(frames, ignore_index=True)
 
 
-def differing(
-    rows: Sequence[Mapping[str, Any]], axes: Sequence[xr.DataArray]
-) -> dict[str, tuple[Sequence[Any], Any]]:
-    """Attributes in which rows differ, such as the friction, as coordinates along some axes."""
-    names, sizes = [axis.name for axis in axes], [axis.size for axis in axes]
-    several = [name for name in rows[0] if any(row.get(name) != rows[0][name] for row in rows)]
-    return {name: (names, np.reshape([row.get(name) for row in rows], sizes)) for name in several}
-
-
 def stacked(results: Sequence[Result], axes: Sequence[xr.DataArray]) -> Result:
     """Results of all combinations of values along the dimensions of the entries."""
     if not axes:
@@ -296,12 +298,11 @@ def stacked(results: Sequence[Result], axes: Sequence[xr.DataArray]) -> Result:
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:
     """A value of an entry in a usual unit."""
-    unit = str(axis.attrs.get("units", ""))
     if isinstance(value, str):
         return value
     if usual := _usual_unit(axis):
         return display(value, usual)
-    return f"{value:.6g} {unit}".removesuffix(" 1").strip()
+    return f"{value:.6g} {axis.attrs.get('units', '')}".removesuffix(" 1").strip()
 
 
 def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:

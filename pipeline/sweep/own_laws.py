@@ -17,22 +17,14 @@ import inspect
 import sys
 import threading
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, Final, NamedTuple
 
-from tribo import (
-    InputError,
-    MeasuredRoughness,
-    Rule,
-    Scene,
-    SelfAffineRoughness,
-    Surface,
-    WearLaw,
-)
+from tribo import InputError, MeasuredRoughness, Rule, Scene, SelfAffineRoughness, Surface, WearLaw
 
 GROUP: Final = "irg_transition.laws"
 """Entry points by which an installed package registers its laws."""
@@ -140,8 +132,7 @@ class Own:
     @property
     def made(self) -> Any:
         """Object that the reference names, made with the parameters."""
-        text = self.source, self.digest, self.package
-        return _made(self.reference, self.kind, self.parameters, *text)
+        return _made(self)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -158,21 +149,22 @@ def identity_of(law: Any) -> dict[str, Any]:
     if isinstance(law, Own):
         return {"law": law.reference, "parameters": dict(law.parameters), "hash": law.digest}
     kind = type(law)
+    reference = f"{kind.__module__}:{kind.__qualname__}"
     try:
         text = inspect.getsource(kind)
     except (OSError, TypeError) as error:
         raise InputError(
-            f"the source of {kind.__module__}:{kind.__qualname__} cannot be read, and a store "
-            'keeps its hash; put it into a file, and name it as "module:name"'
+            f"the source of {reference} cannot be read, and a store keeps its hash; put it into a "
+            'file, and name it as "module:name"'
         ) from error
-    names = getattr(law, "__dataclass_fields__", None) or getattr(law, "__dict__", {})
-    values = ((name, getattr(law, name)) for name in sorted(names))
-    fields = {
+    held = getattr(law, "__dataclass_fields__", None) or getattr(law, "__dict__", {})
+    values = {name: getattr(law, name) for name in sorted(held)}
+    parameters = {
         name: value if isinstance(value, str | float | int | bool) else repr(value)
-        for name, value in values
+        for name, value in values.items()
     }
     digest = hashlib.sha256(text.encode()).hexdigest()
-    return {"law": f"{kind.__module__}:{kind.__qualname__}", "parameters": fields, "hash": digest}
+    return {"law": reference, "parameters": parameters, "hash": digest}
 
 
 def own_laws(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -186,35 +178,36 @@ def own_laws(scene: Scene) -> dict[str, dict[str, Any]]:
 
 
 @functools.lru_cache(maxsize=64)
-def _made(
-    reference: str,
-    kind: str,
-    parameters: tuple[tuple[str, Any], ...],
-    source: bytes,
-    digest: str,
-    package: str | None,
-) -> Any:
+def _made(own: Own) -> Any:
     """The object that a reference names, looked at before it is called."""
-    module_name, _, name = reference.partition(":")
+    reference, name = own.reference, own.reference.partition(":")[2]
     with _loading:
-        module = _loaded(module_name, source, digest, package)
+        module = _loaded(own)
     if name not in vars(module):
-        public = ", ".join(sorted(_defined_in(module)))
-        raise InputError(f'"{reference}": the module has no {name}; it has {public or "nothing"}')
+        public = (key for key, value in vars(module).items() if _is_own(key, value, module))
+        held = ", ".join(sorted(public)) or "nothing"
+        raise InputError(f'"{reference}": the module has no {name}; it has {held}')
     found = vars(module)[name]
-    if reason := _unlike(found, kind):
-        raise InputError(f'the {kind} is "{reference}", which {reason}')
+    if reason := _unlike(found, own.kind):
+        raise InputError(f'the {own.kind} is "{reference}", which {reason}')
     if not isinstance(found, type):
-        if parameters:
+        if own.parameters:
             raise InputError(f'"{reference}" is no class, and takes no parameters; leave them out')
         return found
     try:
-        return found(**dict(parameters))
+        return found(**dict(own.parameters))
     except Exception as error:
-        words = ", ".join(f"{key} = {value!r}" for key, value in parameters) or "no parameters"
+        words = ", ".join(f"{key} = {value!r}" for key, value in own.parameters) or "no parameters"
         raise InputError(
             f'"{reference}" cannot be made with {words}: {type(error).__name__}: {error}'
         ) from error
+
+
+def _is_own(name: str, value: Any, module: ModuleType) -> bool:
+    """True of a public name of a module that it does not import."""
+    if name.startswith("_") or isinstance(value, ModuleType):
+        return False
+    return not isinstance(value, type | FunctionType) or value.__module__ == module.__name__
 
 
 def _unlike(found: Any, kind: str) -> str | None:
@@ -232,16 +225,6 @@ def _unlike(found: Any, kind: str) -> str | None:
             _, *given = wanted.parameters
             return f"has no method {name}({', '.join(given)}); see tribo.{protocol.__name__}"
     return None
-
-
-def _defined_in(module: ModuleType) -> Iterator[str]:
-    """Public names of a module, without those that it imports."""
-    for name, value in vars(module).items():
-        is_imported = isinstance(value, ModuleType) or (
-            isinstance(value, type | FunctionType) and value.__module__ != module.__name__
-        )
-        if not (name.startswith("_") or is_imported):
-            yield name
 
 
 @functools.lru_cache(maxsize=64)
@@ -264,27 +247,23 @@ def _installed(reference: str) -> _Text | None:
     return _Text(file.read_bytes(), file, spec.parent)
 
 
-def _loaded(name: str, source: bytes, digest: str, package: str | None) -> ModuleType:
-    """A module of a text, under a name of its own beside all that is installed."""
-    full = f"{_PREFIX}_{digest}_{name.replace('.', '_')}"
+def _loaded(own: Own) -> ModuleType:
+    """The module of a law, under a name of its own beside all that is installed."""
+    name = own.reference.partition(":")[0]
+    file, full = f"{name}.py", f"{_PREFIX}_{own.digest}_{name.replace('.', '_')}"
     if full in sys.modules:
         return sys.modules[full]
     module = ModuleType(full)
-    module.__package__ = package
+    module.__package__ = own.package
     sys.modules[full] = module  # dataclasses look their module up
     try:
-        exec(compile(source, f"{name}.py", "exec"), vars(module))
+        exec(compile(own.source, file, "exec"), vars(module))
     except Exception as error:
         del sys.modules[full]
-        line = getattr(error, "lineno", None) or _line_of(error, f"{name}.py")
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [frame.lineno for frame in frames if frame.filename == file and frame.lineno]
+        line = getattr(error, "lineno", None) or (lines[-1] if lines else "?")
         raise InputError(
-            f"{name}.py, line {line}: {type(error).__name__}: {error}; mend the module"
+            f"{file}, line {line}: {type(error).__name__}: {error}; mend the module"
         ) from error
     return module
-
-
-def _line_of(error: BaseException, file: str) -> int | str:
-    """Last line of a file on the way to an error."""
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == file and frame.lineno]
-    return lines[-1] if lines else "?"

@@ -97,6 +97,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
     else:
         heights = rough.array if isinstance(rough, MeasuredRoughness) else rough.heights(pixels)
     level, rise = _level(heights)
+    slopes = np.diff(level, axis=0) / pixels.spacing[0]  # along sliding; none of a single row
     return SurfaceFacts(
         measured=not isinstance(rough, SelfAffineRoughness),
         ra=float(np.abs(level).mean()),
@@ -104,7 +105,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         mean_height=float(heights.mean()),
         rise=rise,
         lay=_lay(level, pixels.spacing),
-        slope=_slope(level, pixels.spacing[0]),
+        slope=float(np.sqrt(np.mean(slopes**2))) if len(slopes) else None,
     )
 
 
@@ -121,13 +122,6 @@ def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
         level = level - slope * (place[:, None] if axis == 0 else place)
         rises.append(slope * count)
     return level, (rises[0], rises[1])
-
-
-def _slope(heights: Array, spacing: float) -> float | None:
-    """Root mean square slope along sliding; None of a single row."""
-    if len(heights) < 2:
-        return None
-    return float(np.sqrt(np.mean((np.diff(heights, axis=0) / spacing) ** 2)))
 
 
 def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
@@ -166,21 +160,14 @@ class Lubrication:
     @classmethod
     def of(cls, sweep: Sweep) -> Self | None:
         """Take what a scene says; None if it gives no oil, or not enough of it, or no roughness."""
-        if sweep.about.oil is None or sweep.about.oil.pressure_coefficients is None:
+        scene, oil, pin = sweep.scene, sweep.about.oil, sweep.scene.pin
+        if oil is None or oil.pressure_coefficients is None:
             return None
         surface = surface_facts(sweep)
         if surface is None or surface.rq == 0:
             return None
-        pin = sweep.scene.pin
-        return cls(
-            sweep.about.oil,
-            pin.radius,
-            pin.length,
-            contact_modulus(pin.material, sweep.scene.disk),
-            surface.rq,
-            sweep.scene.motion,
-            pin.crown_radius,
-        )
+        modulus = contact_modulus(pin.material, scene.disk)
+        return cls(oil, pin.radius, pin.length, modulus, surface.rq, scene.motion, pin.crown_radius)
 
     @classmethod
     def stored(cls, attributes: Mapping[str, Any]) -> Self | None:
