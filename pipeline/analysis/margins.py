@@ -180,12 +180,11 @@ def margin_table(
     Returns
     -------
     DataFrame
-        A row for each operating point: ``load [N]``, ``velocity [m/s]``, the ``verdict`` beyond the
-        error of its temperature, ``decisive temperature [°C]``, ``temperature error [K]``, the
-        ``distance [K]`` below the critical temperature, ``velocity factor``, ``critical velocity
-        [m/s]``, ``load factor``, ``critical load [N]``, and the outcome along each axis. Over
-        several surfaces it has medians, the numbers of ``variants`` and of those that are
-        ``severe`` and ``undecided``, and the ends of the band, ``distance low [K]`` and ``high``. A
+        For each operating point its place, the ``verdict`` beyond the error of its temperature,
+        ``decisive temperature [°C]``, ``temperature error [K]``, the ``distance [K]`` below the
+        critical temperature and, along velocity and load, the factor to the critical value, that
+        value and the outcome. Over several surfaces it has medians, the numbers of ``variants`` and
+        of those that are ``severe`` and ``undecided``, and the ends of the band of the distance. A
         point that the sweep says nothing about has a ``note`` instead.
 
     Raises

@@ -24,12 +24,11 @@ from pipeline.analysis.boundary import boundary_under
 from pipeline.analysis.dataset import (
     attributes_of,
     dataset_of,
-    entry_dims,
     has_one_scene,
     has_plane,
 )
 from pipeline.analysis.decisive import conditions_of, decisive_rise, turns
-from pipeline.analysis.scenes import by_scene, planes, stacked, value_text
+from pipeline.analysis.scenes import by_scene, planes, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -151,35 +150,30 @@ def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.Da
 
 
 def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
-    """Points beside the boundary of their scene; None where that is not known of all."""
-    near = [_beside_boundary(scene, conditions) for scene in planes(ds)]
-    if not near or any(marked is None for marked in near):
-        return None
-    axes = [ds[name] for name in entry_dims(ds)]
-    return stacked([marked for marked in near if marked is not None], axes)
-
-
-def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
     """Points with a neighbour with the other kind of wear, at any of the frictions.
 
     None where no critical temperature tells the kind of wear, or a criterion that is not run.
     """
     frictions = conditions.get("friction")
     several = frictions if isinstance(frictions, Iterable) else [frictions]
-    near = None
-    for friction in several:
-        asked = conditions | {"friction": friction}
-        try:
-            judged = conditions_of(ds, **asked)
-        except OwnLawError:
-            return None
-        if judged.critical_temperature is None:
-            return None
-        rise, limit = decisive_rise(ds, judged), rise_limit(judged)
-        for axis in (-2, -1):  # along the load, and along the velocity
-            marked = rise.copy(data=np.apply_along_axis(turns, axis, rise.values, limit))
-            near = marked if near is None else near | marked
-    return near
+    given = [conditions | {"friction": friction} for friction in several]
+    try:
+        judged = [conditions_of(scene, **one) for scene in planes(ds) for one in given]
+    except OwnLawError:
+        return None
+    if not judged or any(one.critical_temperature is None for one in judged):
+        return None
+
+    def of_scene(scene: xr.Dataset) -> xr.DataArray:
+        marks = []
+        for one in given:
+            judged = conditions_of(scene, **one)
+            rise, limit = decisive_rise(scene, judged), rise_limit(judged)
+            for axis in (-2, -1):  # along the load, and along the velocity
+                marks.append(np.apply_along_axis(turns, axis, rise.values, limit))
+        return rise.copy(data=np.logical_or.reduce(marks))
+
+    return by_scene(ds, of_scene)
 
 
 def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
@@ -234,9 +228,6 @@ def exponents(x: Array, y: Array) -> Array:
     return result
 
 
-_PARTS = {kind.__name__: kind for kind in (Ball, Crowned, Cylinder, Material, Motion)}
-
-
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> str | None:
     """Say that bodies roll as if each turn met a cold track; None where none does.
 
@@ -265,5 +256,6 @@ def _made(plain: Any) -> Any:
     """A part of `tribo` from the plain data that a store has of it."""
     if not isinstance(plain, dict):
         return plain
+    kinds = {kind.__name__: kind for kind in (Ball, Crowned, Cylinder, Material, Motion)}
     entries = {name: _made(value) for name, value in plain.items() if name != "type"}
-    return _PARTS[plain["type"]](**entries)
+    return kinds[plain["type"]](**entries)
