@@ -64,7 +64,7 @@ class OperatingPoints:
         `InputError` is raised for all faults at once, by row and column.
         """
         if isinstance(source, Mapping) or not isinstance(source, str | os.PathLike):
-            name, sheet = "points", _sheet_of(source)
+            name, sheet = "points", sheet_of(source, _PLACE)
         else:
             name, sheet = str(source), read_sheet(Path(source), _PLACE, _PLACE)
             if not sheet.heads:
@@ -88,21 +88,6 @@ class OperatingPoints:
             if place not in sheet.places.values()
         }
         return cls(tuple(map(Place, values["load"], values["velocity"])), others)
-
-
-def _sheet_of(columns: Any) -> Sheet:
-    """Columns of a mapping or a data frame as those of a file."""
-    if not hasattr(columns, "keys"):
-        raise InputError(
-            f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
-            'by heading such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
-        )
-    listed = {str(head): list(np.atleast_1d(columns[head]).tolist()) for head in columns}
-    lengths = {head: len(cells) for head, cells in listed.items()}
-    if len(set(lengths.values())) > 1:
-        counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
-        raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
-    return sheet_of(listed, _PLACE)
 
 
 def _quantity(sheet: Sheet, name: str, faults: list[str]) -> list[float]:

@@ -10,9 +10,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.rows import Row, Rows, read_rows
 from pipeline.scene.units import TURNS, UnitError, si_unit, to_si
+from tribo import InputError
 
 _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]"),
@@ -245,10 +248,20 @@ def read_sheet(
     return Sheet(read.heads, labelled, places, rows, *form, faults, read.faults)
 
 
-def sheet_of(columns: Mapping[str, Sequence[Any]], wanted: Collection[str]) -> Sheet:
-    """Columns of equal length by their headings, all the wanted ones of which are needed."""
-    heads = [*columns]
-    rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*columns.values(), strict=True), 1)]
+def sheet_of(columns: Any, wanted: Collection[str]) -> Sheet:
+    """Columns of a mapping or a data frame as those of a file; all the wanted ones are needed."""
+    if not hasattr(columns, "keys"):
+        raise InputError(
+            f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
+            'by heading such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
+        )
+    listed = {str(head): np.atleast_1d(columns[head]).tolist() for head in columns}
+    lengths = {head: len(cells) for head, cells in listed.items()}
+    if len(set(lengths.values())) > 1:
+        counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
+        raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
+    heads = [*listed]
+    rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*listed.values(), strict=True), 1)]
     places, faults = columns_for(heads, wanted)
     if (missing := [name for name in wanted if name not in places]) and not faults:
         faults = [missing_columns(heads, missing)]

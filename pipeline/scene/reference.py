@@ -267,23 +267,22 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
     """A scene's entries with what each means, and those that it does not have as comments."""
     for section in sections():
-        if "NAME" in section.path:
-            table = section.path.partition(".")[0]
-            for number, (name, values) in enumerate(entries.get(table, {}).items()):
-                yield from _section(section, f"[{table}.{name}]", values, comment=number == 0)
-            continue
+        table, _, name = section.path.partition(".")
         values = entry_at(entries, section.path) if section.path else entries
-        if section.is_list and values:
-            for number, item in enumerate(values):
-                yield from _section(section, section.header, item, comment=number == 0)
-            continue
-        if isinstance(values, str):  # short for a name of the library
-            values = {"like": values}
-        yield from _section(section, section.header if section.path else "", values)
+        if name == "NAME":
+            tables = [(f"[{table}.{key}]", one) for key, one in entries.get(table, {}).items()]
+        elif section.is_list and values:
+            tables = [(section.header, item) for item in values]
+        elif isinstance(values, str):  # short for a name of the library
+            tables = [(section.header, {"like": values})]
+        else:
+            tables = [(section.header if section.path else "", values)]
+        for number, (header, held) in enumerate(tables):
+            yield from _section(section, header, held, comment=number == 0)
 
 
 def _section(
-    section: Section, header: str, values: Mapping[str, Any] | None, comment: bool = True
+    section: Section, header: str, values: Mapping[str, Any] | None, comment: bool
 ) -> Iterator[str]:
     """Lines of one table: all keys with comments, or only those given without."""
     yield ""

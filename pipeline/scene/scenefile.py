@@ -34,7 +34,7 @@ from pipeline.scene.parts import (
 from pipeline.scene.reference import sections
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
-from pipeline.scene.unknown import Make, fixed_paths, samples_of
+from pipeline.scene.unknown import fixed_paths, samples_of
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
@@ -104,7 +104,13 @@ def load_scene(
     try:
         sweep, tables = reader.sweep(entries, faults)
         if sweep is not None:
-            sweep = _with_variants(sweep, tables, document, pairs, variant, faults)
+            asked = tables["sweep"]
+            over = over_of(asked["over"], sweep, variant)
+            samples = samples_of(tables, sweep, over, variant, faults, fixed_paths(document))
+            sweep = sweep.changed(variants=samples or over * sweep.variants)
+            sweep = with_rates_of(asked["wear_rates"], sweep, faults.notes)
+            if pairs:
+                sweep = along_of(pairs, asked["around"], sweep, variant)
             sweep = sweep.changed(notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
@@ -176,27 +182,6 @@ class _Reader:
         key = repr(tables)
         self.parts[key] = self.parts.get(key) or make()
         return self.parts[key]
-
-
-def _with_variants(
-    sweep: Sweep,
-    tables: dict[str, Any],
-    document: Document,
-    pairs: list[dict[str, Any]],
-    make: Make,
-    faults: Faults,
-) -> Sweep:
-    """The sweep, on its random surfaces so far, with all rows of its table of variants.
-
-    `make` reads the scene with other values of some entries; `InputError` is raised at a row that
-    does not go with the scene, other faults are noted.
-    """
-    asked = tables["sweep"]
-    over = over_of(asked["over"], sweep, make)
-    samples = samples_of(tables, sweep, over, make, faults, fixed_paths(document))
-    sweep = sweep.changed(variants=samples or over * sweep.variants)
-    sweep = with_rates_of(asked["wear_rates"], sweep, faults.notes)
-    return along_of(pairs, asked["around"], sweep, make) if pairs else sweep
 
 
 def _arguments(
