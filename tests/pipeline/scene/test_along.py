@@ -83,11 +83,13 @@ def test_rows_exclude_what_has_other_velocities(tmp_path):
 
 
 def test_a_label_in_numbers_keeps_its_unit(tmp_path):
-    rows = "cycle time [s],angle [deg],load [N],velocity [m/s]\n0.5,30,300,1\n1,60,600,2\n"
+    heads = "cycle time [min],angle [deg],gear,load [N],velocity [m/s]"
+    rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"
     columns = pipeline.load_scene(scene(tmp_path, rows=rows)).variants.columns
     held = {column.name: (column.values, column.unit) for column in columns}
-    assert held["cycle time"] == ((0.5, 1.0), "s")
+    assert held["cycle time"] == ((30.0, 60.0), "s")
     assert held["angle"] == ((30.0, 60.0), "deg")
+    assert held["gear"] == (("2a", "3"), None)
 
 
 @pytest.mark.parametrize("name", ["time", "step", "max_rise", "realization"])

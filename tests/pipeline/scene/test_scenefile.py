@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import tribo
+from pipeline.scene.document import as_toml
 from pipeline.scene.faults import SceneFileError, entry_at
 from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.about import Measurement
@@ -577,3 +578,10 @@ def test_both_bodies_may_move(read):
 @pytest.mark.parametrize("path", ["pin.radius.x", "pin.radii", "nothing.at.all"])
 def test_what_stands_at_no_entry_is_none(path):
     assert entry_at({"pin": {"radius": "2 mm"}}, path) is None
+
+
+@pytest.mark.parametrize(
+    "value", [{"from": "1 m/s", "pin.radius": [0.1, True]}, 1e-7, 12345678.9, 'ä "b"', [], {"": 1}]
+)
+def test_a_value_is_written_as_toml_reads_it(value):
+    assert tomllib.loads(f"value = {as_toml(value)}") == {"value": value}
