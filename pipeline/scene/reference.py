@@ -104,25 +104,24 @@ def page() -> str:
         need = " May be left out." if isinstance(section.entry, Optional) else ""
         parts.append(f"## {title}\n\n{section.entry.meaning}{need}\n")
         rows = [
-            f"| `{key}` | {_cell(entry.kind)} | {_default_cell(section, entry, form)} | "
-            f"{entry.meaning} |"
+            [f"`{key}`", str(entry.kind), _default_cell(section, entry, form), entry.meaning]
             for key, (entry, form) in section.keys().items()
         ]
-        if rows:
-            parts += ["| key | give | default | meaning |", "|---|---|---|---|", *rows, ""]
-    return "\n".join([*parts, _presets()])
-
-
-def _presets() -> str:
-    names = list(tribo.PRESETS)
-    keys = [key for key in FIDELITY.keys if key != "preset"]
-    rows = [
-        f"| `{key}` | {' | '.join(written(getattr(tribo.PRESETS[name], key)) for name in names)} |"
-        for key in keys
+        parts += _table(["key", "give", "default", "meaning"], rows) if rows else []
+    presets = [
+        [f"`{key}`", *(written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
+        for key in FIDELITY.keys
+        if key != "preset"
     ]
-    heads = [f"| {' | '.join(['', *names])} |", "|---" * (len(names) + 1) + "|"]
     about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
-    return "\n".join(["## Presets\n", about, *heads, *rows, ""])
+    return "\n".join([*parts, "## Presets\n", about, *_table(["", *tribo.PRESETS], presets)])
+
+
+def _table(heads: list[str], rows: list[list[str]]) -> list[str]:
+    """Lines of a table in Markdown."""
+    cells = [[cell.replace("|", "\\|") for cell in row] for row in (heads, *rows)]
+    head, *below = [f"| {' | '.join(row)} |" for row in cells]
+    return [head, "|---" * len(heads) + "|", *below, ""]
 
 
 def _default_cell(section: Section, entry: Entry, form: str) -> str:
@@ -146,10 +145,6 @@ def written(value: Any, kind: Kind | None = None) -> str:
         case Quantity(example=example) if "degC" in example:
             return f'"{value - 273.15:g} degC"'
     return f"{value:g}" if isinstance(value, float) else quoted(value)
-
-
-def _cell(kind: Kind) -> str:
-    return str(kind).replace("|", "\\|")
 
 
 _WIDTH = 98
