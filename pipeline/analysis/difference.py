@@ -114,7 +114,7 @@ def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
     """Critical velocities at the loads of both; none where wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
-        one, other = (_crossings(ds, **criterion) for ds in (a, b))
+        one, other = (_critical_velocities(ds, **criterion) for ds in (a, b))
     except OwnLawError:
         raise
     except InputError:  # no critical temperature, or samples, whose boundary is a probability
@@ -149,7 +149,7 @@ def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
     return ", ".join(words) or None
 
 
-def _crossings(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
+def _critical_velocities(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
     """Critical velocity and outcome at each load; over several surfaces the median."""
     boundaries, meanings = boundary(ds, **criterion), outcomes("velocity")
     middles = middle_of(boundaries, "critical_velocity").values.tolist()

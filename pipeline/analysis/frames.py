@@ -44,7 +44,7 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     """Frame along one axis."""
     variant = variant_of(boundaries)
-    columns = _crossings if variant is None else _band
+    columns = _surface if variant is None else _band
     values = dict(columns(boundaries, name, axis))
     if (film := f"film_parameter_at_{axis}") in boundaries:
         over = boundaries[film]
@@ -62,7 +62,7 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     return frame_of([heads.get(column, column) for column in names], rows)
 
 
-def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
+def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Crossings of one surface, by their heads."""
     other = name.removeprefix("critical_")
     parts = "outcome", "computed_from", "computed_to"

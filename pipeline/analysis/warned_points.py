@@ -237,11 +237,11 @@ def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> 
     if not (scene.get("motion") and has_one_scene(ds)) or np.ndim(conditions.get("friction", 0.0)):
         return None
     judged = conditions_of(ds, **conditions)
-    motion = _made(scene["motion"])
+    motion = _part(scene["motion"])
     cold = cold_bodies(motion, judged.corrections)
     if not cold:
         return None
-    pin, disk = _made(scene["pin"]), _made(scene["disk"])
+    pin, disk = _part(scene["pin"]), _part(scene["disk"])
     corrections, around = with_turns(judged.corrections, pin, disk, motion)
     warm = boundary_under(ds, replace(judged, corrections=corrections))
     moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
@@ -252,10 +252,10 @@ def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> 
     return on_cold_bodies(cold, around, size)
 
 
-def _made(plain: Any) -> Any:
+def _part(plain: Any) -> Any:
     """A part of `tribo` from the plain data that a store has of it."""
     if not isinstance(plain, dict):
         return plain
     kinds = {kind.__name__: kind for kind in (Ball, Crowned, Cylinder, Material, Motion)}
-    entries = {name: _made(value) for name, value in plain.items() if name != "type"}
+    entries = {name: _part(value) for name, value in plain.items() if name != "type"}
     return kinds[plain["type"]](**entries)

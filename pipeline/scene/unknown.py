@@ -24,7 +24,14 @@ from pipeline.scene.schema import Shape, flat
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.samples import REACH, WEAR_RATE, Design, Draw, Layer, samples_per_contact
+from pipeline.sweep.samples import (
+    REACH,
+    SPECIFIC_WEAR_RATE,
+    Design,
+    Draw,
+    Layer,
+    samples_per_contact,
+)
 from pipeline.sweep.unknown import (
     MOST,
     Fixed,
@@ -141,7 +148,7 @@ def samples_of(
     if design is None:
         return None
     if rates:  # the scene's own is one value of an input that all samples have
-        (rate,) = (one for one in design.inputs if one.path == WEAR_RATE)
+        (rate,) = (one for one in design.inputs if one.path == SPECIFIC_WEAR_RATE)
         known += (Fixed(rate, rate.parameters[0]),)
     if sweep.variants.columns:
         faults.note(
@@ -256,14 +263,16 @@ def _design(
     pairs = zip(inputs, layers, strict=True)
     drawn = [(one.unknown, layer) for one, layer in pairs if layer != "conditions"]
     rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
-    if rates and (fault := _fault_of_rates(rates, rate, WEAR_RATE in {u.path for u, _ in drawn})):
+    if rates and (
+        fault := _fault_of_rates(rates, rate, SPECIFIC_WEAR_RATE in {u.path for u, _ in drawn})
+    ):
         faults.note("sweep.wear_rates", fault)
         return None
     if (rates or separable) and rate and "wear rate" not in layers:
         # Both ends are two standard deviations from the scene's own at least.
         factor = math.sqrt(max(rates["to"] / rate, rate / rates["from"])) if rates else _FACTOR
         unit = Unit("mm³/(N m)", 1e-9)
-        spread = Unknown(WEAR_RATE, "log-normal", (rate, factor), _OF_RATE, unit)
+        spread = Unknown(SPECIFIC_WEAR_RATE, "log-normal", (rate, factor), _OF_RATE, unit)
         drawn.append((spread, "wear rate"))
     if not separable:
         drawn = [(one, "contact" if layer != "heat" else layer) for one, layer in drawn]
@@ -374,7 +383,7 @@ def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
     if not changed & _SIMULATED:
         # Each sample has a rise of its own share, and of its own corrections.
         return "conditions" if unknown.path in _APPLIED else "heat"
-    if unknown.path == WEAR_RATE:
+    if unknown.path == SPECIFIC_WEAR_RATE:
         return "wear rate"
     return "heat" if is_heat_alone else "contact"
 

@@ -39,15 +39,13 @@ MOLTEN = (
     "load, velocity and units"
 )
 
-State = Literal["counted", "could be counted", "cannot be sized"]
-
 
 @dataclass(frozen=True, slots=True)
 class Effect:
     """One effect beside the two half-spaces."""
 
     name: str
-    state: State
+    state: Literal["counted", "could be counted", "cannot be sized"]
     size: str  # what is assumed, or what the scene says
     certainty: str  # reason to believe the result, or not to
     entry: str = ""  # by which a scene counts it

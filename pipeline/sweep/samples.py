@@ -30,7 +30,7 @@ WIDENED = 1.4
 """Normal scores of the samples over those of the inputs' distributions."""
 REACH = 3.7
 """Normal score beyond which no sample lies."""
-WEAR_RATE = "wear.specific_wear_rate"
+SPECIFIC_WEAR_RATE = "wear.specific_wear_rate"
 _RATES = 2.6  # normal scores between which the wear rates of one contact lie
 _DRAWN, _PLANNED, _WITHOUT_WEAR = 4, 2, 64  # samples of a contact
 _FOR_VELOCITY = 16  # samples that suffice for velocity and wear number; each input doubles them

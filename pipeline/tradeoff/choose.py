@@ -154,7 +154,7 @@ def choose_fidelity(
     began = time.perf_counter()
     tell = progress or (lambda name: None)
     places = some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
-    thorough = not points and _steps_to_probe(sweep, places) <= _WORTH * _steps_of_sweep(sweep)
+    thorough = not points and _is_worth_it(sweep, places)
     if points:
         places = tuple(dict.fromkeys(Target(place.load, place.variant) for place in points))
     tell("the boundary by the preset standard")
@@ -195,13 +195,9 @@ def _first_within(
             elapsed = probe(sweep, replace(fidelity, heat_model="elapsed"), exact.points)
         except ConvergenceError:
             continue
-        against = replace(YARDSTICK, heat_model=fidelity.heat_model)
-        nodes = exact.fewest_nodes
-        error = (
-            _bound(exact.errors(elapsed), everywhere, nodes)
-            + yardstick_error.of(against)
-            + _ONE / nodes
-        )
+        against, nodes = replace(YARDSTICK, heat_model=fidelity.heat_model), exact.fewest_nodes
+        error = _bound(exact.errors(elapsed), everywhere, nodes) + yardstick_error.of(against)
+        error += _ONE / nodes
         spent += elapsed.work
         trials.append(Trial(name, fidelity, error, elapsed.work))
         if error <= accuracy:
@@ -233,18 +229,14 @@ def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
     return tuple(point._replace(velocity=v) for point, either in pairs for v in either)
 
 
-def _steps_to_probe(sweep: Sweep, places: Sequence[Target]) -> float:
-    """Approximate number of steps that a probe takes on the scene's finest grid."""
+def _is_worth_it(sweep: Sweep, places: Sequence[Target]) -> bool:
+    """True if a thorough probe takes few steps beside the whole sweep at the reference."""
     scene = sweep.changed(fidelity=on_pixels(sweep, YARDSTICK)).scene
-    return _PASSES * sum(step_count(scene, place.load) for place in places)
-
-
-def _steps_of_sweep(sweep: Sweep) -> int:
-    """Steps of a whole sweep at the reference."""
+    to_probe = _PASSES * sum(step_count(scene, place.load) for place in places)
     scene = sweep.changed(fidelity=on_pixels(sweep, PRESETS["reference"])).scene
     ends = [step_count(scene, load) for load in sweep.plane.loads]
     steps = sum(ends) if sweep.plane.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
-    return steps * sweep.ramps
+    return to_probe <= _WORTH * steps * sweep.ramps
 
 
 def _finest(

@@ -31,7 +31,7 @@ from scipy.special import ndtr
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import worst_rises
-from pipeline.sweep.samples import JUDGED, WEAR_RATE, Design
+from pipeline.sweep.samples import JUDGED, SPECIFIC_WEAR_RATE, Design
 from pipeline.sweep.unknown import OF_90
 from tribo.types import Array, Mask
 
@@ -178,7 +178,7 @@ def features_of(
     along = (np.log(velocities) - (low + high) / 2) / spread
     features, dimensions = [along], [0]
     for number, (quantity, column) in enumerate(zip(design.inputs, columns, strict=True), 1):
-        is_rate = quantity.path == WEAR_RATE
+        is_rate = quantity.path == SPECIFIC_WEAR_RATE
         if quantity.kind == "list" and not is_rate:
             features += [np.where(column == value, 1.0, 0.0) for value in quantity.parameters]
             dimensions += [number] * len(quantity.parameters)

@@ -12,7 +12,7 @@ import tribo
 from pipeline.analysis.dataset import with_changes
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.physics import physics_of
-from pipeline.sweep.samples import WEAR_RATE
+from pipeline.sweep.samples import SPECIFIC_WEAR_RATE
 from pipeline.uncertain import certify
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
@@ -225,7 +225,7 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path, over, at):
         values = dict(zip(paths, samples.inputs[number].tolist(), strict=True))
         row = [values.get(one.path, 0.12) for one in samples.unknown]
         by_hand = certify.as_in_a_scene(samples, row) | at
-        by_hand[WEAR_RATE] = f"{1e9 * values[WEAR_RATE]!r} mm^3/(N m)"
+        by_hand[SPECIFIC_WEAR_RATE] = f"{1e9 * values[SPECIFIC_WEAR_RATE]!r} mm^3/(N m)"
         sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
         for load, rise in zip(samples.loads, samples.rises[number], strict=True):
             expected = certify.log_rise(sweep, load, samples.sample_velocities[number])
