@@ -285,7 +285,7 @@ def follow_boundary(
         return sweep.changed(chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)
-    restore_root(out, sweep)
+    restore_root(out, sweep, tell)
     root = find_root(place)
     store = Store(place, root) if root else None
     begun = further(store, retry_failed)

@@ -138,8 +138,7 @@ def run_sweep(
     require_free_names(sweep)  # before a folder is made
     began = time.monotonic()
     tell = tell or unheard
-    if restore_root(out, sweep):
-        tell(f"the root of {out} was lost or damaged, and is made again")
+    restore_root(out, sweep, tell)
     before = read_attributes(out)
     with writing(out, sweep) as store, reported(progress) as report:
         for note in (*_repaired(store), *_notes(store, before)) if before else ():

@@ -296,8 +296,8 @@ def _moved(store: Store, axes: Mapping[str, Sequence[Any]]) -> Iterator[Indices]
         yield np.array([numbers[value] for value in store.axes[dim]])
 
 
-def restore_root(path: PathLike, sweep: Sweep) -> bool:
-    """Make a root that is lost again, and return whether it was.
+def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | None = None) -> bool:
+    """Make a root that is lost again, tell so, and return whether it was.
 
     The coordinates and the metadata of each array have files of their own. The rest is the scene's,
     and whether that scene made the store is told by the checksums of its points, of which each
@@ -312,6 +312,8 @@ def restore_root(path: PathLike, sweep: Sweep) -> bool:
             root = _remade(place, sweep, error)
             with writes(place):
                 place.put({ROOT: root_document(*root)})
+        if tell:
+            tell(f"the root of {path} was lost or damaged, and is made again")
         return True
     return False
 

@@ -98,7 +98,9 @@ def test_a_root_of_a_store_that_has_grown_keeps_its_stations(copy):
     make(copy, larger)
     stations = opened(copy).attributes["stations"]
     (copy / "zarr.json").unlink()
-    assert restore_root(copy, larger)
+    messages = []
+    assert restore_root(copy, larger, messages.append)
+    assert messages == [f"the root of {copy} was lost or damaged, and is made again"]
     assert opened(copy).attributes["stations"] == stations
     assert set(np.argwhere(opened(copy).flags == DONE).shape) == {9, 2}
 
