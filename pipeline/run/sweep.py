@@ -53,13 +53,6 @@ class Outcome:
         Points that failed, now or in an earlier run.
     wall_time : float
         Duration of this run [s].
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> outcome = pipeline.run_sweep("workflows/first_try.toml", "results/first_try.zarr")
-    >>> outcome.total, outcome.done, outcome.computed
-    (24, 24, 0)
     """
 
     total: int
@@ -128,8 +121,8 @@ def run_sweep(
     --------
     >>> import pipeline
     >>> outcome = pipeline.run_sweep("workflows/first_try.toml", "results/first_try.zarr")
-    >>> outcome.done, outcome.failed
-    (24, ())
+    >>> outcome.total, outcome.done, outcome.computed, outcome.failed
+    (24, 24, 0, ())
     """
     if workers is not None:
         require_count("workers", workers)

@@ -76,14 +76,6 @@ class Variations:
     physics : tuple of Effect
         Physics beside the half-spaces; where it can be sized its name is the key of a change, with
         "without" before it where the scene counts it.
-
-    Examples
-    --------
-    >>> base = Variation("", "", (2.17,), ("crosses",))
-    >>> other = Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> variations = Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
-    >>> variations.base.critical_velocities
-    (2.17,)
     """
 
     title: str

@@ -75,15 +75,10 @@ _T = TypeVar("_T")
 def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
-    What is in the store stays, whether or not the sweep still asks for it.
-
-    Raises
-    ------
-    StoreMismatchError
-        If the store belongs to another scene; the message says how the two differ.
-    StoreError
-        If there is something else in its place, another process writes to it, or it cannot be
-        written.
+    What is in the store stays, whether or not the sweep still asks for it. Raise a
+    `StoreMismatchError` if it belongs to another scene, which says how the two differ; a
+    `StoreError` if something else is in its place, another process writes to it, or it cannot be
+    written.
     """
     place = place_of(path)
     find_root(place)  # before a lock is laid in what is no store
