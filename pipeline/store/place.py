@@ -21,8 +21,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pipeline.store.files import PARTIAL, make_folder, replace_files
-from pipeline.store.schema import is_coordinate
+from pipeline.store.files import make_folder, replace_files
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -277,17 +276,6 @@ def larger(path: Path) -> Path:
 def smaller(path: Path) -> Path:
     """Folder to which a store is moved that a larger one replaces."""
     return path.with_name(f".{path.name}.smaller")
-
-
-def is_beginning(key: str) -> bool:
-    """True for what a creation cut short may leave: metadata, coordinates, the lock, but no root.
-
-    Nothing is lost if a store is made over it.
-    """
-    if key.startswith(LOCK) or key == ROOT + PARTIAL:
-        return True
-    name, _, rest = key.removesuffix(PARTIAL).partition("/")
-    return rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def require_writable(path: PathLike) -> None:

@@ -17,14 +17,15 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
+from pipeline.store.files import PARTIAL
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
+    LOCK,
     ROOT,
     Folder,
     PathLike,
     StoreError,
     StorePlace,
-    is_beginning,
     place_of,
     reaches,
 )
@@ -234,7 +235,7 @@ def find_root(place: StorePlace) -> Root | None:
         return _parsed(place, content)
     if _has_points(keys):
         raise LostRootError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
-    if not all(map(is_beginning, keys)):
+    if not all(map(_is_beginning, keys)):
         raise _no_store(place)
     return None
 
@@ -357,6 +358,17 @@ def _are_rows(root: Root) -> bool:
         and {tuple(row["values"]) for row in rows} == set(itertools.product(*axes))
         and all(len(row["written"]) == len(names) for row in rows)
     )
+
+
+def _is_beginning(key: str) -> bool:
+    """True for what a creation cut short may leave: metadata, coordinates, the lock, but no root.
+
+    Nothing is lost if a store is made over it.
+    """
+    if key.startswith(LOCK) or key == ROOT + PARTIAL:
+        return True
+    name, _, rest = key.removesuffix(PARTIAL).partition("/")
+    return rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def _has_points(keys: set[str]) -> bool:
