@@ -269,12 +269,12 @@ def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch, error):
         monkeypatch.setattr(LocalCluster, "close", failing)
     assert psutil.wait_procs(workers, timeout=30)[1] == []
     monkeypatch.undo()
-    link.source.cluster.close(timeout=30)
+    link.cluster.close(timeout=30)
 
 
 def test_a_worker_that_its_nanny_gives_up_is_replaced():
     with connected(None, 1) as link:
-        link.client.sync(link.source.cluster.workers[0].close)
+        link.client.sync(link.cluster.workers[0].close)
         assert threads_of(link).total() > 0
 
 
