@@ -16,7 +16,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli import given
-from pipeline.cli.output import Result, run_line, tell, working
+from pipeline.cli.output import Result, rounded, run_line, tell, working
 from pipeline.cli.unknowns import Samples, samples_in
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Direct, Goal, Limit, confirmed, designed
@@ -191,7 +191,8 @@ def _in_words(limit: Limit) -> str:
     if len(limit.goal.places) > 1:
         where += f", the worst of {len(limit.goal.places)} points"
     if limit.side == "none":
-        best = f"{100 * limit.best[1]:.2g} % at best, with {_worded(limit.entry, limit.best[0])}"
+        (at, least), entry = limit.best, limit.entry
+        best = f"{rounded(100 * least)} % at best, with {_worded(entry, at)}"
         return f"not by {path} alone: {best}, for {where}"
     if limit.value is None or limit.interval is None:
         low, high = (_worded(limit.entry, end) for end in limit.entry.parameters)

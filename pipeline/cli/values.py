@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.scene.units import difference_in_si
 
 _DECIMAL_POINT = re.compile(r"\s*[+-]?(\d+\.\d*|\.\d+)(e[+-]?\d+)?\s*", re.IGNORECASE)
 _EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
@@ -22,11 +23,15 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
-    """Reader of quantities with a unit, such as `like`, above 0 unless they are signed."""
+    """Reader of quantities with a unit, such as `like`, above 0 unless they are signed.
+
+    Those in K are differences of temperatures.
+    """
+    in_si = difference_in_si if like.endswith(" K") else pipeline.to_si
 
     def read(text: str) -> float:
         try:
-            value = pipeline.to_si(text, like)
+            value = in_si(text, like)
         except ValueError as error:
             raise Refused(f'{error}; give one like "{like}"') from error
         if not (is_signed or 0 < value < math.inf):

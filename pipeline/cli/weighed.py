@@ -19,7 +19,7 @@ from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import at_in, criterion_in, values_in
 from pipeline.cli.next_steps import next_tests
-from pipeline.cli.output import Result, counted, working
+from pipeline.cli.output import Result, counted, rounded, working
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
 from pipeline.scene.units import difference_in_si
@@ -246,8 +246,8 @@ def _target(options: argparse.Namespace) -> str:
 def _spread(spread: float, unknown: Unknown | None) -> str:
     """Spread of a target, in words: of a velocity a share, of an input in its unit."""
     if unknown is None or unknown.is_relative:
-        return f"± {100 * spread:.2g} %"
-    return f"± {unknown.spread.of(spread):.2g}{unknown.spread.suffix}"
+        return f"± {rounded(100 * spread)} %"
+    return f"± {rounded(float(unknown.spread.of(spread)))}{unknown.spread.suffix}"
 
 
 def _plan(
@@ -274,7 +274,8 @@ def goal_of(text: str, target: str | None, unknown: Unknown | None) -> float:
         other = ", or name an input by --for"
     elif not unknown.is_relative:
         low, high = unknown.quantile(ndtr(np.array([-0.5, 0.5])))
-        like = f"{unknown.spread.of(float(high - low)) / 2:.1g}{unknown.spread.suffix}"
+        half = float(unknown.spread.of(float(high - low))) / 2
+        like = f"{rounded(half, 1)}{unknown.spread.suffix}"
         read = float if unknown.unit == "1" else partial(difference_in_si, like=like)
     try:
         goal = read(text)

@@ -131,7 +131,7 @@ def to_si(text: str, like: str) -> float:
 def difference_in_si(text: str, like: str) -> float:
     """Value in SI of a difference of quantities, which is in K for temperatures."""
     difference = to_si(text, like)
-    unit = text.strip().partition(" ")[2]
+    unit = _parts(text)[1]
     if unit and to_si(f"0 {unit}", like) != 0:
         raise UnitError(f'"{text}" is a temperature; give a difference, such as "8 K"')
     return difference

@@ -2,6 +2,8 @@
 
 import argparse
 import re
+from argparse import ArgumentTypeError as Refused
+from dataclasses import replace
 
 import pytest
 
@@ -104,6 +106,7 @@ def test_values_below_zero_reach_their_options():
 
 
 HEAT = Unknown("temperature.critical", "normal", (418.15, 8.0), "K", Unit("°C", 1.0, 273.15))
+WIDE = replace(HEAT, kind="uniform", parameters=(383.15, 473.15))
 FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
 RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1")
 
@@ -122,6 +125,8 @@ def test_a_goal_has_the_unit_of_its_target(text, target, expected):
         ("5 K", None, 'the boundary, in velocity: give one such as "5 %", or name an input by --f'),
         ("5 %", HEAT, 'temperature.critical: give one such as "4 K"'),
         ("1 degC", HEAT, 'temperature.critical: give one such as "4 K"'),
+        ("1degC", HEAT, 'temperature.critical: give one such as "4 K"'),
+        ("5 %", WIDE, 'temperature.critical: give one such as "20 K"'),
         ("-3 K", HEAT, 'temperature.critical: give one such as "4 K"'),
         ("2 %", FRICTION, 'friction.coefficient: give one such as "0.003"'),
         ("nan", FRICTION, 'friction.coefficient: give one such as "0.003"'),
@@ -149,3 +154,11 @@ def test_a_goal_in_another_unit_is_answered_with_the_target_and_one_of_its_own(t
 )
 def test_text_is_read_in_si_or_as_in_a_scene(read, text, value):
     assert read(text) == value
+
+
+@pytest.mark.parametrize("text", ["20 degC", "20degC", "68 degF"])
+def test_a_margin_is_no_temperature(text):
+    read = values.quantity("20 K")
+    assert read("20 K") == read("20K") == 20.0
+    with pytest.raises(Refused, match="is a temperature; give a difference"):
+        read(text)
