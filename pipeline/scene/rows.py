@@ -16,7 +16,7 @@ from tribo.errors import reason_of, require_file
 ROW_FILES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx")
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas"}
 _SURE_COMMA = re.compile(r"[+-]?(?:0,\d+|\d+,(?:\d{1,2}|\d{4,}))")
-_COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,])(.*)", re.DOTALL)
+_COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,.])(.*)", re.DOTALL)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d")
 _MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
 _MARKS = {",": "decimal commas", ".": "decimal points"}

@@ -52,3 +52,9 @@ def test_three_decimals_behind_a_point_may_be_thousands():
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
 def test_text_is_read_in_each_usual_encoding(encoding):
     assert decoded("1,5 µm".encode(encoding)) == ("1,5 µm", encoding == "latin-1")
+
+
+def test_thousands_before_a_point_make_no_decimal_commas_of_commas(tmp_path):
+    (tmp_path / "log.csv").write_text("load;velocity\n1,250.5 N;1.5 m/s\n")
+    read = read_rows(tmp_path / "log.csv", lambda heads: heads[0] == "load")
+    assert (read.decimal, read.rows[0].cells) == (".", ["1250.5 N", "1.5 m/s"])
