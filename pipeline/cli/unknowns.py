@@ -91,8 +91,8 @@ def on_risk(here: Risk) -> str:
 
 def _if_given(samples: Samples, here: Risk) -> Iterator[str]:
     """Line on the probability that the scene's own tests would give."""
-    ensemble = samples.ensemble
-    if samples.posterior is not None or not ensemble.tests:
+    ensemble, weighed = samples
+    if weighed is not None or not ensemble.tests:
         return
     with suppress(InputError), working("weighing the inputs by the tests"):
         after = pipeline.posterior(ensemble)
@@ -116,10 +116,11 @@ def boundary_of_samples(
 ) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
     samples = samples_in(options, ds, **conditions)
+    ensemble, weighed = samples
     with working("finding probabilities at each load"):
-        lines = frame_of_lines(samples.ensemble, samples.draws)
+        lines = frame_of_lines(ensemble, samples.draws)
     text = [_ON_LINES, lines, *samples.notes()]
-    if samples.ensemble.tests and not (samples.posterior or conditions):
+    if ensemble.tests and not (weighed or conditions):
         text.append("next: add --given-measured to weigh the inputs by the scene's tests")
     return Result(samples.as_dict() | _velocities(lines), text, pipeline.warned(ds), [lines])
 
