@@ -24,7 +24,7 @@ def plot(options: argparse.Namespace) -> Result:
         raise InputError(f"--kind {kind} takes no {flag}; it takes {flags}")
     look |= given.values_in(options, "width") | {"with_title": not options.no_title}
     if not options.watch:
-        ds = given.opened(options)
+        ds = given.dataset_in(options)
         out = options.output or given.beside(options.store, f"_{kind}.png")
         written = pipeline.plot(ds, kind, out, **look)
         warned = pipeline.warned(ds, **conditions)
@@ -33,7 +33,7 @@ def plot(options: argparse.Namespace) -> Result:
         options.store,
         options.watch,
         kind,
-        read=lambda: given.opened(options),
+        read=lambda: given.dataset_in(options),
         progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
         **look,
     )
@@ -45,7 +45,7 @@ def plot(options: argparse.Namespace) -> Result:
 
 def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
-    ds = given.opened(options)
+    ds = given.dataset_in(options)
     out = options.output or given.beside(options.store, ".html")
     criterion = given.criterion_in(options)
     chosen = given.values_in(options, "scatter", "given_measured") | criterion
@@ -58,7 +58,7 @@ def explore(options: argparse.Namespace) -> Result:
 
 def report(options: argparse.Namespace) -> Result:
     """Write a report of a store."""
-    ds, conditions = given.opened(options), given.conditions_in(options)
+    ds, conditions = given.dataset_in(options), given.conditions_in(options)
     out = options.output or given.beside(options.store, "_report.html")
     with working("writing the report"):
         written = pipeline.report(ds, out, options.points, **conditions)

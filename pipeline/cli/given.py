@@ -56,7 +56,7 @@ def beside(store: Path | str, ending: str) -> Path:
     return path.with_name(f"{path.stem}{ending}")
 
 
-def settings_of(options: argparse.Namespace) -> dict[str, Any]:
+def settings_in(options: argparse.Namespace) -> dict[str, Any]:
     """Entries of --set; keys without the prefix that those of a fidelity may have."""
     return _each_once(
         "--set", ((path.removeprefix("fidelity."), value) for path, value in options.set)
@@ -104,7 +104,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
     return OperatingPoints.read(options.points)
 
 
-def scene_of(
+def scene_in(
     options: argparse.Namespace, points: Sequence[Point] | None = None, store: Path | None = None
 ) -> Sweep:
     """The scene with the fidelity and the conditions that the user asked for.
@@ -112,7 +112,7 @@ def scene_of(
     An accuracy is to hold at the points, or at some near the boundary; the fidelity of the store
     is kept if it is accurate enough.
     """
-    settings = settings_of(options)
+    settings = settings_in(options)
     sweep: Sweep = pipeline.load_scene(
         options.scene, options.preset, settings, own_laws=options.own_laws
     )
@@ -138,9 +138,9 @@ def scene_of(
     return sweep
 
 
-def one_scene_of(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
+def one_scene_in(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
     """The scene, for a command that takes one value of each entry; a note says if it has more."""
-    sweep = scene_of(options, points)
+    sweep = scene_in(options, points)
     for note in notes_on_first_values(sweep.variants):
         tell(note)
     return sweep
@@ -151,7 +151,7 @@ def selected(sweep: Sweep) -> dict[str, Any]:
     return {"selection": sweep.about.selection.as_dict()} if sweep.about.selection else {}
 
 
-def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
+def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
     """The store, or another one, at the entries and the wear rate that the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
     _tell_of_another_law(options, ds)

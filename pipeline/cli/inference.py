@@ -14,7 +14,7 @@ import pipeline
 from pipeline.analysis.margin import NOT_DECIDED, verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.tables import TABLES, frame_of, short, upright, writable_path
-from pipeline.cli.given import PLACE, conditions_in, flags_of, one_scene_of, selected, values_in
+from pipeline.cli.given import PLACE, conditions_in, flags_of, one_scene_in, selected, values_in
 from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.cli.weighed import posterior
@@ -35,7 +35,7 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def point(options: argparse.Namespace) -> Result:
     """Simulate one point."""
     place = Point(options.load, options.velocity)
-    sweep = one_scene_of(options, points=[place])
+    sweep = one_scene_in(options, points=[place])
     require_bearable_load(sweep, options.load, "--load")
     sweep = sweep.on_surface(options.realization)
     with working("simulating") as progress:
@@ -141,7 +141,7 @@ def infer(options: argparse.Namespace) -> Result:
     bulks = options.bulk_temperature or [None]
     options.scene, options.bulk_temperature = scene, bulks[0]
     # Several bulk temperatures are to choose from: those of a test to plan, of samples.
-    sweep = one_scene_of(options) if len(bulks) == 1 else None
+    sweep = one_scene_in(options) if len(bulks) == 1 else None
     if sweep is None or (sweep.variants.draw and options.contact_width is None):
         store = Path("results") / f"{scene.stem}.zarr"
         if not store.exists():

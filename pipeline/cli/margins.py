@@ -24,7 +24,7 @@ from pipeline.analysis.scenes import parts_of, words
 from pipeline.analysis.tables import as_dict, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
 from pipeline.analysis.warned_points import turns_left_out
-from pipeline.cli.given import by_samples, conditions_in, opened, operating_points_in, values_in
+from pipeline.cli.given import by_samples, conditions_in, dataset_in, operating_points_in, values_in
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
@@ -38,7 +38,7 @@ def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
     place = values_in(options, "load", "velocity")
     points = operating_points_in(options) if place or options.points else None
-    ds, conditions = opened(options), conditions_in(options)
+    ds, conditions = dataset_in(options), conditions_in(options)
     if by_samples(options, ds):
         operating_points_in(options)  # of which samples have none themselves
         return _of_samples(options, ds, conditions)
@@ -155,7 +155,7 @@ def _on_surfaces(margins: Sequence[Margin]) -> tuple[dict[str, Any], list[str]]:
 
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads."""
-    ds, conditions = opened(options), conditions_in(options)
+    ds, conditions = dataset_in(options), conditions_in(options)
     if by_samples(options, ds):
         return boundary_of_samples(options, ds, conditions)
     if not has_plane(ds):

@@ -13,7 +13,7 @@ from typing import Any
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
-from pipeline.cli.given import criterion_in, opened
+from pipeline.cli.given import criterion_in, dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.progress import summary
@@ -103,7 +103,7 @@ def verify(options: argparse.Namespace) -> Result:
 
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
-    stores = opened(options), opened(options, options.other)
+    stores = dataset_in(options), dataset_in(options, options.other)
     criterion = criterion_in(options)
     between = pipeline.diff(*stores, **criterion)
     entries, crossings, points = between.entries, between.boundary, between.points

@@ -40,7 +40,7 @@ def vary(options: argparse.Namespace) -> Result:
             options.scene,
             over,
             options.preset,
-            given.settings_of(options),
+            given.settings_in(options),
             tell=tell,
             physics=options.physics,
             own_laws=options.own_laws,
@@ -93,7 +93,7 @@ def _on_variations(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd
 
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
-    measured = pipeline.trade(given.scene_of(options), base=options.base, progress=tell)
+    measured = pipeline.trade(given.scene_in(options), base=options.base, progress=tell)
     draw = partial(pipeline.draw_trade, measured)
     return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)
 
@@ -106,7 +106,7 @@ def design(options: argparse.Namespace) -> Result:
     goal, entries = _goal(options), options.entries
     if len(entries) > 2 or len(set(entries)) < len(entries):
         raise InputError(f"--over is {', '.join(entries)}; give one entry, or two different ones")
-    ds = given.opened(options)
+    ds = given.dataset_in(options)
     samples = samples_in(options, ds, **given.criterion_in(options))
     with working("seeking the limit") as progress:
         limits = list(_limits(samples, goal, entries, progress))

@@ -15,7 +15,7 @@ import numpy as np
 import pipeline
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
-from pipeline.cli.given import scene_of, selected
+from pipeline.cli.given import scene_in, selected
 from pipeline.cli.output import Result, counted, tell
 from pipeline.run.cluster import client_of
 from pipeline.scene.doubts import doubts
@@ -34,7 +34,7 @@ from tribo import lubrication_regime
 def run(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
-    sweep = scene_of(options, store=out)
+    sweep = scene_in(options, store=out)
     for note in sweep.about.notes:
         tell(f"note: {note}")
     require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> Result:
 
 def check(options: argparse.Namespace) -> Result:
     """Print the meaning of a scene, and then the cost of its sweep."""
-    sweep = scene_of(options)
+    sweep = scene_in(options)
     require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
     require_free_names(sweep)
     facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))

@@ -40,7 +40,7 @@ def risk(options: argparse.Namespace) -> Result:
     place = given.values_in(options, "load", "velocity")
     if len(place) == 1:
         raise InputError("only one of --load and --velocity is given; give both or neither")
-    ds = given.opened(options)
+    ds = given.dataset_in(options)
     if options.certify:
         _certify(options, ds)
     samples = samples_in(options, ds, **given.criterion_in(options))
@@ -145,7 +145,7 @@ def frame_of_intervals(answer: MarginIntervals) -> pd.DataFrame:
 
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
-    ds = given.opened(options)
+    ds = given.dataset_in(options)
     samples = samples_in(options, ds, **given.criterion_in(options))
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(samples.ensemble, samples.draws)
