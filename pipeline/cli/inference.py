@@ -19,8 +19,9 @@ from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
+from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.physics import MELTS, MOLTEN, note_on_turns
+from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.selection import velocity_error
 from tribo import InputError, Ramp, measures, specific_wear_rate

@@ -28,7 +28,7 @@ from pipeline.cli.given import by_samples, conditions_in, dataset_in, operating_
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
-from pipeline.sweep.physics import MELTS, MOLTEN
+from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from tribo import InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM

@@ -34,6 +34,14 @@ if TYPE_CHECKING:
 RISES = ("max_rise", "mean_rise", "rise_quantile")
 """Columns that depend on the bulk temperatures where these differ."""
 
+MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
+
+MOLTEN = (
+    f"the deciding temperature is above {MELTS - 273.15:.0f} °C, where steel melts: the bodies "
+    "of the model do not melt, so it says only that wear is severe; if tests were made here, check "
+    "load, velocity and units"
+)
+
 Rise = TypeVar("Rise", float, Array, "xr.DataArray")
 
 

@@ -31,14 +31,6 @@ _OF_CARBON_STEEL = {
 }
 _HOT = 1e9  # K: a rise beside which the warming of earlier turns changes no share
 
-MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
-
-MOLTEN = (
-    f"the deciding temperature is above {MELTS - 273.15:.0f} °C, where steel melts: the bodies "
-    "of the model do not melt, so it says only that wear is severe; if tests were made here, check "
-    "load, velocity and units"
-)
-
 
 @dataclass(frozen=True, slots=True)
 class Effect:
@@ -170,11 +162,8 @@ def _of_friction(sweep: Sweep) -> Iterator[Effect]:
     if reason:
         yield Effect(_FRICTION, "cannot be sized", reason, "", entry)
         return
-    measured = sorted(
-        {
-            row.velocity: row.friction for row in sweep.about.measured if row.friction is not None
-        }.items()
-    )
+    rows = sweep.about.measured
+    measured = sorted({r.velocity: r.friction for r in rows if r.friction is not None}.items())
     if len(measured) > 1:
         factors = [(velocity, friction / conditions.friction) for velocity, friction in measured]
         frictions = [friction for _, friction in measured]
