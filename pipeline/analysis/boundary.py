@@ -20,7 +20,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import asked, attributes_of, dataset_of, require_plane, variant_of
 from pipeline.analysis.decisive import Bulk, attributes_by, conditions_of, decisive_rise
-from pipeline.analysis.scenes import by_scene, stacked
+from pipeline.analysis.scenes import by_scene, scenes, stacked
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
@@ -141,40 +141,70 @@ def boundary(
             attrs={"units": "1", "long_name": "friction coefficient"},
         )
         frictions = [axis] if isinstance(friction, Iterable) else []
-        return stacked([_crossings(scene, one) for one in judged], frictions)
+        return stacked([_judged(scene, one) for one in judged], frictions)
 
-    found = by_scene(ds, of_scene)
-    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in found.attrs]
-    attributes = found.attrs | {"units_of_attributes": ", ".join(units)}
-    boundaries = xr.Dataset(coords=found.coords, attrs=attributes).assign(found.data_vars)
-    return with_band(boundaries, variant_of(ds))
+    return _boundaries(next(scenes(ds)), by_scene(ds, of_scene))
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """The boundary of one scene under some conditions, with a band over several surfaces."""
-    return with_band(_crossings(ds, conditions), variant_of(ds))
+    return _boundaries(ds, _judged(ds, conditions))
 
 
-def _crossings(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """Crossings of one scene along both axes, and the films there."""
+def _judged(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+    """What the boundary of one scene follows from: rises, their limit, and the oil."""
     rise = decisive_rise(ds, conditions)
     is_missing = rise.isnull() & asked(ds)
-    found = xr.Dataset(coords=rise.coords, attrs=attributes_by(conditions))
-    found.attrs["missing_points"] = int(is_missing.sum())
+    oil = np.array(None, dtype=object)
+    oil[()] = Lubrication.stored(attributes_of(ds))
+    parts = {  # underscored, since a dimension may have any other name
+        "_rise": rise,
+        "_is_missing": is_missing,
+        "_limit": rise_limit(conditions),
+        "_oil": ((), oil),
+        "_temperature": conditions.mean_bulk_temperature,
+    }
+    judged = xr.Dataset(parts, attrs=attributes_by(conditions))
+    judged.attrs["missing_points"] = int(is_missing.sum())
     if "wear_rate" in ds.attrs:
-        found.attrs["wear_rate"] = ds.attrs["wear_rate"]
-    lubrication = Lubrication.stored(attributes_of(ds))
+        judged.attrs["wear_rate"] = ds.attrs["wear_rate"]
+    return judged
+
+
+def _boundaries(ds: xr.Dataset, judged: xr.Dataset) -> xr.Dataset:
+    """The boundary of scenes, of which one gives the range, from what all are judged by."""
+    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in judged.attrs]
+    attributes = judged.attrs | {"units_of_attributes": ", ".join(units)}
+    boundaries = xr.Dataset(coords=judged["_rise"].coords, attrs=attributes)
     for axis, line in (("velocity", "load"), ("load", "velocity")):
-        found = found.assign(_transitions(axis, ds, rise, is_missing, rise_limit(conditions)))
-        if lubrication is not None:
-            crossing = found[f"critical_{axis}"]
-            places = {line: crossing[line].values, axis: crossing.values}
-            film = lubrication.film_parameter(
-                temperature=conditions.mean_bulk_temperature, **places
-            )
-            attributes = {"units": "1", "long_name": "film parameter at the crossing"}
-            found[f"film_parameter_at_{line}"] = crossing.dims, film, attributes
-    return found
+        boundaries = boundaries.assign(_transitions(axis, ds, judged))
+        if judged["_oil"].notnull().any():
+            film = _film(line, judged, boundaries[f"critical_{axis}"])
+            boundaries[f"film_parameter_at_{line}"] = film
+    return with_band(boundaries, variant_of(ds))
+
+
+def _film(line: str, judged: xr.Dataset, crossings: xr.DataArray) -> xr.DataArray:
+    """Film parameters at crossings along a line; NaN where a scene gives no oil."""
+
+    def along(oil: Lubrication | None, temperature: float, x: Array, crossing: Array) -> Array:
+        if oil is None:
+            return np.full(x.shape, np.nan)
+        places = (x, crossing) if line == "load" else (crossing, x)
+        return oil.film_parameter(*places, temperature)
+
+    film: xr.DataArray = xr.apply_ufunc(
+        along,
+        judged["_oil"],
+        judged["_temperature"],
+        crossings[line],
+        crossings,
+        input_core_dims=[[], [], [line], [line]],
+        output_core_dims=[[line]],
+        vectorize=True,
+    )
+    attributes = {"units": "1", "long_name": "film parameter at the crossing"}
+    return film.drop_attrs(deep=False).assign_attrs(attributes)
 
 
 _UNITS = {
@@ -184,15 +214,14 @@ _UNITS = {
 """Units of the conditions that are attributes of a boundary."""
 
 
-def _transitions(
-    axis: str, ds: xr.Dataset, rise: xr.DataArray, is_missing: xr.DataArray, limit: float
-) -> dict[str, xr.DataArray]:
+def _transitions(axis: str, ds: xr.Dataset, judged: xr.Dataset) -> dict[str, xr.DataArray]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
+    rise, is_missing = judged["_rise"], judged["_is_missing"]
     line = "load" if axis == "velocity" else "velocity"
     noun = "velocity" if axis == "velocity" else "normal load"
     x, ends = rise[axis].values, range_of(ds, axis)
 
-    def along(row: Array, missing: Mask) -> tuple[float, ...]:
+    def along(row: Array, missing: Mask, limit: float) -> tuple[float, ...]:
         transition = Crossing.along(x, row, limit, ends, missing)
         slope = exponent(x, row, transition.place)
         return transition.place, transition.outcome, *transition.computed, transition.bridged, slope
@@ -201,7 +230,8 @@ def _transitions(
         along,
         rise,
         is_missing,
-        input_core_dims=[[axis], [axis]],
+        judged["_limit"],
+        input_core_dims=[[axis], [axis], []],
         output_core_dims=[[]] * 6,
         output_dtypes=[float, np.int8, float, float, int, float],
         vectorize=True,
