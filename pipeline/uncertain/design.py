@@ -201,6 +201,9 @@ def design(
 def designed(ensemble: Ensemble, path: str) -> Unknown:
     """The input of a design; raises if it is not uniform between two values."""
     by_path = {one.path: one for one in ensemble.unknown}
+    for fixed in ensemble.fixed:
+        if fixed.unknown.path == path:
+            raise InputError(f"{fixed}; leave that out to seek its value")
     if path not in by_path:
         ranges = ", ".join(one.path for one in by_path.values() if one.kind == "uniform")
         raise InputError(

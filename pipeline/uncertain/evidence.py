@@ -10,8 +10,9 @@ the emulator's error.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -257,13 +258,10 @@ def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[A
     inputs: dict[str, Unknown] = {}
     columns = []
     for number, ensemble in enumerate(ensembles, 1):
-        name = _names(number if len(ensembles) > 1 else None)
+        name = partial(_named, f"{number}: " if len(ensembles) > 1 else "")
         for quantity in ensemble.unknown:
-            named = replace(
-                quantity,
-                path=name(quantity.path),
-                correlated=tuple((name(path), value) for path, value in quantity.correlated),
-            )
+            correlated = tuple((name(path), value) for path, value in quantity.correlated)
+            named = replace(quantity, path=name(quantity.path), correlated=correlated)
             same = inputs.setdefault(named.path, named)
             if (same.kind, same.parameters) != (named.kind, named.parameters):
                 raise InputError(
@@ -275,10 +273,6 @@ def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[A
     return tuple(inputs.values()), tuple(columns)
 
 
-def _names(number: int | None) -> Callable[[str], str]:
-    """Names of inputs of one sweep among several, by their paths."""
-
-    def name(path: str) -> str:
-        return f"{number}: {path}" if number and path.startswith(OF_LUBRICANT) else path
-
-    return name
+def _named(sweep: str, path: str) -> str:
+    """Path of an input of a sweep, which has those of its lubricant of its own."""
+    return sweep + path if path.startswith(OF_LUBRICANT) else path

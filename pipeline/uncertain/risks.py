@@ -189,9 +189,7 @@ def margin_intervals(
     True
     """
     draws = draws_of(ensemble, draws)
-    here, temperature, distance = _judged(ensemble, load, velocity, draws)
-
-    _, off = _with_error(ensemble, draws, here.load, here.velocity)
+    here, temperature, distance, off = _judged(ensemble, load, velocity, draws)
 
     def crossed(axis: Array, load: Array | float, velocity: Array | float) -> Interval:
         excess = ensemble.excess(draws.inputs, load, velocity).with_chance(ensemble.design.seed)
@@ -269,7 +267,7 @@ def risk_table(
     draws = draws_of(ensemble, draws)
 
     def answer(load: float, velocity: float) -> tuple[Any, ...]:
-        here, _, distance = _judged(ensemble, load, velocity, draws)
+        here, _, distance, _ = _judged(ensemble, load, velocity, draws)
         ends = distance.middle, distance.low, distance.high
         return here.verdict, here.probability, here.error, *ends, None
 
@@ -278,8 +276,11 @@ def risk_table(
 
 def _judged(
     ensemble: Ensemble, load: float | str, velocity: float | str, draws: Draws
-) -> tuple[Risk, Interval, Interval]:
-    """Risk at an operating point, its deciding temperature, and the distance to the critical."""
+) -> tuple[Risk, Interval, Interval, Array]:
+    """Risk at an operating point, its deciding temperature, and the distance to the critical.
+
+    The last is how much the fidelity of the samples may move the excess of each draw.
+    """
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     excess, off = _with_error(ensemble, draws, load, velocity)
     probability, error = probability_of(excess, draws)
@@ -304,7 +305,7 @@ def _judged(
     rise = friction * np.exp(log_rise)
     temperatures = [bulk + rise * np.exp(sign * off) for sign in (-1.0, 0.0, 1.0)]
     distances = [critical - temperature for temperature in reversed(temperatures)]
-    return risk, _interval(draws, temperatures), _interval(draws, distances)
+    return risk, _interval(draws, temperatures), _interval(draws, distances), off
 
 
 def _with_error(

@@ -1,11 +1,13 @@
 """The value of an input that makes severe wear unlikely, on a rise known in closed form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import pipeline
 from pipeline.scene.along import Place
-from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain.design import Goal
 from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, ensemble, rise
 from tribo import InputError
@@ -77,3 +79,9 @@ def test_a_second_entry_moves_the_limit_of_the_first(samples):
 def test_an_entry_without_a_range_is_refused(samples, path, fault):
     with pytest.raises(InputError, match=fault):
         pipeline.design(samples, Goal((HERE,), 0.05), path)
+
+
+def test_an_entry_that_is_fixed_is_said_to_be(samples):
+    fixed = replace(samples, unknown=(WIDE, RATE, FRICTION), fixed=(Fixed(LENGTH, 4e-6),))
+    with pytest.raises(InputError, match=r"correlation_length is fixed at 4e-06 m; leave that out"):
+        pipeline.design(fixed, Goal((HERE,), 0.05), LENGTH.path)
