@@ -26,7 +26,7 @@ def places(sweep):
     return [Target(load, variant) for variant in sweep.variants.names for load in sweep.plane.loads]
 
 
-def _rise(sweep, fidelity, place, velocity):
+def rise_at(sweep, fidelity, place, velocity):
     """Decisive rise at a place, with its warnings."""
     scene = sweep.variant(place.variant).changed(fidelity=fidelity).scene
     state = state_at(scene, place.load, velocity)
@@ -42,7 +42,7 @@ def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None
     limit, before = rise_limit(sweep.conditions) / ratio, None
     trusted, exponent = exponent is not None, exponent or 0.6
     for _ in range(12):
-        rise, warnings = _rise(sweep, fidelity, place, velocity)
+        rise, warnings = rise_at(sweep, fidelity, place, velocity)
         short = math.log(rise / limit)
         if before is not None and abs(math.log(velocity / before[0])) > 1e-6:
             slope = (short - before[1]) / math.log(velocity / before[0])
@@ -59,7 +59,7 @@ def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None
 def exponent_at(sweep, fidelity, place, velocity, apart=0.03):
     """d ln(rise)/d ln(velocity) about a velocity."""
     low, high = (
-        _rise(sweep, fidelity, place, velocity * math.exp(sign * apart))[0] for sign in (-1, 1)
+        rise_at(sweep, fidelity, place, velocity * math.exp(sign * apart))[0] for sign in (-1, 1)
     )
     return min(max(math.log(high / low) / (2 * apart), 0.2), 2.0)
 
@@ -75,7 +75,7 @@ def heat_of_the_past(sweep, place, velocity):
             contact_tolerance=1e-4,
             heat_model=model,
         )
-        rises.append(_rise(sweep, fidelity, place, velocity)[0])
+        rises.append(rise_at(sweep, fidelity, place, velocity)[0])
     return rises[0] / rises[1]
 
 
