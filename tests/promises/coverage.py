@@ -6,9 +6,10 @@ If all is right, the rank of each hidden value among the draws is uniform, z (th
 mean over the standard deviation) is 1 root mean square, and 90 % intervals hold 90 %.
 
 A line for each truth is added to the file, and the next run goes on from there. Prints a JSON
-document; the exit code is 1 unless intervals of 90 % hold 85 to 95 %, z is 0.9 to 1.1, ranks are
-uniform by a Kolmogorov–Smirnov test at 0.1 %, and the spread promised is 0.8 to 1.2 of that had,
-within its standard error; with ``--promise`` it is that of the spread alone.
+document; the exit code is 1 unless intervals of 90 % hold 85 to 95 %, z is 0.9 to 1.1, and ranks
+are uniform by a Kolmogorov–Smirnov test at 0.1 % where scatters are drawn, 85 % are held and z is
+1.1 at most where they are as said, and the spread promised is 0.8 to 1.2 of that had, within its
+standard error; with ``--promise`` it is that of the spread alone.
 """
 
 import argparse
@@ -96,14 +97,18 @@ def reported(rows, promised):
         yield law, result
 
 
-def is_right(result):
-    """True if the critical temperature's intervals and spread are as they ought to be."""
+def is_right(law, result):
+    """True if the critical temperature's intervals and spread are as they ought to be.
+
+    Scatters as said are the middle of those that the tool assumes: so the intervals of such truths
+    may be wider than need be, but no narrower.
+    """
     critical = result[CRITICAL]
-    return (
-        0.85 <= critical["held"] <= 0.95
-        and 0.9 <= critical["z_rms"] <= 1.1
-        and critical["ranks_ks_p"] >= 1e-3
-    )
+    is_wide_enough = critical["held"] >= 0.85 and critical["z_rms"] <= 1.1
+    if law == "as said":
+        return is_wide_enough
+    is_narrow_enough = critical["held"] <= 0.95 and critical["z_rms"] >= 0.9
+    return is_wide_enough and is_narrow_enough and critical["ranks_ks_p"] >= 1e-3
 
 
 def is_as_promised(result):
@@ -152,7 +157,7 @@ def main():
     results = {law: result for law, result in reported(rows, batch[-1].spread) if result["truths"]}
     plan = {"batch": [one.what for one in batch], "promised": batch[-1].spread}
     print(json.dumps(plan | results, indent=1))
-    held = options.promise or all(map(is_right, results.values()))
+    held = options.promise or all(is_right(*item) for item in results.items())
     return 0 if held and all(map(is_as_promised, results.values())) else 1
 
 

@@ -130,7 +130,12 @@ class Laboratory:
 
 
 def covered(count, between):
-    """Shares of laboratories whose boundary at 400 N and friction the intervals hold."""
+    """Shares of laboratories whose boundary at 400 N and friction the intervals hold.
+
+    Of friction, by that of six tests alone, Bayes' rule on a grid holds 97, 88 and 86 % where it
+    varies by 0, 2 and 8 %, and 90 % where it varies as is assumed: an interval that allows for a
+    scatter is too wide where there is none.
+    """
     samples, held = samples_of(ALL), []
     for number in range(count):
         lab = Laboratory(ALL, number)
