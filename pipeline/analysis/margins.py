@@ -211,10 +211,8 @@ def margin_table(
     def of_scene(scene: xr.Dataset) -> pd.DataFrame:
         rows = rows_of(scene, **conditions)
         if len(rows) == 1:
-            return frame_of_points(read, _HEADS, lambda *place: _of_one(rows[0].at(*place)))
-        return frame_of_points(
-            read, _HEADS_OF_SEVERAL, lambda *place: _of_several([row.at(*place) for row in rows])
-        )
+            return frame_of_points(read, _HEADS, partial(_of_one, rows[0]))
+        return frame_of_points(read, _HEADS_OF_SEVERAL, partial(_of_several, rows))
 
     return frame_by_scene(ds, of_scene)
 
@@ -258,7 +256,7 @@ def frame_of_rows(ds: xr.Dataset, rows: Iterable[JudgedRow]) -> pd.DataFrame:
     held = [name for row in [*placed][:1] for name in row.shown]
     heads = heads_of(ds, [name for name in held if name not in (PLACE, VARIANT)] or held)
     labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in placed])
-    answers = [partial(lambda row: _of_one(row.here()), row) for row in placed]
+    answers = [partial(_of_one, row, *place) for row, place in placed.items()]
     return pd.concat([labels, _results(_HEADS, placed.values(), answers)], axis="columns")
 
 
@@ -310,12 +308,14 @@ def _note(margins: Sequence[Margin]) -> str | None:
     return f"points not done next to the transition: {', '.join(listed)}" if listed else None
 
 
-def _of_one(margin: Margin) -> tuple[Any, ...]:
+def _of_one(row: JudgedRow, load: float, velocity: float) -> tuple[Any, ...]:
+    margin = row.at(load, velocity)
     return *(getattr(margin, name) for name in _FIELDS), _note([margin])
 
 
-def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:
+def _of_several(rows: Sequence[JudgedRow], load: float, velocity: float) -> tuple[Any, ...]:
     """Medians over surfaces, and the band of the distance; factors only if all surfaces cross."""
+    margins = [row.at(load, velocity) for row in rows]
     counts = Counter(margin.verdict for margin in margins)
     severe, undecided = counts["severe"], counts[NOT_DECIDED]
     verdict = NOT_DECIDED if undecided else "severe on some"

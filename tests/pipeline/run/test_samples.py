@@ -181,6 +181,12 @@ def test_wrong_use_is_answered_in_a_line(sampled, irg, arguments, words):
     assert words in irg(command, folder / "out.zarr", *options, code=2)
 
 
+def test_margins_of_samples_are_refused_in_python_too(sampled):
+    folder, _, _ = sampled
+    with pytest.raises(InputError, match="no plane of velocities and loads"):
+        pipeline.margins(folder / "out.zarr")
+
+
 def test_a_store_without_samples_says_how_to_get_them(alone, irg):
     for command in (["risk"], ["boundary", "--given-measured"]):
         assert "give [unknown] and sweep.samples" in irg(*command, alone, code=2)
