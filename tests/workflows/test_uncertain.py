@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pipeline
 from pipeline.cli import main
+from tests.helpers.samples import fewer_draws
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 FEW = ["--set", "sweep.samples=64", "--set", 'sweep.loads=["200 N", "400 N", "750 N"]', "-q"]
@@ -17,6 +18,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
     page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
     assert len(commands) == 15
+    fewer_draws(monkeypatch)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     scene = str(WORKFLOWS / "uncertain.toml")

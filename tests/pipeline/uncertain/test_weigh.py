@@ -9,7 +9,6 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
-from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import risk_lines
 from pipeline.uncertain.inputs import prior
 from tests.helpers.samples import (
@@ -24,6 +23,7 @@ from tests.helpers.samples import (
     critical_velocity,
     dataset,
     ensemble,
+    fewer_draws,
     rise,
 )
 from tribo import Corrections, InputError
@@ -46,9 +46,7 @@ def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=Non
 
 @pytest.fixture(autouse=True)
 def _fewer_draws(monkeypatch):
-    """Half as many as users have, which tell means and spreads well enough here."""
-    for name, count in {"_FIRST": 2**12, "_TEMPERED": 2**10, "_ENOUGH": 200}.items():
-        monkeypatch.setattr(weigh, name, count)
+    fewer_draws(monkeypatch)
 
 
 def alone(limit, load):
