@@ -190,12 +190,12 @@ def _is_numeric(line: str) -> bool:
 
 def _form(body: list[str]) -> tuple[str, str]:
     """Separator of the cells and mark of decimals."""
-    sample = body[:50]
+    lines = body[:50]
     for mark in (";", "\t"):
-        if all(mark in line for line in sample):
-            return mark, "," if any("," in line for line in sample) else "."
-    if all("," in line for line in sample):
-        blanks = all(re.search(r"\d\s+[+-]?\d", line) for line in sample)
+        if all(mark in line for line in lines):
+            return mark, "," if any("," in line for line in lines) else "."
+    if all("," in line for line in lines):
+        blanks = all(re.search(r"\d\s+[+-]?\d", line) for line in lines)
         return (_BLANKS, ",") if blanks else (",", ".")
     return _BLANKS, "."
 
