@@ -10,7 +10,7 @@ density; Minka, Expectation propagation, UAI 2001).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -30,14 +30,24 @@ _LOG_ROOT = 0.5 * math.log(2 * math.pi)
 class Features:
     """Truths among the inputs, and coordinates in which draws of them have a spread of about 1.
 
-    Inputs have their values, or the logarithm of those of which ratios count. A list has one for
-    each value: 1/√p where it is the one, and 0 elsewhere, if it has the probability p.
+    Inputs have the logarithm of their distance from an origin, of which boundaries are powers: so
+    they stay linear along inputs that tests cannot tell apart. Those that lie on both sides of it
+    have their values. A list has one for each value: 1/√p where it is the one, and 0 elsewhere, if
+    it has the probability p.
     """
 
-    def __init__(self, unknown: Sequence[Unknown], draws: Draws, truths: Array) -> None:
+    def __init__(
+        self, unknown: Sequence[Unknown], draws: Draws, truths: Array, origins: Mapping[str, float]
+    ) -> None:
         self.truths = truths
         self._unknown = tuple(unknown)
-        self._spreads = [_spread(one, draws, draws.inputs[:, i]) for i, one in enumerate(unknown)]
+        least = draws.inputs.min(axis=0).tolist()
+        found = [origins.get(one.path, 0.0) for one in unknown]
+        self._origins = [o if low > o else None for low, o in zip(least, found, strict=True)]
+        self._spreads = [
+            _spread(one, draws, draws.inputs[:, i], self._origins[i])
+            for i, one in enumerate(unknown)
+        ]
         of_draws = self._of(draws.inputs)
         self.mean = draws.mean(of_draws)
         away = of_draws - self.mean
@@ -47,12 +57,13 @@ class Features:
     def _of(self, inputs: Array) -> Array:
         """Coordinates of inputs (n, n_unknown), shape (n, n_feature)."""
         columns = []
-        for one, column, spread in zip(self._unknown, inputs.T, self._spreads, strict=True):
+        rows = zip(self._unknown, inputs.T, self._spreads, self._origins, strict=True)
+        for one, column, spread, origin in rows:
             if one.kind == "list":
                 pairs = zip(one.parameters, spread, strict=True)
                 columns += [np.where(column == value, 1 / width, 0.0) for value, width in pairs]
             else:
-                columns.append((np.log(column) if one.is_relative else column) / spread)
+                columns.append(_coordinate(column, origin) / spread)
         return np.stack(columns, axis=1)
 
     def numbers(self, number: int) -> slice:
@@ -62,9 +73,15 @@ class Features:
         return slice(begin, begin + sizes[number])
 
     def of_input(self, number: int) -> Array:
-        """Slopes of an input, which is no list, by the coordinates, shape (n, n_feature)."""
-        slopes = np.zeros_like(self.of_truths)
-        slopes[:, self.numbers(number)] = self._spreads[number]
+        """Slopes of an input, which is no list, by the coordinates, shape (n, n_feature).
+
+        Of an input whose ratios count they are those of its logarithm.
+        """
+        slopes, origin = np.zeros_like(self.of_truths), self._origins[number]
+        away = np.ones(len(self.truths))
+        if origin is not None and not self._unknown[number].is_relative:
+            away = self.truths[:, number] - origin
+        slopes[:, self.numbers(number).start] = self._spreads[number] * away
         return slopes
 
     def slopes(self, function: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -81,20 +98,24 @@ class Features:
             # Towards the mean, so that no truth is led beyond what is possible.
             step = -_STEP * np.where(self.of_truths[:, place] > self.mean[place], 1.0, -1.0)
             by = step * spread
-            moved = column * np.exp(by) if one.is_relative else column + by
+            origin = self._origins[number]
+            moved = column + by if origin is None else origin + (column - origin) * np.exp(by)
             shifted.append(_with_column(self.truths, number, moved))
             widths.append(step)
         outputs = np.stack([function(inputs) for inputs in shifted], axis=-1)
         return outputs[..., 0], (outputs[..., 1:] - outputs[..., :1]) / np.stack(widths, axis=-1)
 
 
-def _spread(one: Unknown, draws: Draws, column: Array) -> Any:
+def _coordinate(column: Array, origin: float | None) -> Array:
+    return column if origin is None else np.log(column - origin)
+
+
+def _spread(one: Unknown, draws: Draws, column: Array, origin: float | None) -> Any:
     """Spread of an input; of a list the root of the probability of each value."""
     if one.kind == "list":
         shares = [draws.mean(column == value) for value in one.parameters]
         return np.sqrt(np.maximum(shares, 1e-12))
-    values = np.log(column) if one.is_relative else column
-    return max(draws.spread(values), _LEAST)
+    return max(draws.spread(_coordinate(column, origin)), _LEAST)
 
 
 def _with_column(inputs: Array, number: int, column: Array) -> Array:

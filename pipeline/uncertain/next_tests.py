@@ -218,7 +218,10 @@ class _Plan:
         self._chance = np.random.default_rng(self._ensemble.design.seed)
         draws = posterior.draws
         kept = self._chance.choice(len(draws.weights), _TRUTHS, p=draws.weights)
-        self._features = Features(posterior.unknown, draws, draws.inputs[kept])
+        # Boundaries are powers of the distance from the bulk to the critical temperature.
+        bulk = self._ensemble.conditions.bulk_temperature
+        origins = {one.path: bulk for one in posterior.unknown if one.path.endswith(CRITICAL)}
+        self._features = Features(posterior.unknown, draws, draws.inputs[kept], origins)
         self._columns = posterior.columns[0]
         self._scatters = self._scatters_of_truths()
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
