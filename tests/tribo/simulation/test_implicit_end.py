@@ -36,7 +36,7 @@ def last(scene, load):
 
 @functools.cache
 def in_many_steps(load):
-    return last(worn_scene(increments=200), load).heat
+    return last(worn_scene(increments=400), load).heat
 
 
 def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
