@@ -211,8 +211,7 @@ class Ensemble:
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
         of_rows = _conditions_of_rows(conditions, about, numbers.tolist())
         if SHARE in paths and "share" not in changed:
-            pairs = zip(of_rows, inputs[:, paths.index(SHARE)].tolist(), strict=True)
-            of_rows = [replace(one, failing_share=share) for one, share in pairs]
+            of_rows = _at_shares(of_rows, inputs[:, paths.index(SHARE)])
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = decisive_rises(columns, loads, of_rows)
         require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
@@ -406,3 +405,9 @@ def _conditions_of_rows(
     if not columns:
         return [conditions] * len(numbers)
     return [with_corrections_of_row(conditions, columns, number) for number in numbers]
+
+
+def _at_shares(of_rows: Sequence[Conditions], shares: Array) -> list[Conditions]:
+    """Conditions of each sample, at the share of the contact that it has drawn."""
+    pairs = zip(of_rows, shares.tolist(), strict=True)
+    return [replace(one, failing_share=share) for one, share in pairs]
