@@ -19,7 +19,7 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import COMMANDS, parse
 from pipeline.scene.format import TEST, TRANSITION
-from pipeline.scene.logs import Log, Trace, entries_of_log, read_log, read_trace
+from pipeline.scene.logs import Log, Trace, read_log, read_trace
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tribo import InputError
 
@@ -118,7 +118,7 @@ def tests(options: argparse.Namespace) -> Result:
     places = log.sheet.places.keys()
     if "outcome" not in places and {"load", "velocity"} <= places:
         row_of, log = TRANSITION, read_log(path, entries, TRANSITION)
-    found, faults = entries_of_log(log, row_of)
+    found, faults = log.tests, log.faults
     toml = list(_toml(log, options.decimal, row_of is TEST)) if found else []
     document = {
         "file": str(path), "form": log.sheet.form, "columns": _columns(log), "unused": log.unused,
@@ -155,20 +155,20 @@ def _of_trace(path: Path, trace: Trace) -> Result:
 
 def _columns(log: Log) -> dict[str, str]:
     """Heading of each entry that was found."""
-    return {name: log.sheet.heads[place] for name, place in log.sheet.places.items()}
+    return {name: log.sheet.heading(name).text for name in log.sheet.places}
 
 
 def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
     """A row for each column, and a line for the entries that have none."""
     names = {place: name for name, place in log.sheet.places.items()}
     rows = []
-    for place, head in enumerate(log.sheet.heads):
-        first = next((row.cells[place] for row in log.rows if row.cells[place]), "")
+    for place, heading in enumerate(log.sheet.headings):
+        first = next((row.cells[place] for row in log.sheet.rows if row.cells[place]), "")
         name = names.get(place)
-        unit = log.sheet.heading(name).unit if name else ""
+        unit = heading.unit if name else ""
         if name == "outcome":
             first = f"{first}, {log.words[first]}" if first in log.words else first
-        rows.append((head, name or "not used", f"{first} {unit}".strip()))
+        rows.append((heading.text, name or "not used", f"{first} {unit}".strip()))
     yield frame_of(("column", "read as", "first cell"), rows)
     if without := [name for name in TEST.keys if name not in log.sheet.places]:
         needed = [f"{name} (needed)" if name in TEST.needed else name for name in without]

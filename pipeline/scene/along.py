@@ -6,10 +6,8 @@ simulated, so that its distance from severe wear is known in load and velocity, 
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,19 +15,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, with_value
+from pipeline.scene.faults import Faults, quoted, with_value
 from pipeline.scene.format import LOAD, SPEED
-from pipeline.scene.headings import Sheet, heading_of, read_sheet, sheet_of
+from pipeline.scene.headings import listed_faults, read_sheet, sheet_of, written
 from pipeline.scene.over import column_of, scene_with
-from pipeline.scene.rows import may_be_thousands
-from pipeline.scene.schema import flat
+from pipeline.scene.schema import Entry, Table, flat
 from pipeline.scene.units import is_shown_unit
 from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 
-_PLACE = {"load": LOAD, "velocity": SPEED}
+_PLACE = Table({"load": Entry(LOAD), "velocity": Entry(SPEED)})
 _REACH = 2.0  # factor of load and velocity to which places about a row go
 _MOST = 10_000  # places, each of which is read as a scene
 _MOST_FAULTS = 20  # that are written out
@@ -63,17 +60,17 @@ class OperatingPoints:
         Units stand in the heading or in each cell; bare numbers of a mapping are in N and m/s.
         `InputError` is raised for all faults at once, by row and column.
         """
-        if isinstance(source, Mapping) or not isinstance(source, str | os.PathLike):
-            name, sheet = "points", sheet_of(source, _PLACE)
-        else:
-            name, sheet = str(source), read_sheet(Path(source), _PLACE, _PLACE)
-            if not sheet.heads:
+        if isinstance(source, str | os.PathLike):
+            name, sheet = str(source), read_sheet(Path(source), _PLACE.keys, _PLACE.keys)
+            if not sheet.headings:
                 raise InputError(f'{name} is empty; begin it with a line "load [N],velocity [m/s]"')
-        heads = sheet.labelled
-        twice = dict.fromkeys(head for head in sheet.heads if sheet.heads.count(head) > 1)
+        else:
+            name, sheet = "points", sheet_of(source, _PLACE.keys)
+        heads = [heading.text for heading in sheet.headings]
+        twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
         faults = [f'column "{head}" stands there twice; name each once' for head in twice]
-        faults += [*sheet.faults, *sheet.of_rows]
-        values = {name: _quantity(sheet, name, faults) for name in sheet.places}
+        _, places, wrong = sheet.entries(_PLACE, {})
+        faults += [*sheet.faults, *sheet.of_rows, *listed_faults(wrong)]
         if faults:
             listed = [f"  {fault}" for fault in faults[:_MOST_FAULTS]]
             if more := len(faults) - len(listed):
@@ -83,32 +80,10 @@ class OperatingPoints:
         if not sheet.rows:
             raise InputError(f"{name} has no rows; give a load and a velocity in each")
         others = {
-            head: [row.cells[place] for row in sheet.rows]
-            for place, head in enumerate(heads)
-            if place not in sheet.places.values()
+            sheet.headings[place].label: [row.cells[place] for row in sheet.rows]
+            for place in sheet.others
         }
-        return cls(tuple(map(Place, values["load"], values["velocity"])), others)
-
-
-def _quantity(sheet: Sheet, name: str, faults: list[str]) -> list[float]:
-    """Values of a quantity in SI; faults are added to the list."""
-    kind, head, unit = _PLACE[name], sheet.labelled[sheet.places[name]], sheet.heading(name).unit
-    usual, wrong, values = kind.example.split()[1], Faults(), list[float]()
-    if unit:
-        kind.read(f"1 {unit}", f'column "{head}"', wrong)
-    for row in sheet.rows if not wrong else ():
-        cell: Any = row.cells[sheet.places[name]]
-        in_si = not unit and not isinstance(cell, str)
-        place, text = f'row {row.number}, column "{head}"', f"{cell} {usual if in_si else unit}"
-        if sheet.decimal == "," and may_be_thousands(str(cell)):
-            wrong.note(place, f'"{cell}" beside decimal commas may be thousands; write it plainly')
-        elif str(cell).strip():
-            values.append(kind.read(text.strip(), place, wrong))
-        else:
-            wrong.note(place, f"empty; give {kind}")
-    heading = "" if unit else f', or the heading "{name} [{usual}]"'
-    faults += [f"{place}: {problem}{heading}" for place, problem, *_ in wrong]
-    return values
+        return cls(tuple(Place(**place) for place in places), others)
 
 
 def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
@@ -125,15 +100,15 @@ def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
     else:
         return []  # which the format tells
     for number, row in enumerate(rows if len(faults) == before else ()):
-        for name in _PLACE:
+        for name, entry in _PLACE.keys.items():
             if name not in row:
-                faults.note(f"sweep.along[{number}].{name}", f"missing; give {_PLACE[name]}")
+                faults.note(f"sweep.along[{number}].{name}", f"missing; give {entry.kind}")
         if row.keys() != rows[0].keys():
             other = ", ".join(sorted(row.keys() ^ rows[0].keys()))
             faults.note(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
     for number, row in enumerate(rows if len(faults) == before else ()):
-        for name, kind in _PLACE.items():
-            row[name] = kind.read(row[name], f"sweep.along[{number}].{name}", faults)
+        for name, entry in _PLACE.keys.items():
+            row[name] = entry.kind.read(row[name], f"sweep.along[{number}].{name}", faults)
     return rows if len(faults) == before else []
 
 
@@ -170,11 +145,11 @@ def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make
     scenes = [scene_with(values, sweep, make, "sweep.along") for values in written]
     parts = [tuple(differing_inputs(sweep, scene)) for scene in scenes]
     columns = [column_of(path, [row[path] for row in pairs], "row") for path in paths]
-    labels = [head for head in pairs[0] if head not in (*paths, *_PLACE)]
+    labels = [head for head in pairs[0] if head not in (*paths, *_PLACE.keys)]
     columns += [_label(head, [row[head] for row in pairs]) for head in labels]
     numbers = [number for number in range(len(pairs)) for _ in about]
     loads, velocities = (
-        [row[name] * by[k] for row in pairs for by in about] for k, name in enumerate(_PLACE)
+        [row[name] * by[k] for row in pairs for by in about] for k, name in enumerate(_PLACE.keys)
     )
     table = placed_rows(
         [parts[number] for number in numbers],
@@ -211,36 +186,21 @@ def _label(head: str, cells: Sequence[Any]) -> Column:
 def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
     try:
-        sheet = read_sheet(path, _PLACE, _PLACE)
+        sheet = read_sheet(path, _PLACE.keys, _PLACE.keys)
     except InputError as error:
         faults.note("sweep.along", str(error))
         return []
     for fault in (*sheet.faults, *sheet.of_rows):
         faults.note("sweep.along", f"{path}: {fault}")
-    heads = sheet.labelled
     names = {place: name for name, place in sheet.places.items()}
-    titles = [names.get(place, heading_of(head).title) for place, head in enumerate(heads)]
-    tables = []
-    for row in sheet.rows:
-        for head, cell in zip(heads, row.cells, strict=True):
-            if not cell or (sheet.decimal == "," and may_be_thousands(cell)):
-                said = "is empty" if not cell else "may be thousands; write it plainly"
-                faults.note(
-                    "sweep.along", f"{path}: row {row.number}, column {json.dumps(head)} {said}"
-                )
-        units = (heading_of(head).unit for head in heads)
-        cells = zip(titles, row.cells, units, strict=True)
-        tables.append({title: _value(cell, unit) for title, cell, unit in cells})
+    tables = [dict[str, Any]() for _ in sheet.rows]
+    for place, heading in enumerate(sheet.headings):
+        for row, table in zip(sheet.rows, tables, strict=True):
+            cell = row.cells[place]
+            if wrong := sheet.doubt(cell) if cell else "is empty":
+                where = f"row {row.number}, column {quoted(heading.text)}"
+                faults.note("sweep.along", f"{path}: {where} {wrong}")
+            table[names.get(place, heading.title)] = written(cell, heading.unit)
     if not tables and not sheet.faults:
         faults.note("sweep.along", f"{path} has no rows; give a load and a velocity in each")
     return tables
-
-
-def _value(cell: str, unit: str) -> Any:
-    """A cell as a scene file has it: a number, or text with a unit."""
-    if unit:
-        return f"{cell} {unit}"
-    for number in (int, float):
-        with suppress(ValueError):
-            return number(cell)
-    return cell

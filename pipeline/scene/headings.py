@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.scene.faults import did_you_mean
-from pipeline.scene.rows import Row, Rows, read_rows
+from pipeline.scene.faults import Faults, did_you_mean
+from pipeline.scene.kinds import OneOf
+from pipeline.scene.rows import Row, may_be_thousands, read_rows
+from pipeline.scene.schema import Table
 from pipeline.scene.units import TURNS, UnitError, si_unit, to_si
 from tribo import InputError
 
@@ -30,11 +33,11 @@ _UNIT_AT_END = (
 """Ways to write a unit. All but the first count only if what stands there is a unit."""
 _TRACK = re.compile(r"(?:[^.]*\b)?(radius|diameter|durchmesser)", re.IGNORECASE)
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
-_DIMENSION = {
-    "load": "N", "velocity": "m s-1", "friction": "1", "bulk_temperature": "K", "hold": "s",
+UNITS = {
+    "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
     "time": "s", "friction_force": "N",
 }  # fmt: skip
-"""Units in SI of quantities; of others nothing is guessed."""
+"""Units of quantities, empty of a number; of others nothing is guessed."""
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
 }  # fmt: skip
@@ -68,6 +71,7 @@ _WORDS = {
     "time": (r"(\b(time|t|zeit|temps)\b)", r"\b(of day|date|stamp)\b"),
 }  # fmt: skip
 """Words by which a heading names a quantity, and words by which it means another one."""
+_SHOWN = 6  # rows of a fault that are named
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +87,12 @@ class Heading:
         """Entry of a scene that it names exactly, if it is one."""
         name = self.title.lower().replace(" ", "_")
         return _EXACT.get(name, name)
+
+    @property
+    def label(self) -> str:
+        """The heading with its unit, which may stand below it."""
+        is_within = heading_of(self.text).unit == self.unit
+        return self.text if is_within else f"{self.text} [{self.unit}]"
 
 
 def heading_of(text: str) -> Heading:
@@ -101,8 +111,8 @@ def _usual_unit(unit: str) -> str:
     unit = unit.strip()
     if unit.startswith("(") and unit.endswith(")"):
         unit = unit[1:-1]
-    if unit == "C":  # no log is of charges
-        return "°C"
+    if unit in ("C", "F"):  # no log is of charges or capacitances
+        return f"°{unit}"
     return "" if unit in ("-", "–", "–", "1") else _EXPONENT.sub(r"^\1", unit)
 
 
@@ -116,15 +126,14 @@ def is_unit(unit: str) -> bool:
 
 
 def columns_for(
-    heads: Sequence[str], wanted: Collection[str], chosen: Mapping[str, str] | None = None
+    headings: Sequence[Heading], wanted: Collection[str], chosen: Mapping[str, str] | None = None
 ) -> tuple[dict[str, int], list[str]]:
     """Places of the columns for wanted quantities, and faults.
 
     A column is one that the user chose by its heading, or that names the quantity exactly, or the
     only one whose words and unit are of that quantity.
     """
-    headings = [heading_of(head) for head in heads]
-    chosen = chosen or {}
+    heads, chosen = [heading.text for heading in headings], chosen or {}
     places: dict[str, int] = {}
     faults = []
     for name, head in chosen.items():
@@ -135,9 +144,7 @@ def columns_for(
             places[name] = heads.index(head)
         else:
             faults.append(f"columns.{name}: there is no column {_listed([head])}")
-    for name in wanted:
-        if name in chosen:
-            continue
+    for name in (name for name in wanted if name not in chosen):
         free = [place for place in range(len(heads)) if place not in places.values()]
         found = [place for place in free if headings[place].name == name]
         if name == "friction":  # one in newton is a force
@@ -155,75 +162,135 @@ def _means(heading: Heading, name: str) -> bool:
     """True if the words of a heading are of a quantity, and its unit does not contradict."""
     if name not in _WORDS:
         return False
-    words = _words(heading)
+    words, unit = _words(heading), UNITS.get(name)
     of_it, of_another = _WORDS[name]
     if not re.search(of_it, words) or re.search(of_another, words):
         return False
-    needed = _DIMENSION.get(name)
     if heading.unit:
-        return needed not in (None, "1") and _is_of(heading.unit, str(needed))
+        return bool(unit) and not _misfit(heading, name)
     # A lone letter without a unit, as t or v, may be anything.
-    return needed in (None, "1") or len(words) > 2
+    return not unit or len(words) > 2
 
 
-def _is_of(unit: str, needed: str) -> bool:
-    degrees = {"C": "degC", "F": "degF"} if needed == "K" else {}
-    unit = degrees.get(unit, unit)
-    return is_unit(unit) and si_unit(f"1 {unit}") == needed
+def _misfit(heading: Heading, name: str) -> str:
+    """Reason why the unit of a heading is not one of a quantity; empty if it is."""
+    try:
+        to_si(f"1 {heading.unit}", f"1 {UNITS[name]}")
+    except UnitError as error:
+        return str(error)
+    return ""
 
 
-def with_units_below(heads: list[str], rows: list[Row]) -> tuple[list[str], list[Row]]:
+def _words(heading: Heading) -> str:
+    """Words of a title, without signs and digits between them."""
+    return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
+
+
+def with_units_below(headings: list[Heading], rows: list[Row]) -> tuple[list[Heading], list[Row]]:
     """Headings with the units of a first row that holds nothing else, and the other rows."""
     first = rows[0].cells if rows else []
     units = [heading_of(f"x [{cell.strip('[]()')}]").unit for cell in first]
-    if not any(map(is_unit, filter(None, units))) or not all(
-        not unit or is_unit(unit) for unit in units
-    ):
-        return heads, rows
-    return [
-        f"{head} [{unit}]" if unit and not heading_of(head).unit else head
-        for head, unit in zip(heads, units, strict=True)
-    ], rows[1:]
+    if not any(units) or not all(is_unit(unit) for unit in units if unit):
+        return headings, rows
+    pairs = zip(headings, units, strict=True)
+    return [replace(one, unit=one.unit or unit) for one, unit in pairs], rows[1:]
 
 
-def with_velocity_of_turns(read: Rows) -> Rows:
-    """Rows with a velocity in place of a rotation, where a column has the radius or diameter."""
-    headings = [heading_of(head) for head in read.heads]
-    turning = [k for k, heading in enumerate(headings) if heading.unit in TURNS]
-    lengths = [
-        (k, match[1]) for k, one in enumerate(headings) if (match := _TRACK.fullmatch(one.title))
-    ]
-    if len(turning) != 1 or len(lengths) != 1:
-        return read
-    (turn,), ((length, word),) = turning, lengths
-    which = "radius" if word.lower() == "radius" else "diameter"
-    if not headings[length].unit:
-        fault = f'column "{read.heads[length]}" has no unit; name it like "track {which} [mm]"'
-        return read._replace(faults=[*read.faults, fault])
-    heads = [*read.heads[:turn], "velocity", *read.heads[turn + 1 :]]
-    rows = []
-    for number, cells in read.rows:
-        track = f" at {which} {cells[length]} {headings[length].unit}" if cells[length] else ""
-        said = f"{cells[turn]} rpm{track}" if cells[turn] else ""
-        rows.append(Row(number, [*cells[:turn], said, *cells[turn + 1 :]]))
-    return read._replace(heads=heads, rows=rows)
+class CellFault(NamedTuple):
+    """What is wrong with an entry of a row."""
+
+    row: int
+    name: str
+    problem: str
 
 
-class Sheet(NamedTuple):
-    """Rows of a file or of columns, as `Rows`, and the columns for wanted quantities."""
+@dataclass(slots=True)
+class Sheet:
+    """Rows of a file or of columns, and the columns for wanted quantities."""
 
-    heads: list[str]
-    labelled: list[str]  # headings with units that stand in a row below them
-    places: dict[str, int]  # column of each quantity that was found
+    headings: list[Heading]
     rows: list[Row]
-    decimal: str
-    form: list[str]
+    places: dict[str, int]  # column of each quantity that was found
     faults: list[str]  # of columns
-    of_rows: list[str]  # faults of rows
+    of_rows: list[str] = field(default_factory=list)  # faults of rows
+    decimal: str = "."
+    form: list[str] = field(default_factory=list)  # words on how the file was read
+
+    @property
+    def others(self) -> list[int]:
+        """Columns of no wanted quantity."""
+        return [k for k in range(len(self.headings)) if k not in self.places.values()]
 
     def heading(self, name: str) -> Heading:
         """Heading of a quantity."""
-        return heading_of(self.labelled[self.places[name]])
+        return self.headings[self.places[name]]
+
+    def doubt(self, cell: str) -> str:
+        """Reason why a cell may be another number; empty if it is plain."""
+        if self.decimal != "," or not may_be_thousands(cell):
+            return ""
+        number = cell.split(" ")[0]
+        return (
+            f'"{cell}" beside decimal commas is {float(number):g} or {number.replace(".", "")}; '
+            'write it plainly, or give the decimal mark of the file, as decimal = "." or ","'
+        )
+
+    def entries(
+        self, row_of: Table, words: Mapping[str, str]
+    ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[CellFault]]:
+        """Sound rows as tables of a scene, with outcomes for words; the same in SI; and faults."""
+        tables, read, faults = [], [], list[CellFault]()
+        for row in self.rows:
+            table, wrong = dict[str, Any](), Faults()
+            for name, place in self.places.items():
+                if not (cell := row.cells[place]):
+                    continue
+                if isinstance(row_of.keys[name].kind, OneOf):
+                    table[name] = words.get(cell, cell)
+                    continue
+                table[name] = written(cell, self.headings[place].unit)
+                if doubt := self.doubt(cell):
+                    wrong.note(name, doubt)
+            values = row_of.read(table, "", wrong)
+            if not wrong:
+                tables.append(table)
+                read.append(values)
+            for name, problem, *_ in wrong:
+                unit = f'such as "{name} [{UNITS.get(name, "...")}]"'
+                hint = f"; or the unit of the column in its heading, {unit}"
+                problem += hint * ("has no unit" in problem)
+                if name in self.places or name not in row_of.keys:  # a missing one is said once
+                    faults.append(CellFault(row.number, name, problem))
+        return tables, read, faults
+
+
+def written(cell: str, unit: str = "") -> str | float:
+    """A cell as a scene file has it: a number, or text with a unit."""
+    for number in (int, float) if not unit else ():
+        with suppress(ValueError):
+            return number(cell)
+    return f"{cell} {unit}".strip()
+
+
+def listed_faults(faults: Iterable[CellFault]) -> list[str]:
+    """Faults of rows, those of one kind in one line."""
+    alike = dict[tuple[str, str], list[CellFault]]()
+    for one in faults:
+        kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
+        alike.setdefault((one.name, kind), []).append(one)
+    return [
+        f"{numbered([one.row for one in some])}, {some[0].name}: {some[0].problem}"
+        for some in alike.values()
+    ]
+
+
+def numbered(numbers: Sequence[int]) -> str:
+    """Rows in words, such as "rows 2, 3 and 5"."""
+    if len(numbers) == 1:
+        return f"row {numbers[0]}"
+    shown = [str(number) for number in numbers[:_SHOWN]]
+    more = f"{len(numbers) - _SHOWN} more" if len(numbers) > _SHOWN else shown.pop()
+    return f"rows {', '.join(shown)} and {more}"
 
 
 def read_sheet(
@@ -236,20 +303,18 @@ def read_sheet(
     """Read the rows of a file below headings of a load and a velocity; see `columns_for`."""
 
     def is_heading(cells: list[str]) -> bool:
-        places, faults = columns_for(cells, wanted, named)
+        places, faults = columns_for([*map(heading_of, cells)], wanted, named)
         return not faults and {"load", "velocity"} <= places.keys()
 
-    read = with_velocity_of_turns(read_rows(path, is_heading, decimal))
-    labelled, rows = with_units_below(read.heads, read.rows)
-    places, faults = columns_for(read.heads if named else labelled, wanted, named)
-    if (missing := [name for name in needed if name not in places]) and read.heads and not faults:
-        faults = [missing_columns(labelled, missing)]
-    form = read.decimal, read.form
-    return Sheet(read.heads, labelled, places, rows, *form, faults, read.faults)
+    read = read_rows(path, is_heading, decimal)
+    headings, rows = with_units_below([*map(heading_of, read.heads)], read.rows)
+    sheet = Sheet(headings, rows, {}, [], [*read.faults], read.decimal, read.form)
+    _take_velocity_of_turns(sheet)
+    return _with_places(sheet, wanted, needed, named)
 
 
 def sheet_of(columns: Any, wanted: Collection[str]) -> Sheet:
-    """Columns of a mapping or a data frame as those of a file; all the wanted ones are needed."""
+    """Columns of a mapping or a data frame as those of a file, with bare numbers in SI."""
     if not hasattr(columns, "keys"):
         raise InputError(
             f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
@@ -260,47 +325,63 @@ def sheet_of(columns: Any, wanted: Collection[str]) -> Sheet:
     if len(set(lengths.values())) > 1:
         counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
         raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
-    heads = [*listed]
     rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*listed.values(), strict=True), 1)]
-    places, faults = columns_for(heads, wanted)
-    if (missing := [name for name in wanted if name not in places]) and not faults:
-        faults = [missing_columns(heads, missing)]
-    return Sheet(heads, heads, places, rows, ".", [], faults, [])
+    sheet = _with_places(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, wanted)
+    for name, place in sheet.places.items():
+        unit = "" if sheet.headings[place].unit else f" {UNITS[name]}"
+        for row in rows:
+            cell: Any = row.cells[place]
+            row.cells[place] = cell if isinstance(cell, str) else f"{cell}{unit}"
+    return sheet
 
 
-def missing_columns(heads: Sequence[str], missing: Sequence[str]) -> str:
-    """Say which columns are missing among those of a file."""
-    wrong = []
-    for heading in map(heading_of, heads):
-        meant = [name for name in missing if _has_words(heading, name)]
-        if "velocity" in missing and heading.unit in TURNS:
-            meant = ["velocity"]
-        if heading.unit and any(not _is_of(heading.unit, _DIMENSION.get(n, "1")) for n in meant):
-            said = f"{_listed([heading.text])} is in {heading.unit}"
-            wrong.append(said + _cure(heading.unit, _DIMENSION.get(meant[0], "1")))
-    near = "".join(did_you_mean(heading_of(head).name, missing) for head in heads)
-    units = {"load": "load [N]", "velocity": "velocity [m/s]"}
-    wanted = _listed(units.get(name, name) for name in missing)
-    hint = f" ({'; '.join(wrong)})" if wrong else near
-    return f"no column {wanted} in {_listed(heads)}{hint}"
+def _with_places(
+    sheet: Sheet,
+    wanted: Collection[str],
+    needed: Collection[str],
+    named: Mapping[str, str] | None = None,
+) -> Sheet:
+    """The sheet with the columns for wanted quantities, of which some are needed."""
+    places, faults = columns_for(sheet.headings, wanted, named)
+    missing = [name for name in needed if name not in places]
+    if missing and sheet.headings and not faults:
+        wrong = [
+            f'"{heading.text}": {misfit}'
+            for heading in sheet.headings
+            for name in missing
+            if heading.unit and _may_be(heading, name) and (misfit := _misfit(heading, name))
+        ]
+        near = "".join(did_you_mean(heading.name, missing) for heading in sheet.headings)
+        columns = _listed(f"{n} [{UNITS[n]}]" if UNITS.get(n) else n for n in missing)
+        hint = f" ({'; '.join(wrong)})" if wrong else near
+        faults = [f"no column {columns} in {_listed(one.text for one in sheet.headings)}{hint}"]
+    return replace(sheet, places=places, faults=faults)
 
 
-def _cure(unit: str, needed: str) -> str:
-    """What to give for a column in a unit of another dimension, such as rpm for m/s."""
-    try:
-        to_si(f"1 {unit}", f"1 {needed.replace(' s-1', '/s')}")
-    except UnitError as error:
-        return "".join(str(error).partition("; ")[1:])
-    return ""
+def _may_be(heading: Heading, name: str) -> bool:
+    """True if the words or the unit of a heading are those of a quantity in another form."""
+    if name == "velocity" and heading.unit in TURNS:
+        return True
+    return name in UNITS and re.search(_WORDS[name][0], _words(heading)) is not None
 
 
-def _has_words(heading: Heading, name: str) -> bool:
-    return name in _WORDS and re.search(_WORDS[name][0], _words(heading)) is not None
-
-
-def _words(heading: Heading) -> str:
-    """Words of a title, without signs and digits between them."""
-    return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
+def _take_velocity_of_turns(sheet: Sheet) -> None:
+    """Put a velocity in place of a rotation, where a column has the radius or diameter."""
+    turning = [k for k, heading in enumerate(sheet.headings) if heading.unit in TURNS]
+    tracks = [k for k, heading in enumerate(sheet.headings) if _TRACK.fullmatch(heading.title)]
+    if len(turning) != 1 or len(tracks) != 1:
+        return
+    (turn,), (k,) = turning, tracks
+    track = sheet.headings[k]
+    which = "radius" if track.title.lower().endswith("radius") else "diameter"
+    if not track.unit:
+        fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
+        sheet.of_rows.append(fault)
+        return
+    sheet.headings[turn] = heading_of("velocity")
+    for _, cells in sheet.rows:
+        at = f" at {which} {cells[k]} {track.unit}" if cells[k] else ""
+        cells[turn] = cells[turn] and f"{cells[turn]} rpm{at}"
 
 
 def _listed(texts: Iterable[str]) -> str:

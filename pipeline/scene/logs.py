@@ -7,9 +7,8 @@ not used. What was not named exactly is noted.
 
 from __future__ import annotations
 
-import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -20,9 +19,18 @@ import numpy as np
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOG, OUTCOMES, TEST, TRANSITION
-from pipeline.scene.headings import Sheet, columns_for, heading_of, read_sheet, with_units_below
-from pipeline.scene.kinds import Kind, Number, OneOf
-from pipeline.scene.rows import Row, may_be_thousands, read_rows
+from pipeline.scene.headings import (
+    UNITS,
+    CellFault,
+    Sheet,
+    columns_for,
+    heading_of,
+    listed_faults,
+    numbered,
+    read_sheet,
+    with_units_below,
+)
+from pipeline.scene.rows import read_rows
 from pipeline.scene.schema import Table
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
@@ -34,7 +42,6 @@ _SEVERE = (
     "grippato grippaggio grippage grippé gripado notok niok"
 )
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
-_SHOWN = 6  # rows of a fault that are named
 
 
 def outcome_of(word: str, heading: str) -> str | None:
@@ -48,132 +55,69 @@ def outcome_of(word: str, heading: str) -> str | None:
     return "mild" if plain in mild else "severe" if plain in severe else None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Log:
-    """Rows of a log, and how they are understood."""
+    """Tests of a log, and how it is understood."""
 
     path: Path
-    sheet: Sheet  # its columns, and the entries of a test that they give
+    sheet: Sheet  # its rows of tests, and the columns for the entries of one
     words: dict[str, str]  # outcome for each word of the log that is not one itself
-    rows: list[Row]  # of tests
     left_out: list[int]  # numbers of rows without load and velocity
-    faults: list[str]  # of the file as a whole
-
-    def cells(self, name: str) -> list[str]:
-        """Cells of an entry."""
-        return [row.cells[self.sheet.places[name]] for row in self.rows]
+    tests: list[dict[str, Any]]  # as tables of a scene
+    faults: list[str]
+    is_unclear: bool  # as a whole, and not in cells alone
 
     @property
     def unused(self) -> list[str]:
         """Titles of the columns that are not used."""
-        used = self.sheet.places.values()
-        return [head for place, head in enumerate(self.sheet.heads) if place not in used]
+        return [self.sheet.headings[place].text for place in self.sheet.others]
 
     @property
     def guessed(self) -> list[str]:
         """Headings and words that were recognised, though not exact names."""
-        said = [
-            f'"{self.sheet.heads[place]}" as {name}'
-            for name, place in self.sheet.places.items()
-            if heading_of(self.sheet.heads[place]).name != name
-        ]
+        headings = {name: self.sheet.heading(name) for name in self.sheet.places}
+        said = [f'"{one.text}" as {name}' for name, one in headings.items() if one.name != name]
         return said + [f'"{word}" as {outcome}' for word, outcome in self.words.items()]
 
 
 def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table = TEST) -> Log:
-    """Read a log, and find the columns for the entries of a test.
+    """Read a log, find the columns for the entries of a test, and read its tests.
 
     `entries` are columns, words and decimal mark, as a scene gives them beside the file.
     """
     given = entries or {}
-    chosen = given.get("columns") or {}
+    chosen, words = given.get("columns") or {}, dict[str, str]()
     sheet = read_sheet(path, row_of.keys, row_of.needed, chosen, given.get("decimal"))
     faults, places = [*sheet.faults], sheet.places
-    if faults and sheet.heads and not chosen:
+    if faults and sheet.headings and not chosen:
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
     needed = [places[name] for name in ("load", "velocity") if name in places]
-    kept, left_out = list[Row](), list[int]()
-    for row in sheet.rows:
-        if not needed or any(row.cells[k] for k in needed):
-            kept.append(row)
-        else:
-            left_out.append(row.number)
-    if not kept and not faults:
+    tested = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
+    left_out = [row.number for row in sheet.rows if row not in tested]
+    sheet.rows = tested
+    if not tested and not faults:
         faults = [f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"']
-    log = Log(path, sheet, {}, kept, left_out, [*faults, *sheet.of_rows])
+    faults += sheet.of_rows
     if "outcome" in places:
         own, title = given.get("words") or {}, sheet.heading("outcome").title
-        for word in dict.fromkeys(log.cells("outcome")):
+        for word in dict.fromkeys(row.cells[places["outcome"]] for row in tested):
             if word not in OUTCOMES and (outcome := own.get(word) or outcome_of(word, title)):
-                log.words[word] = outcome
-    return log
+                words[word] = outcome
+    tests, _, wrong = sheet.entries(row_of, words)
+    return Log(
+        path, sheet, words, left_out, tests, [*faults, *listed_faults(map(_hinted, wrong))],
+        is_unclear=bool(faults),
+    )  # fmt: skip
 
 
-def entries_of_log(log: Log, row_of: Table = TEST) -> tuple[list[dict[str, Any]], list[str]]:
-    """Tests of a log as tables of a scene; and faults, those of one kind in one line."""
-    tests, faults = [], dict[tuple[str, str], tuple[str, list[int]]]()
-    for row in log.rows:
-        test = {}
-        for name, place in log.sheet.places.items():
-            cell = log.words.get(row.cells[place]) if name == "outcome" else None
-            cell = cell or row.cells[place]
-            if cell:
-                test[name] = _value(cell, log.sheet.heading(name).unit, row_of.keys[name].kind)
-        wrong = Faults()
-        row_of.read(test, "", wrong)
-        for name, problem, *_ in wrong:
-            if name in row_of.keys and name not in log.sheet.places:
-                continue  # a missing column is said once
-            said = problem + _hint(log, name, row, problem)
-            kind = re.sub(r'"(\\.|[^"\\])*"', "", problem)
-            faults.setdefault((name, kind), (said, []))[1].append(row.number)
-        ambiguous = [
-            name
-            for name, place in log.sheet.places.items()
-            if log.sheet.decimal == "," and may_be_thousands(row.cells[place]) and name != "outcome"
-        ]
-        for name in ambiguous:
-            cell = row.cells[log.sheet.places[name]]
-            said = (
-                f'"{cell}" beside decimal commas is {float(cell):g} or {cell.replace(".", "")}; '
-                'give the decimal mark of the file, as decimal = "." or ","'
-            )
-            faults.setdefault((name, "mark"), (said, []))[1].append(row.number)
-        if not wrong and not ambiguous:
-            tests.append(test)
-    listed = [f"{_rows(numbers)}, {key[0]}: {said}" for key, (said, numbers) in faults.items()]
-    return tests, [*log.faults, *listed]
-
-
-def _value(cell: str, unit: str, kind: Kind) -> Any:
-    """A cell as a scene file has it: a number, or text with a unit."""
-    if isinstance(kind, OneOf):
-        return cell
-    if not unit and isinstance(kind, Number):
-        try:
-            return float(cell)
-        except ValueError:
-            return cell
-    return f"{cell} {unit}".strip()
-
-
-def _hint(log: Log, name: str, row: Row, problem: str) -> str:
-    """What else to do about a fault of a cell; empty if there is nothing."""
-    if "has no unit" in problem:
-        return f"; or the unit of the column in its heading, such as {name} [...]"
-    if name == "outcome" and "is unknown" in problem:
-        word = json.dumps(row.cells[log.sheet.places[name]], ensure_ascii=False)
-        return f'; or say what it means, as words = {{ {word} = "severe" }}'
-    return ""
-
-
-def _rows(numbers: Sequence[int]) -> str:
-    """Rows in words, such as "rows 2, 3 and 5"."""
-    if len(numbers) == 1:
-        return f"row {numbers[0]}"
-    shown = [str(number) for number in numbers[:_SHOWN]]
-    more = f"{len(numbers) - _SHOWN} more" if len(numbers) > _SHOWN else shown.pop()
-    return f"rows {', '.join(shown)} and {more}"
+def _hinted(fault: CellFault) -> CellFault:
+    """A fault with how to say what an unknown word means."""
+    word, is_unknown, _ = fault.problem.partition(" is unknown")
+    if fault.name != "outcome" or not is_unknown:
+        return fault
+    return fault._replace(
+        problem=f'{fault.problem}; or say what it means, as words = {{ {word} = "severe" }}'
+    )
 
 
 def with_rows(entries: dict[str, Any], document: Document, faults: Faults) -> dict[str, Any]:
@@ -213,22 +157,21 @@ def _of_file(
     except InputError as error:
         faults.note(place, str(error))
         return []
-    tests, problems = entries_of_log(log, row_of)
-    for problem in problems:
+    for problem in log.faults:
         faults.note(place, f"{path.name}, {problem}")
-    if log.faults:
-        shell = f"irg tests {path}"
-        faults.note(place, f"what is understood of it is printed by: {shell}")
+    if log.is_unclear:
+        faults.note(place, f"what is understood of it is printed by: irg tests {path}")
     if log.unused:
         faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
     if log.guessed:
         faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
     if log.left_out:
-        faults.notes.append(f"{place}: {_rows(log.left_out)} without load and velocity left out")
-    return tests
+        numbers = numbered(log.left_out)
+        faults.notes.append(f"{place}: {numbers} without load and velocity left out")
+    return log.tests
 
 
-_LIKE = {"time": "s", "friction": "", "load": "N", "velocity": "m/s", "friction_force": "N"}
+_OF_TRACE = ("time", "friction", "load", "velocity", "friction_force")
 _LEAST_ROWS = 20
 _STANDARD_DEVIATIONS = 4.0  # of friction before, below which a rise is scatter
 _LEAST_RISE = 0.2  # of friction before; less is running-in or a warmer film
@@ -291,19 +234,18 @@ def read_trace(path: Path) -> Trace | None:
     """Read a trace of friction over time; None from a file of another kind."""
 
     def is_heading(cells: list[str]) -> bool:
-        found = columns_for(cells, _LIKE)[0].keys()
+        found = columns_for([*map(heading_of, cells)], _OF_TRACE)[0].keys()
         return {"time", "friction"} <= found or {"time", "friction_force", "load"} <= found
 
     read = read_rows(path, is_heading)
     if not is_heading(read.heads) or len(read.rows) < _LEAST_ROWS:
         return None
-    places = columns_for(read.heads, _LIKE)[0]
-    labelled, rows = with_units_below(read.heads, read.rows)
+    headings, rows = with_units_below([*map(heading_of, read.heads)], read.rows)
     columns = {}
-    for name, place in places.items():
-        unit = heading_of(labelled[place]).unit or _LIKE[name]
+    for name, place in columns_for([*map(heading_of, read.heads)], _OF_TRACE)[0].items():
+        unit, usual = headings[place].unit or UNITS[name], UNITS[name]
         try:
-            factor = to_si(f"1 {unit}", f"1 {_LIKE[name]}") if _LIKE[name] else 1.0
+            factor = to_si(f"1 {unit}", f"1 {usual}") if usual else 1.0
             columns[name] = factor * np.array([float(row.cells[place] or "nan") for row in rows])
         except (UnitError, ValueError):
             return None

@@ -8,7 +8,7 @@ import re
 import statistics
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from tribo import InputError
 from tribo.errors import reason_of, require_file
@@ -125,34 +125,24 @@ def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
 
 def _of_excel(path: Path) -> tuple[list[Row], list[str], str]:
     """All lines of the first sheet of an Excel file as rows, and words on it."""
+    import pandas as pd  # here, since few scenes have rows in a sheet
+
     try:
-        import openpyxl
+        with pd.ExcelFile(path, engine="openpyxl") as book:
+            name = book.sheet_names[0]
+            sheet = pd.read_excel(book, header=None, dtype=str, na_filter=False)
     except ImportError as error:
         raise InputError(
             f"{path}: openpyxl reads .xlsx, and is not installed; get it with "
             '"pip install openpyxl", or save the sheet as CSV'
         ) from error
-    try:
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
-        sheet = book.worksheets[0]
-        lines = [[_as_text(cell) for cell in line] for line in sheet.iter_rows(values_only=True)]
-        name = sheet.title
-        book.close()
     except OSError:
         raise
     except Exception as error:  # of the archive, its XML, or openpyxl
         raise InputError(f"{path} is no sound .xlsx file: {error}; save it again") from error
+    lines = [[cell.removesuffix(" 00:00:00").strip() for cell in line] for line in sheet.to_numpy()]
     rows = [Row(number, line or [""]) for number, line in enumerate(lines, 1)]
     return rows, [f'sheet "{name}"'], ""
-
-
-def _as_text(cell: Any) -> str:
-    """Cell of a sheet as a CSV file would have it."""
-    if cell is None:
-        return ""
-    if isinstance(cell, float) and cell.is_integer():
-        return str(int(cell))
-    return str(cell).removesuffix(" 00:00:00").strip()  # of a date
 
 
 def _uncommented(cells: list[str]) -> list[str]:

@@ -24,7 +24,7 @@ def test_what_is_missing_is_said_and_may_be_given(tmp_path, irg):
     assert "load (needed)" in irg("tests", tmp_path / "log.csv", code=2)
     given = ["--column", "load=a", "--column", "velocity=b", "--column", "outcome=c"]
     said = irg("tests", tmp_path / "log.csv", *given, code=2)
-    assert 'row 2, load: "400" has no unit' in said
+    assert "row 2, load: 400 has no unit" in said
     assert "no test has" in irg("tests", tmp_path / "log.csv", "--column", "lod=a", code=2)
 
 

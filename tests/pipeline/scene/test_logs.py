@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.scene.logs import entries_of_log, read_log, read_trace
+from pipeline.scene.logs import read_log, read_trace
 from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
@@ -110,10 +110,11 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
 def test_a_log_is_read_in_other_languages_and_forms(tmp_path, log):
     path = tmp_path / "log.txt"
     path.write_text(log, encoding="utf-8")
-    tests, faults = entries_of_log(read_log(path))
-    assert faults == []
-    assert [to_si(tests[0]["load"], "1 N"), to_si(tests[0]["velocity"], "1 m/s")] == [400.0, 1.75]
-    assert tests[0]["outcome"] == "mild"
+    log = read_log(path)
+    assert log.faults == []
+    (test,) = log.tests
+    assert [to_si(test["load"], "1 N"), to_si(test["velocity"], "1 m/s")] == [400.0, 1.75]
+    assert test["outcome"] == "mild"
 
 
 def test_a_trace_of_forces_and_a_speed_in_rpm_are_understood(tmp_path):
@@ -185,7 +186,7 @@ def test_columns_that_are_missing_are_said_once_with_those_found(lab):
         lab("Kraft [N],speed [rpm],result\n400,500,ok\n600,500,ok\n")
     fault, how = caught.value.faults
     assert 'no column "velocity [m/s]" in "Kraft [N]", "speed [rpm]", "result"' in fault
-    assert '"speed [rpm]" is in rpm' in fault
+    assert '"speed [rpm]": "1 rpm" cannot be converted to m/s; give its track' in fault
     assert "irg tests" in how
 
 
