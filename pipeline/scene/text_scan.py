@@ -6,7 +6,6 @@ blanks; with points or decimal commas; with holes as NaN, as nothing, or as a wo
 
 from __future__ import annotations
 
-import io
 import math
 import re
 from pathlib import Path
@@ -19,11 +18,8 @@ from tribo import InputError
 from tribo.types import Array
 
 TEXT = (".csv", ".txt", ".xyz", ".asc", ".dat", ".tsv")
-_HOLES = [
-    "", "nan", "NaN", "NAN", "bad", "BAD", "Bad", "***", "---", "-", "null", "None", "missing",
-]  # fmt: skip
+_HOLES = {"", "nan", "bad", "***", "---", "-", "null", "none", "missing"}
 _COMMENT = ("#", "%", "//", ";#", "*")
-_NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*([eE][+-]?\d+)?|[.,]\d+([eE][+-]?\d+)?|inf)")
 _SIZES = {
     name: re.compile(rf"\W*(?:{words})\s*[:=\s]\s*(\S.*)", re.IGNORECASE)
     for name, words in {
@@ -39,7 +35,6 @@ _SIZES = {
 _NO_DATA = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?[\d.]+)", re.IGNORECASE)
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
 _LEAST_PLACES = 9  # rows of three numbers from which on they are x, y and z
-_BLANKS = r"\s+"
 _MOST_BYTES = 2**30
 _TOLERANCE = 1e-3  # of a step, within which places are on a grid
 
@@ -56,12 +51,7 @@ def read_text(path: Path) -> tuple[Array, Size, float | None]:
     if path.stat().st_size > _MOST_BYTES:
         raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
     text, _ = decoded(path.read_bytes())
-    head, body = _split(text.splitlines())
-    if not body:
-        raise InputError(f"{path}: no line of numbers; give heights as text, a row in a line")
-    separator, decimal = _form(body)
-    _require_equal_rows(path, head, body, separator)
-    table = _table(path, body, separator, decimal)
+    head, table, above = _table(path, [line for line in text.splitlines() if line.strip()])
     if hole := _NO_DATA.search("\n".join(head)):
         table[table == float(hole[1])] = np.nan
     sizes, units = _said(head)
@@ -72,7 +62,7 @@ def read_text(path: Path) -> tuple[Array, Size, float | None]:
         table = np.ascontiguousarray(table.T)
         x, y = sizes["width"] / table.shape[0], sizes["height"] / table.shape[1]
         return table, (x, y), unit
-    table, steps = _without_axes(table, head[-1:])
+    table, steps = _without_axes(table, above)
     length = units.get("x", units.get("y"))
     if steps and length:
         return table, (steps[0] * length, steps[1] * length), unit
@@ -88,7 +78,7 @@ def _step(line: Array) -> float:
     return float(abs(steps[0]))
 
 
-def _without_axes(table: Array, above: list[str]) -> tuple[Array, tuple[float, float] | None]:
+def _without_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
     """Heights without a column, or a column and a row, of places; and the steps of these.
 
     The row may be the line above the numbers. A matrix whose second column is as even has none.
@@ -97,7 +87,7 @@ def _without_axes(table: Array, above: list[str]) -> tuple[Array, tuple[float, f
         return table, None
     for first in (1, 0):
         down = _step(table[first:, 0])
-        across = _step(table[0, 1:]) if first else _step(np.array(_places_in(above)))
+        across = _step(table[0, 1:]) if first else _step(above)
         is_axis = math.isfinite(down) and not math.isfinite(_step(table[first:, 1]))
         if is_axis and (math.isfinite(across) or not first):
             steps = (down, across) if math.isfinite(across) else None
@@ -105,99 +95,69 @@ def _without_axes(table: Array, above: list[str]) -> tuple[Array, tuple[float, f
     return table, None
 
 
-def _places_in(lines: list[str]) -> list[float]:
-    """Numbers behind the first word of a line; none if others stand among them."""
-    for line in lines:
-        words = line.replace(";", "\t").replace(",", "\t" if "." in line else ".").split("\t")[1:]
-        if words and all(_NUMBER.fullmatch(word.strip()) for word in words):
-            return [float(word) for word in words]
-    return []
+def _table(path: Path, lines: list[str]) -> tuple[list[str], Array, Array]:
+    """Comments and words above; numbers of the rows, NaN in holes; places in the line above."""
+    head = [line for line in lines if line.lstrip().startswith(_COMMENT)]
+    body = [line for line in lines if not line.lstrip().startswith(_COMMENT)]
+    separator = _separator(body[-min(len(body) // 2 + 1, 50) :])
+    first = next((k for k, line in enumerate(body) if _is_row(line, separator)), len(body))
+    if first == len(body):
+        raise InputError(f"{path}: no line of numbers; give heights as text, a row in a line")
+    above = [*map(_number, _cells(body[first - 1], separator))] if first else []
+    places = np.array(above[1:], float)
+    is_size = first and any(size.fullmatch(body[first - 1].strip()) for size in _SIZES.values())
+    if not (is_size or math.isfinite(_step(places))) and len(above) > above.count(None):
+        first -= len(above) == len(_cells(body[first], separator))  # it is a row with a word
+    rows = [[*map(_number, _cells(line, separator))] for line in body[first:]]
+    usual = max(map(len, rows))
+    for line, row in zip(body[first:], rows, strict=True):
+        if None in row:
+            word = _cells(line, separator)[row.index(None)]
+            raise InputError(
+                f'{path}: "{word}" is not a number; write holes as NaN, and decimals all with the '
+                "same mark"
+            )
+        # Holes may stand at the end of a row, behind which there is a separator each.
+        if len(row) < usual and (separator is None or len(row) == 1):
+            raise InputError(
+                f'{path}: {len(row)} numbers in the row "{line.strip()[:40]}", but {usual} in '
+                "others; all rows must be of equal length"
+            )
+    table = np.array([[*row, *[math.nan] * (usual - len(row))] for row in rows], float)
+    return [*head, *body[:first]], table, places
 
 
-def _require_equal_rows(path: Path, head: list[str], body: list[str], separator: str) -> None:
-    """Raise unless all rows have as many cells, and no row of numbers counts as a heading."""
-
-    def count(line: str) -> int:
-        line = line.strip() if separator == _BLANKS else line.rstrip(f"{separator} \t")
-        return len(line.split()) if separator == _BLANKS else line.count(separator) + 1
-
-    counts = [count(line) for line in body]
-    # Holes may stand at the end of a row, behind which there is a separator each.
-    usual = max(counts)
-    if separator == _BLANKS or min(counts) == 1 < usual:
-        for line, cells in zip(body, counts, strict=True):
-            if cells != usual:
-                raise InputError(
-                    f'{path}: {cells} numbers in the row "{line.strip()[:40]}", but {usual} in '
-                    "others; all rows must be of equal length"
-                )
-    for line in head:
-        if line.lstrip().startswith(_COMMENT):
-            continue
-        is_size = any(size.fullmatch(line.strip()) for size in _SIZES.values())
-        if is_size or math.isfinite(_step(np.array(_places_in([line])))):
-            continue
-        words = re.split(r"[;,\t ]+", line.strip())
-        wrong = [word for word in words if not _NUMBER.fullmatch(word)]
-        if len(words) == usual and len(wrong) < usual:
-            raise InputError(f'{path}: "{wrong[0]}" is not a number; write holes as NaN')
+def _separator(lines: list[str]) -> str | None:
+    """What stands between the cells of some lines; None for blanks."""
+    for separator in (";", "\t", " ", ","):
+        if all(separator in (line.strip() if separator == " " else line) for line in lines):
+            between = None if separator == " " else separator
+            if between in (";", "\t") or all(_is_row(line, between) for line in lines):
+                return between
+    return None
 
 
-def _table(path: Path, body: list[str], separator: str, decimal: str) -> Array:
-    """Numbers of all rows; NaN in holes."""
-    import pandas as pd  # here, since few scenes have heights in text, and workers read none
+def _cells(line: str, separator: str | None) -> list[str]:
+    """Cells of a line, without empty ones at its end."""
+    if separator is None:
+        return line.split()
+    return [cell.strip() for cell in line.rstrip(f"{separator} \t").split(separator)]
 
+
+def _number(cell: str) -> float | None:
+    """A cell with a point or a comma of decimals; NaN in a hole; None if it is a word."""
+    if cell.lower() in _HOLES:
+        return math.nan
     try:
-        frame = pd.read_csv(
-            io.StringIO("\n".join(body)), sep=separator, header=None, decimal=decimal,
-            na_values=_HOLES, skipinitialspace=True, engine="c",
-        )  # fmt: skip
-    except pd.errors.ParserError as error:
-        raise InputError(f"{path}: rows of unequal length: {error}") from error
-    if frame.shape[1] > 1 and frame.iloc[:, -1].isna().all():
-        frame = frame.iloc[:, :-1]  # behind a separator at the end of each row
-    for column in frame:
-        if frame[column].dtype.kind not in "fiu":
-            values = frame[column]
-            is_wrong = pd.to_numeric(values, errors="coerce").isna() & values.notna()
-            problem = f'"{values[is_wrong].iloc[0]}" is not a number; write holes as NaN'
-            raise InputError(f"{path}: {problem}, and decimals all with the same mark")
-    table: Array = frame.to_numpy(dtype=np.float64, copy=True)  # for holes to be written
-    return table
+        return float(cell.replace(",", "."))
+    except ValueError:
+        return None
 
 
-def _split(lines: list[str]) -> tuple[list[str], list[str]]:
-    """Comments and words above, and the lines of numbers."""
-    filled = [line for line in lines if line.strip()]
-    body = [line for line in filled if not line.lstrip().startswith(_COMMENT)]
-    first = next((k for k, line in enumerate(body) if _is_numeric(line)), len(body))
-    head = [line for line in filled if line.lstrip().startswith(_COMMENT)]
-    return head + body[:first], body[first:]
-
-
-def _is_numeric(line: str) -> bool:
+def _is_row(line: str, separator: str | None) -> bool:
     """True if each cell is a number or a hole, and any is a number."""
-
-    def is_row(cells: list[str]) -> bool:
-        numbers = [cell for cell in cells if _NUMBER.fullmatch(cell)]
-        return bool(numbers) and {*cells} <= {*numbers, *_HOLES}
-
-    cells = re.split(r"[;\t ]+|,(?=\s|[+-]?\d*\.)", line.strip())
-    return is_row([cell.strip(",") for cell in cells if cell]) or is_row(
-        [cell.strip() for cell in line.split(",")]
-    )
-
-
-def _form(body: list[str]) -> tuple[str, str]:
-    """Separator of the cells and mark of decimals."""
-    lines = body[:50]
-    for mark in (";", "\t"):
-        if all(mark in line for line in lines):
-            return mark, "," if any("," in line for line in lines) else "."
-    if all("," in line for line in lines):
-        blanks = all(re.search(r"\d\s+[+-]?\d", line) for line in lines)
-        return (_BLANKS, ",") if blanks else (",", ".")
-    return _BLANKS, "."
+    numbers = [*map(_number, _cells(line, separator))]
+    return None not in numbers and any(number == number for number in numbers)
 
 
 def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
