@@ -112,7 +112,7 @@ def _table(path: Path, lines: list[str]) -> tuple[list[str], Array, Array]:
     usual = max(map(len, rows))
     for line, row in zip(body[first:], rows, strict=True):
         if None in row:
-            word = _cells(line, separator)[row.index(None)]
+            word = _cells(line, separator)[row.index(None)].strip()
             raise InputError(
                 f'{path}: "{word}" is not a number; write holes as NaN, and decimals all with the '
                 "same mark"
@@ -139,19 +139,15 @@ def _separator(lines: list[str]) -> str | None:
 
 def _cells(line: str, separator: str | None) -> list[str]:
     """Cells of a line, without empty ones at its end."""
-    if separator is None:
-        return line.split()
-    return [cell.strip() for cell in line.rstrip(f"{separator} \t").split(separator)]
+    return (line if separator is None else line.rstrip(f"{separator} \t")).split(separator)
 
 
 def _number(cell: str) -> float | None:
     """A cell with a point or a comma of decimals; NaN in a hole; None if it is a word."""
-    if cell.lower() in _HOLES:
-        return math.nan
     try:
         return float(cell.replace(",", "."))
     except ValueError:
-        return None
+        return math.nan if cell.strip().lower() in _HOLES else None
 
 
 def _is_row(line: str, separator: str | None) -> bool:
