@@ -9,13 +9,13 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, quoted, with_value
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, display, si_unit, to_si
-from pipeline.scene.unknown import Make, differing_inputs
+from pipeline.scene.unknown import Make, differing_inputs, require_around
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column, Variants, combinations, wear_rates
 from tribo import InputError, Wear
@@ -151,19 +151,11 @@ def with_rates_of(asked: Mapping[str, float] | None, sweep: Sweep, notes: list[s
     """
     if not asked or sweep.variants.draw:  # whose inputs have it
         return sweep
-    (low, high), wear = asked.values(), sweep.scene.wear
-    if not isinstance(wear, Wear) or not sweep.scene.wears:
-        reason = inseparable(sweep.scene, ()) if sweep.scene.wear else None
-        raise InputError(
-            f"sweep.wear_rates: {reason or 'nothing wears; give [wear]'}; or leave them out"
-        )
+    if reason := inseparable(sweep.scene, ()) if sweep.scene.wear else None:
+        raise InputError(f"sweep.wear_rates: {reason}; or leave them out")
+    require_around(asked, sweep)
+    (low, high), wear = asked.values(), cast(Wear, sweep.scene.wear)
     own = wear.specific_wear_rate
-    if not low <= own <= high or low == high:
-        ends = " to ".join(display(end, "mm³/(N m)") for end in (low, high))
-        raise InputError(
-            f"sweep.wear_rates: from {ends} does not enclose the scene's own, "
-            f"{display(own, 'mm³/(N m)')}; give a lower and a higher one"
-        )
     if any(sweep.variant(name).scene.wear != wear for name in sweep.variants.given):
         raise InputError(
             "sweep.wear_rates: sweep.over changes the wear, too; leave out one or the other"

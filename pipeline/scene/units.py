@@ -39,7 +39,7 @@ _UNITS = {
     ),
     "m s-1": ("1e-9", "1e5", {"m/s": "1", "mm/s": "1e-3"}),
     "s": ("1e-9", "1e12", {"s": "1"}),
-    "K": ("1e-9", "1e5", {"K": "1", "degC": "1"}),
+    "K": ("1e-9", "1e5", {"K": "1", "degC": "1", "°C": "1"}),
     "N": ("1e-9", "1e9", {"N": "1", "kN": "1e3"}),
     "N s-1": ("1e-9", "1e12", {"N/s": "1"}),
     "Pa": ("1e-3", "1e15", {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}),
@@ -48,7 +48,10 @@ _UNITS = {
     "W m-1 K-1": ("1e-6", "1e6", {"W/(m K)": "1"}),
     "J kg-1 K-1": ("1e-3", "1e7", {"J/(kg K)": "1"}),
     "m2 s-1": ("1e-12", "1e3", {"m^2/s": "1", "mm^2/s": "1e-6"}),
-    "m2 N-1": ("1e-30", "1e-3", {"m^2/N": "1", "mm^3/(N m)": "1e-9", "1/GPa": "1e-9"}),
+    "m2 N-1": (
+        "1e-30", "1e-3",
+        {"m^2/N": "1", "mm^3/(N m)": "1e-9", "mm³/(N m)": "1e-9", "1/GPa": "1e-9"},
+    ),
     "m2": ("1e-18", "1e6", {"m^2": "1", "mm^2": "1e-6"}),
     "K W-1": ("1e-12", "1e12", {"K/W": "1"}),
     "J K-1": ("1e-12", "1e12", {"J/K": "1"}),
@@ -65,7 +68,7 @@ RANGES = {
     for cf, (low, high, units) in _UNITS.items()
 }
 """Smallest and largest value in a scene, as text with a unit, by unit of SI."""
-_ZERO = {"degC": Decimal("273.15")}
+_ZERO = {"degC": Decimal("273.15"), "°C": Decimal("273.15")}
 """Temperatures that these units have at 0 [K]."""
 _DEGREES = {"C": "degC", "F": "degF"}
 """Units meant by those of charge and of capacitance, where a temperature is due."""

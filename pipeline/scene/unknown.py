@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Any, cast
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
@@ -21,7 +21,7 @@ from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
 from pipeline.scene.schema import Shape, flat
-from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
+from pipeline.scene.units import UnitError, difference_in_si, display, si_unit, to_si
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import (
@@ -62,28 +62,18 @@ _THERMAL = "thermal_conductivity", "density", "specific_heat"
 _DECISIVE = _SIMULATED | {"conditions"}
 
 
-@dataclass(frozen=True, slots=True)
-class _Input:
-    """An unknown input, and how the file writes its values: in a unit, as whole numbers or not."""
+def _written(one: Unknown, value: float) -> str | float:
+    """A value of an input as the file would write it: whole if it is one of whole numbers."""
+    if one.written:
+        return f"{one.written.of(value):.6g} {one.written.name}"
+    is_whole = one.kind == "list" and all(map(float.is_integer, one.parameters))
+    return round(value) if is_whole else value
 
-    unknown: Unknown
-    unit: str | None
-    is_whole: bool
 
-    @property
-    def key(self) -> str:
-        return f"unknown.{quoted(self.unknown.path)}"
-
-    def written(self, value: float) -> str | float | int:
-        """A value as the file would write it."""
-        if self.unit is None:
-            return round(value) if self.is_whole else float(value)
-        return f"{self.unknown.shown.of(value):.6g} {self.unit}"
-
-    def entry(self, value: float) -> Rounded | float | int:
-        """A value as an entry of the scene."""
-        written = self.written(value)
-        return Rounded(written, float(value)) if isinstance(written, str) else written
+def _entry(one: Unknown, value: float) -> Rounded | float:
+    """A value of an input as an entry of the scene."""
+    written = _written(one, value)
+    return Rounded(written, value) if isinstance(written, str) else written
 
 
 def fixed_paths(document: Document) -> frozenset[str]:
@@ -160,29 +150,26 @@ def samples_of(
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         notes.append(f"sweep.samples: {count} are computed, as more would share their contacts")
-    draw = Draw(tuple(one.unknown for one in inputs), design, known)
-    return _drawn(inputs, draw, count, sweep, over, make, faults)
+    return _drawn(Draw(inputs, design, known), count, sweep, over, make, faults)
 
 
 def _inputs(
     tables: Mapping[str, Any], fixed: Collection[str], faults: Faults
-) -> tuple[list[_Input], tuple[Fixed, ...]]:
+) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
     """Inputs that are unknown, and those that have the scene's value all the same."""
     table, inputs = tables["unknown"], []
     for path, shape in table.items():
         try:
-            inputs.append(_input(path, cast(Form, shape.form), shape.parameters))
+            inputs.append(_input(path, shape.form, shape.parameters))
         except (UnitError, InputError) as error:
             faults.note(f"unknown.{quoted(path)}", str(error))
-    joint = _with_correlations(tuple(one.unknown for one in inputs), table, faults)
+    joint = _with_correlations(inputs, table, faults)
     known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
-    left = (one for one in inputs if one.unknown.path not in fixed)
-    free = without(joint, fixed)
-    return [replace(one, unknown=new) for one, new in zip(left, free, strict=True)], known
+    return without(joint, fixed), known
 
 
 def _with_correlations(
-    unknown: tuple[Unknown, ...], table: Mapping[str, Shape], faults: Faults
+    unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
 ) -> tuple[Unknown, ...]:
     """Unknown inputs, each with its correlations with those that stand before it in the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
@@ -213,11 +200,11 @@ def _with_correlations(
     inputs = tuple(
         replace(one, correlated=tuple(others)) for one, others in zip(unknown, joint, strict=True)
     )
-    _check_fit(inputs, pairs, faults)
+    _note_misfit(inputs, pairs, faults)
     return inputs
 
 
-def _check_fit(
+def _note_misfit(
     unknown: tuple[Unknown, ...], pairs: Mapping[tuple[int, int], tuple[str, float]], faults: Faults
 ) -> None:
     """Note the correlation that the others do not allow, if there is one."""
@@ -242,7 +229,7 @@ def _check_fit(
 
 
 def _design(
-    inputs: list[_Input],
+    inputs: Sequence[Unknown],
     layers: list[Layer],
     seed: int,
     rates: Mapping[str, float] | None,
@@ -261,13 +248,16 @@ def _design(
     ends = moving[0], moving[-1]
     separable = inseparable(sweep.scene, ends) is None
     pairs = zip(inputs, layers, strict=True)
-    drawn = [(one.unknown, layer) for one, layer in pairs if layer != "conditions"]
+    drawn = [(one, layer) for one, layer in pairs if layer != "conditions"]
     rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
-    if rates and (
-        fault := _fault_of_rates(rates, rate, SPECIFIC_WEAR_RATE in {u.path for u, _ in drawn})
-    ):
-        faults.note("sweep.wear_rates", fault)
-        return None
+    if rates:
+        require_around(rates, sweep)
+        if "wear rate" in layers:
+            problem = (
+                "the wear rate is unknown, and so its samples have it: leave out one or the other"
+            )
+            faults.note("sweep.wear_rates", problem)
+            return None
     if (rates or separable) and rate and "wear rate" not in layers:
         # Both ends are two standard deviations from the scene's own at least.
         factor = math.sqrt(max(rates["to"] / rate, rate / rates["from"])) if rates else _FACTOR
@@ -281,33 +271,29 @@ def _design(
     return Design(unknown, kinds, ends, seed, group)
 
 
-def _fault_of_rates(rates: Mapping[str, float], own: float, is_unknown: bool) -> str | None:
-    """Reason why samples do not answer for several wear rates."""
-    if is_unknown:
-        return "the wear rate is unknown, and so the samples have it; leave out one or the other"
-    if not own:
-        return "nothing wears by a rate; leave them out"
-    if not rates["from"] <= own <= rates["to"] or rates["from"] == rates["to"]:
-        return f"they do not enclose the scene's own, {1e9 * own:g} mm³/(N m)"
-    return None
+def require_around(rates: Mapping[str, float], sweep: Sweep) -> None:
+    """Raise `InputError` unless wear rates lie about that of the scene."""
+    if not isinstance(sweep.scene.wear, Wear) or not sweep.scene.wears:
+        raise InputError("sweep.wear_rates: nothing wears by a rate; leave them out")
+    own, ends = sweep.scene.wear.specific_wear_rate, (rates["from"], rates["to"])
+    if not ends[0] <= own <= ends[1] or ends[0] == ends[1]:
+        low, high, within = (display(rate, "mm³/(N m)") for rate in (*ends, own))
+        raise InputError(
+            f"sweep.wear_rates: from {low} to {high} does not enclose the scene's own, {within}; "
+            "give a lower and a higher one"
+        )
 
 
 def _drawn(
-    inputs: list[_Input], draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make,
-    faults: Faults,
-) -> Variants | None:  # fmt: skip
+    draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make, faults: Faults
+) -> Variants | None:
     """Table of samples, of each combination in `over`; None if one is not a sound scene."""
-    by_path = {one.unknown.path: one for one in inputs}
-    # A wear rate that is known is no input of the scene.
-    drawn = [
-        by_path.get(one.path, _Input(one, "m^2/N", is_whole=False)) for one in draw.design.inputs
-    ]
     table = over * drawn_rows(draw, count)
     values, _ = draw.design.draw(count)
     parts, wrong = list[Part](), Faults()
     for name, row in itertools.product(over.names, values.tolist()):
-        pairs = zip(drawn, row, strict=True)
-        entries = {one.unknown.path: one.entry(value) for one, value in pairs}
+        pairs = zip(draw.design.inputs, row, strict=True)
+        entries = {one.path: _entry(one, value) for one, value in pairs}
         other = make({**written_of(over, name), **entries}, wrong)
         if wrong or other is None:
             reason = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
@@ -325,7 +311,7 @@ def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
             yield name, new
 
 
-def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> _Input:
+def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
     """The distribution of one input; raises `UnitError` or `InputError` if it is faulty."""
     if path.partition(".")[0] in _FIXED or "." not in path:
         raise InputError(
@@ -337,8 +323,7 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> _Input:
     if kind != "log-normal" and any(isinstance(other, str) != is_text for other in others):
         raise UnitError(f"{', '.join(map(quoted, parameters))}: give all with a unit, or none")
     if not is_text:
-        is_whole = kind == "list" and all(isinstance(value, int) for value in parameters)
-        return _Input(Unknown(path, kind, tuple(map(float, parameters))), None, is_whole)
+        return Unknown(path, kind, tuple(map(float, parameters)))
     unit = first.strip().partition(" ")[2].strip()
     if not unit:
         problem = f"{quoted(first)} is not a number with its unit; only numbers can be unknown"
@@ -351,39 +336,39 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> _Input:
     except UnitError as error:
         problem = f"{quoted(first)} is on a scale of uneven steps; give it in HV, or as a pressure"
         raise UnitError(problem) from error
-    shown = Unit(_SIGNS.get(unit, unit), one - zero, zero)
-    return _Input(Unknown(path, kind, values, si_unit(first), shown), unit, is_whole=False)
+    written = Unit(_SIGNS.get(unit, unit), one - zero, zero)
+    return Unknown(path, kind, values, si_unit(first), written)
 
 
-def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
+def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
-    unknown, highest = one.unknown, max(sweep.plane.loads)
+    key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     changed: set[str] = set()
     is_heat_alone = True
     for value, where, instead in _tried(one):
         wrong = Faults()
-        other = make({unknown.path: one.entry(value)}, wrong)
+        other = make({one.path: _entry(one, value)}, wrong)
         if other is None:
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
-            faults.note(one.key, f"{where}{why}{instead}")
+            faults.note(key, f"{where}{why}{instead}")
             return "conditions"
         changed |= {name for name, _ in differing_inputs(sweep, other)} - {"sources"}
         alike = {name for name, _ in differing_inputs(sweep, _with_heat_of(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other.scene, highest) != step_count(sweep.scene, highest):
-            faults.note(one.key, "it changes the number of steps, which must stay; give it")
-    if unknown.path == _SHARE and sweep.conditions.criterion != "share":
+            faults.note(key, "it changes the number of steps, which must stay; give it")
+    if one.path == _SHARE and sweep.conditions.criterion != "share":
         changed.clear()  # which no other criterion looks at
     if not changed:
-        faults.note(one.key, "it changes nothing in this scene; leave it out")
+        faults.note(key, "it changes nothing in this scene; leave it out")
     elif not changed & _DECISIVE:
         names = " and ".join(sorted(name.replace("_", " ") for name in changed))
         problem = f"no temperature or wear depends on it, only the {names}; leave it out"
-        faults.note(one.key, problem)
+        faults.note(key, problem)
     if not changed & _SIMULATED:
         # Each sample has a rise of its own share, and of its own corrections.
-        return "conditions" if unknown.path in _APPLIED else "heat"
-    if unknown.path == SPECIFIC_WEAR_RATE:
+        return "conditions" if one.path in _APPLIED else "heat"
+    if one.path == SPECIFIC_WEAR_RATE:
         return "wear rate"
     return "heat" if is_heat_alone else "contact"
 
@@ -399,14 +384,13 @@ def _with_heat_of(other: Sweep, sweep: Sweep) -> Sweep:
     return other.changed(pin=replace(other.scene.pin, material=pin), disk=disk)
 
 
-def _tried(one: _Input) -> Iterator[tuple[float, str, str]]:
+def _tried(one: Unknown) -> Iterator[tuple[float, str, str]]:
     """Values to try an input at; of one that does not fit, where it is met and what else to do."""
-    unknown = one.unknown
-    if unknown.kind == "list":
-        yield from ((value, "", "") for value in unknown.parameters)
+    if one.kind == "list":
+        yield from ((value, "", "") for value in one.parameters)
         return
-    yield float(unknown.quantile(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
+    yield float(one.quantile(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
     ends = scipy.special.ndtr(np.array([-REACH, REACH]))
-    for value in unknown.quantile(ends).tolist():
-        where = f"reaches {one.written(value)} in the outermost samples: "
+    for value in one.quantile(ends).tolist():
+        where = f"reaches {_written(one, value)} in the outermost samples: "
         yield value, where, "; or a narrower distribution, or one with median and factor"

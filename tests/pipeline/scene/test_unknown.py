@@ -186,7 +186,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
     [
         (
             '"disk.roughness.ra" = { mean = "0.27 um", sd = "0.15 um" }',
-            'reaches -0.285 um in the outermost samples: disk.roughness.ra: "-0.285 um" is '
+            'reaches -0.285 µm in the outermost samples: disk.roughness.ra: "-0.285 µm" is '
             "out of range; give a length above 0",
         ),
         ('"wear.specific_rate" = [1, 2]', "wear.specific_rate: unknown key (did you mean"),
