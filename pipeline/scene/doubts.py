@@ -12,7 +12,7 @@ from pipeline.sweep.criterion import MELTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Corrections, Material, Ramp, SelfAffineRoughness, Wear
+from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -38,86 +38,78 @@ _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     """Probable slips, and limits to know of before the simulation; a line each."""
     return (
-        *_of_bodies(sweep),
-        *_of_conditions(sweep),
+        *_unusual(sweep, facts),
+        *_of_wear(sweep, facts),
         *_of_tests(sweep),
-        *_of_loading(sweep, facts),
-        *_of_motion(sweep, facts),
+        *_of_motion(sweep),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
         *_of_contact(sweep, facts),
         *_of_heat(sweep, facts),
     )
 
 
-def _unusual(name: str, value: float, low: float, high: float, unit: str) -> Iterator[str]:
-    """Say so if a value is outside its usual range, all three in a unit."""
-    if math.isfinite(value) and not low <= value <= high:
-        yield (
-            f"{name} is {value:.3g} {unit}, where {low:g} to {high:g} {unit} are usual: check the "
-            "number and its unit"
-        )
+def _unusual(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    """Quantities outside their usual ranges."""
+    for name, value, factor, low, high, unit in _quantities(sweep, facts):
+        shown = math.nan if value is None else value * factor
+        if math.isfinite(shown) and not low <= shown <= high:
+            of = f" {unit}" if unit else ""
+            yield (
+                f"{name} is {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the "
+                "number and its unit"
+            )
 
 
-def _of_bodies(sweep: Sweep) -> Iterator[str]:
-    pin, disk = sweep.scene.pin.material, sweep.scene.disk
-    owners = {"the ": pin} if pin == disk else {"the pin's ": pin, "the disk's ": disk}
-    for owner, material in owners.items():
-        yield from _of_material(owner, material)
-    body = sweep.scene.pin
-    yield from _unusual("the pin's radius", body.radius * 1e3, 0.1, 1000, "mm")
-    if body.crown_radius is not None:
-        crown = body.crown_radius * 1e3
-        yield from _unusual("the pin's crown radius", crown, 0.1, 100_000, "mm")
-    if body.length is not None:
-        yield from _unusual("the pin's length", body.length * 1e3, 0.1, 1000, "mm")
-
-
-def _of_material(owner: str, material: Material) -> Iterator[str]:
-    for name, (words, factor, *usual) in _MATERIAL.items():
-        yield from _unusual(f"{owner}{words}", getattr(material, name) * factor, *usual)
-    share = material.hardness / material.elastic_modulus
-    low, high = USUAL_HARDNESS
-    if math.isfinite(share) and not low <= share <= high:
-        yield (
-            f"{owner}hardness is {share:.2g} times the elastic modulus, where {low:g} to {high:g} "
-            "is usual: check both units"
-        )
-
-
-def _of_conditions(sweep: Sweep) -> Iterator[str]:
-    friction = max([sweep.conditions.friction, *(sweep.about.friction_band or [])])
-    if friction > 1:
-        yield f"friction is {friction:g}, where 0 to 1 is usual: check the number"
-    yield from _unusual("the highest velocity", max(sweep.plane.velocities), 0, 100, "m/s")
-    bulk = sweep.conditions.bulk_temperature
-    yield from _unusual("the bulk temperature", bulk, 200, 800, "K")
+def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
+    """Words, the value in SI, what 1 of it is in a unit, the usual range in that, and the unit."""
+    scene, pin, plane, conditions = sweep.scene, sweep.scene.pin, sweep.plane, sweep.conditions
+    bodies = {"the pin's": pin.material, "the disk's": scene.disk}
+    for owner, material in bodies.items() if pin.material != scene.disk else [("the", scene.disk)]:
+        for name, (words, *usual) in _MATERIAL.items():
+            yield f"{owner} {words}", getattr(material, name), *usual
+        share = material.hardness / material.elastic_modulus
+        yield f"{owner} hardness", share, 1, *USUAL_HARDNESS, "times the elastic modulus"
+    yield "the pin's radius", pin.radius, 1e3, 0.1, 1000, "mm"
+    yield "the pin's crown radius", pin.crown_radius, 1e3, 0.1, 100_000, "mm"
+    yield "the pin's length", pin.length, 1e3, 0.1, 1000, "mm"
+    yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 1, 0, 1, ""
+    yield "the highest velocity", max(plane.velocities), 1, 0, 100, "m/s"
+    yield "the bulk temperature", conditions.bulk_temperature, 1, 200, 800, "K"
     for body, track in tracks_of(sweep).items():
-        yield from _unusual(f"the {body}'s track", track.length * 1e3, 20, 10_000, "mm")
-    if sweep.scene.wear is None:
+        yield f"the {body}'s track", track.length, 1e3, 20, 10_000, "mm"
+    if isinstance(scene.wear, Wear) and scene.wears:
+        rate = scene.wear.specific_wear_rate
+        yield "the specific wear rate", rate, 1e9, 1e-11, 1e-2, "mm³/(N m)"
+    yield "the time until the end", facts.duration.high, 1, 0.05, 1e6, "s"
+    if isinstance(scene.loading, Ramp):  # whose steps it sets
+        highest, load = max(plane.loads), scene.loading.reference_load
+        yield "loading.reference_load", load, 1, highest / 100, highest * 100, "N"
+    if oil := sweep.about.oil:
+        yield "the oil's kinematic viscosity", max(oil.viscosities), 1e6, 0.5, 1e5, "mm²/s"
+    if facts.surface:
+        yield "the disk's Ra", facts.surface.ra, 1e6, 0.001, 10, "µm"
+
+
+def _of_wear(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    """A pin that keeps its shape, or turns too seldom to wear evenly."""
+    scene = sweep.scene
+    if scene.wear is None:
         yield (
             "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "
             "hotter than a worn one"
         )
-    elif isinstance(sweep.scene.wear, Wear) and sweep.scene.wears:
-        rate = sweep.scene.wear.specific_wear_rate * 1e9
-        yield from _unusual("the specific wear rate", rate, 1e-11, 1e-2, "mm³/(N m)")
-
-
-def _of_loading(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    yield from _unusual("the time until the end", facts.duration.high, 0.05, 1e6, "s")
-    loading, highest = sweep.scene.loading, max(sweep.plane.loads)
-    reference = loading.reference_load if isinstance(loading, Ramp) else highest
-    if not 0.01 <= reference / highest <= 100.0:
+    speeds = [abs(scene.velocities_at(v).pin) for v in sweep.plane.velocities if v]
+    turns = [facts.duration.low * speed / scene.track_length for speed in speeds]
+    few = sum(turn < FEWEST_TURNS for turn in turns)
+    if scene.wears and few and any(turns):
         yield (
-            f"loading.reference_load is {reference:g} N, where the highest load is {highest:g} N: "
-            "check its unit, since it sets the steps of the ramp"
+            f"the pin turns only {min(turns):.2g} times until the end at the lowest load, fewer "
+            f"than {FEWEST_TURNS} at {few} of {len(turns)} velocities, and its wear is taken to "
+            "spread evenly around it: leave such velocities out, or let the pin turn faster"
         )
-    if oil := sweep.about.oil:
-        viscosity = max(oil.viscosities) * 1e6
-        yield from _unusual("the oil's kinematic viscosity", viscosity, 0.5, 1e5, "mm²/s")
 
 
-def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _of_motion(sweep: Sweep) -> Iterator[str]:
     if note := note_on_turns(sweep):
         yield note
     speeds = [sweep.scene.velocities_at(velocity) for velocity in sweep.plane.velocities]
@@ -127,18 +119,6 @@ def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
                 f"the {body} is at rest, so that no earlier turn warms its track of "
                 f"{1e3 * track.length:.4g} mm: leave out the {body}'s diameter or track_length"
             )
-    turns = [
-        facts.duration.low * abs(sweep.scene.velocities_at(velocity).pin) / sweep.scene.track_length
-        for velocity in sweep.plane.velocities
-        if velocity
-    ]
-    few = sum(turn < FEWEST_TURNS for turn in turns)
-    if sweep.scene.wears and few and any(turns):
-        yield (
-            f"the pin turns only {min(turns):.2g} times until the end at the lowest load, fewer "
-            f"than {FEWEST_TURNS} at {few} of {len(turns)} velocities, and its wear is taken to "
-            "spread evenly around it: leave such velocities out, or let the pin turn faster"
-        )
 
 
 def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
@@ -241,7 +221,6 @@ def _of_tests(sweep: Sweep) -> Iterator[str]:
 
 
 def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
-    yield from _unusual("the disk's Ra", surface.ra * 1e6, 0.001, 10, "µm")
     for axis, rise in zip("xy", surface.rise, strict=True):
         if surface.measured and abs(rise) > _MOST_RISE * surface.rq:
             yield (
