@@ -8,8 +8,8 @@ of wherever they are not counted.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -68,7 +68,16 @@ _EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
     "oxide or tribofilm": ({"disk.film": "film on the disk"}, {"film_resistance": 0.0}),
 }  # fmt: skip
 """Effects by corrections: entries as `Corrections.worded` calls them, and what none of it is."""
-_FRICTION, _TURNS, _BULK, _STEM, _OXIDE = _EFFECTS
+
+
+@dataclass(frozen=True, slots=True)
+class _Sized:
+    """An effect that a scene could count: its size, how sure that is, its entries, and parts."""
+
+    size: str
+    certainty: str
+    entries: tuple[str, ...]
+    parts: dict[str, Any]  # of `Corrections`
 
 
 def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
@@ -78,13 +87,22 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     `tribo.Corrections`; materials that change with it are simulated with the constants that they
     have 60 K above room temperature, as is usual of a carbon steel.
     """
-    effects = [
-        *_counted(sweep), *_of_friction(sweep), *_of_turns(sweep), *_of_bulk(sweep),
-        *_of_stem(sweep), *_of_film(sweep),
-    ]  # fmt: skip
-    more = [effect for effect in effects if effect.scene and effect.state == "could be counted"]
-    if len(more) > 1:
-        effects.append(_together(sweep, more))
+    present = sweep.conditions.corrections or Corrections()
+    effects, parts, more = [*_counted(sweep, present)], dict[str, Any](), 0
+    for name, find in _FOUND.items():
+        found = find(sweep, present)
+        if isinstance(found, _Sized):
+            entry, scene = " and ".join(found.entries), _with(sweep, present, found.parts)
+            said = found.size, found.certainty
+            effects.append(Effect(name, "could be counted", *said, entry, scene))
+            parts, more = parts | found.parts, more + 1
+        elif found:
+            entry = " and ".join(_EFFECTS[name][0])
+            effects.append(Effect(name, "cannot be sized", found, "", entry))
+    if more > 1:
+        together = "all above that could be counted, at once", "as the least sure of them"
+        scene = _with(sweep, present, parts)
+        effects.append(Effect("together", "could be counted", *together, scene=scene))
     return (
         *effects,
         _of_warm_steel(sweep),
@@ -106,62 +124,35 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     )
 
 
-def _counted(sweep: Sweep) -> Iterator[Effect]:
+def _with(sweep: Sweep, present: Corrections, parts: dict[str, Any]) -> Sweep:
+    corrections = replace(present, **parts)
+    return replace(sweep, conditions=replace(sweep.conditions, corrections=corrections))
+
+
+def _counted(sweep: Sweep, present: Corrections) -> Iterator[Effect]:
     """Effects that the scene counts, each with the scene without it."""
-    present = sweep.conditions.corrections
-    if present is None:
+    if sweep.conditions.corrections is None:
         return
     said = dict(part.split(", ", 1) for part in present.worded.split("; "))
     for name, (entries, without) in _EFFECTS.items():
         if counted := {entry: words for entry, words in entries.items() if words in said}:
             size = ", ".join(f"{words}: {said[words]}" for words in counted.values())
             certainty, entry = "as the scene's own numbers", " and ".join(counted)
-            scene = _with(sweep, replace(present, **without))
-            yield Effect(name, "counted", size, certainty, entry, scene)
+            yield Effect(name, "counted", size, certainty, entry, _with(sweep, present, without))
 
 
-def _together(sweep: Sweep, effects: list[Effect]) -> Effect:
-    together = sweep.conditions.corrections or Corrections()
-    for effect in effects:
-        part = (effect.scene and effect.scene.conditions.corrections) or Corrections()
-        present = {entry.name: getattr(part, entry.name) for entry in fields(part)}
-        together = replace(together, **{name: value for name, value in present.items() if value})
-    return Effect(
-        "together",
-        "could be counted",
-        "all above that could be counted, at once",
-        "as the least sure of them",
-        scene=_with(sweep, together),
-    )
-
-
-def _with(sweep: Sweep, corrections: Corrections) -> Sweep:
-    return replace(sweep, conditions=replace(sweep.conditions, corrections=corrections))
-
-
-def _could_be(
-    sweep: Sweep, name: str, entry: str, size: str, certainty: str, **parts: Any
-) -> Effect:
-    corrections = replace(sweep.conditions.corrections or Corrections(), **parts)
-    return Effect(name, "could be counted", size, certainty, entry, _with(sweep, corrections))
-
-
-def _of_friction(sweep: Sweep) -> Iterator[Effect]:
+def _of_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Friction by velocity, as measured at transitions or as is usual."""
-    conditions, entry = sweep.conditions, "friction.by_velocity"
+    conditions = sweep.conditions
     sliding = [velocity for velocity in sweep.plane.velocities if velocity]
-    if conditions.corrections and conditions.corrections.friction:
-        return
-    reason = None
+    if present.friction:
+        return None
     if conditions.bulk_difference:
-        reason = "the bulk temperatures differ, so that the rise is not proportional to friction"
-    elif not conditions.friction:
-        reason = "there is no friction"
-    elif len(sliding) < 2:
-        reason = "the scene has one sliding velocity"
-    if reason:
-        yield Effect(_FRICTION, "cannot be sized", reason, "", entry)
-        return
+        return "the bulk temperatures differ, so that the rise is not proportional to friction"
+    if not conditions.friction:
+        return "there is no friction"
+    if len(sliding) < 2:
+        return "the scene has one sliding velocity"
     rows = sweep.about.measured
     measured = sorted({r.velocity: r.friction for r in rows if r.friction is not None}.items())
     if len(measured) > 1:
@@ -175,47 +166,41 @@ def _of_friction(sweep: Sweep) -> Iterator[Effect]:
         factors = [(slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)]
         size = f"falling by {_FALL:.0%} from {slow:g} to {fast:g} m/s"
         certainty = "assumed: measure friction at two velocities or more"
-    yield _could_be(sweep, _FRICTION, entry, size, certainty, friction=tuple(factors))
+    return _Sized(size, certainty, ("friction.by_velocity",), {"friction": tuple(factors)})
 
 
-def _of_turns(sweep: Sweep) -> Iterator[Effect]:
+def _of_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Tracks of all bodies that turn and have none; of two that roll, or of the one that moves."""
-    present, scene = sweep.conditions.corrections, sweep.scene
+    scene = sweep.scene
     if not any(sweep.plane.velocities):
-        yield Effect(_TURNS, "cannot be sized", "nothing moves", "", "disk.track_length")
-    elif cold := cold_bodies(scene.motion, present):
+        return "nothing moves"
+    if cold := cold_bodies(scene.motion, present):
         turns, around = with_turns(present, scene.pin, scene.disk, scene.motion)
-        yield _could_be(
-            sweep,
-            _TURNS,
-            " and ".join(f"{body}.track_length" for body in cold),
+        return _Sized(
             f"tracks of {around:.3g} m around the {' and the '.join(cold)}",
             "to a tenth, if the tracks are that long: the effect goes as 1/length",
-            track=turns.track,
-            pin_track=turns.pin_track,
-            motion=turns.motion,
+            tuple(f"{body}.track_length" for body in cold),
+            {"track": turns.track, "pin_track": turns.pin_track, "motion": turns.motion},
         )
-    elif not (present and (present.track or present.pin_track)):
-        turns_pin = _pin_turns(sweep)
-        body, name = (scene.pin.material, "pin_track") if turns_pin else (scene.disk, "track")
-        yield _could_be(
-            sweep,
-            _TURNS,
-            f"{'pin' if turns_pin else 'disk'}.track_length",
-            f"a track of {_TRACK:g} m",
-            "to a fifth, if the track is that long: the effect goes as 1/√length",
-            **{name: Track.under(scene.pin, body, _TRACK)},
-            motion=scene.motion,
-        )
+    if present.track or present.pin_track:
+        return None
+    turns_pin = _pin_turns(sweep)
+    body, name = (scene.pin.material, "pin_track") if turns_pin else (scene.disk, "track")
+    return _Sized(
+        f"a track of {_TRACK:g} m",
+        "to a fifth, if the track is that long: the effect goes as 1/√length",
+        (f"{'pin' if turns_pin else 'disk'}.track_length",),
+        {name: Track.under(scene.pin, body, _TRACK), "motion": scene.motion},
+    )
 
 
 def _pin_turns(sweep: Sweep) -> bool:
     return any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
 
 
-def _of_bulk(sweep: Sweep) -> Iterator[Effect]:
+def _of_bulk(sweep: Sweep, present: Corrections) -> _Sized | None:
     """Heat capacities of disk and rolling pin, as discs of a usual size, without a loss."""
-    present, scene = sweep.conditions.corrections or Corrections(), sweep.scene
+    scene = sweep.scene
     bodies: dict[str, tuple[float, Material]] = {}
     if not present.disk_bulk:
         around = present.track.length if present.track else _TRACK
@@ -223,7 +208,7 @@ def _of_bulk(sweep: Sweep) -> Iterator[Effect]:
     if not present.pin_bulk and _pin_turns(sweep):
         bodies["pin"] = scene.track_length / math.pi, scene.pin.material
     if not bodies:
-        return
+        return None
     bulks = {
         f"{body}_bulk": Bulk(
             math.pi / 4 * across**2 * _THICKNESS * material.density * material.specific_heat
@@ -231,51 +216,50 @@ def _of_bulk(sweep: Sweep) -> Iterator[Effect]:
         for body, (across, material) in bodies.items()
     }
     sizes = (f"{1e3 * across:.0f} mm around the {body}" for body, (across, _) in bodies.items())
-    yield _could_be(
-        sweep,
-        _BULK,
-        " and ".join(f"{body}.capacity" for body in bodies),
+    return _Sized(
         f"discs {1e3 * _THICKNESS:g} mm thick, {' and '.join(sizes)}, without a loss",
         "as their size: in proportion to the energy of the test over the capacity, less by a loss",
-        **bulks,
+        tuple(f"{body}.capacity" for body in bodies),
+        bulks,
     )
 
 
-def _of_stem(sweep: Sweep) -> Iterator[Effect]:
+def _of_stem(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """A rod behind a pin at rest, as long as the pin is wide; a pin that turns has none."""
-    present, pin, entry = sweep.conditions.corrections, sweep.scene.pin, "pin.stem"
-    if present and present.stem:
-        return
+    pin = sweep.scene.pin
+    if present.stem:
+        return None
     if _pin_turns(sweep):
-        reason = "the pin turns, so that heat enters all around it"
-        yield Effect(_STEM, "cannot be sized", reason, "", entry)
-        return
+        return "the pin turns, so that heat enters all around it"
     length = 2 * pin.radius
     area = math.pi * pin.radius**2 if pin.length is None else 2 * pin.radius * pin.length
     rod = length, area, pin.material.thermal_conductivity, pin.material.thermal_diffusivity
-    yield _could_be(
-        sweep,
-        _STEM,
-        entry,
+    return _Sized(
         f"a rod {1e3 * length:.3g} mm long, {1e6 * area:.3g} mm² across",
         "to a factor of 2: the holder is not known, and the half-space has part of it already",
-        stem=Stem.rod(*rod),
+        ("pin.stem",),
+        {"stem": Stem.rod(*rod)},
     )
 
 
-def _of_film(sweep: Sweep) -> Iterator[Effect]:
-    present, (thickness, conductivity) = sweep.conditions.corrections, _FILM
-    if present and present.film_resistance:
-        return
-    yield _could_be(
-        sweep,
-        _OXIDE,
-        "disk.film",
+def _of_film(sweep: Sweep, present: Corrections) -> _Sized | None:
+    """A thin oxide on the disk."""
+    thickness, conductivity = _FILM
+    if present.film_resistance:
+        return None
+    return _Sized(
         f"{1e9 * thickness:g} nm of {conductivity:g} W/(m K) on the disk",
         "an order of magnitude: thickness and conductivity are not known; in proportion to "
         "their ratio, and to the pressure on the asperities",
-        film_resistance=thickness / conductivity,
+        ("disk.film",),
+        {"film_resistance": thickness / conductivity},
     )
+
+
+_FOUND: dict[str, Callable[[Sweep, Corrections], _Sized | str | None]] = dict(
+    zip(_EFFECTS, (_of_friction, _of_turns, _of_bulk, _of_stem, _of_film), strict=True)
+)
+"""What each effect would be; the reason where it cannot be sized; None where it is counted."""
 
 
 def _of_warm_steel(sweep: Sweep) -> Effect:
