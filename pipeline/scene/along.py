@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, quoted, with_value
+from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.format import LOAD, SPEED
-from pipeline.scene.headings import listed_faults, read_sheet, sheet_of, written
+from pipeline.scene.headings import UNITS, listed_faults, read_sheet, sheet_of, written
 from pipeline.scene.over import column_of, scene_with
 from pipeline.scene.schema import Entry, Table, flat
 from pipeline.scene.units import is_shown_unit
@@ -88,10 +88,9 @@ class OperatingPoints:
 
 def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
     """Rows of ``sweep.along``, places in SI and else as written; none if not asked or if faulty."""
-    sweep = document.entries().get("sweep")
-    asked = sweep.get("along") if isinstance(sweep, dict) else None
-    before = len(faults)
-    if isinstance(sweep, dict) and asked is None and "around" in sweep:
+    entries, before = document.entries(), len(faults)
+    asked = entry_at(entries, "sweep.along")
+    if asked is None and entry_at(entries, "sweep.around") is not None:
         faults.note("sweep.around", "sweep.along is not given, which it belongs to; leave it out")
     if isinstance(asked, str) and asked:
         rows = _of_file(document.file_of("sweep.along").parent / asked, faults)
@@ -99,16 +98,15 @@ def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
         rows = [dict(flat(row)) for row in asked]
     else:
         return []  # which the format tells
-    for number, row in enumerate(rows if len(faults) == before else ()):
-        for name, entry in _PLACE.keys.items():
-            if name not in row:
-                faults.note(f"sweep.along[{number}].{name}", f"missing; give {entry.kind}")
-        if row.keys() != rows[0].keys():
-            other = ", ".join(sorted(row.keys() ^ rows[0].keys()))
+    if len(faults) > before:
+        return []
+    first = set(rows[0])
+    for number, row in enumerate(rows):
+        place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
+        if row.keys() != first:
+            other = ", ".join(sorted(row.keys() ^ first))
             faults.note(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
-    for number, row in enumerate(rows if len(faults) == before else ()):
-        for name, entry in _PLACE.keys.items():
-            row[name] = entry.kind.read(row[name], f"sweep.along[{number}].{name}", faults)
+        row |= _PLACE.read(place, f"sweep.along[{number}]", faults)
     return rows if len(faults) == before else []
 
 
@@ -116,16 +114,11 @@ def with_first_row(document: Document, pairs: list[dict[str, Any]]) -> Document:
     """The document with the first row's values and all places as its lowest layer."""
     if not pairs:
         return document
-    axes = (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
-    below: dict[str, Any] = {
-        "sweep": {
-            axis: [f"{one!r} {unit}" for one in sorted({row[name] for row in pairs})]
-            for axis, name, unit in axes
-        }
+    places = {
+        f"sweep.{axis}": [f"{one!r} {UNITS[name]}" for one in sorted({row[name] for row in pairs})]
+        for axis, name in (("loads", "load"), ("velocities", "velocity"))
     }
-    for path in filter(_is_path, pairs[0]):
-        below = with_value(below, path, pairs[0][path])
-    return document.above(below)
+    return document.above(places | {path: pairs[0][path] for path in pairs[0] if _is_path(path)})
 
 
 def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make: Make) -> Sweep:

@@ -53,9 +53,12 @@ class Document(NamedTuple):
         """The entries as if the scene were written in full."""
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
-    def above(self, entries: dict[str, Any]) -> Document:
-        """The document above other entries, which hold where it gives none."""
-        return Document((*self.layers, FileEntries(self.file, entries)))
+    def above(self, entries: Mapping[str, Any]) -> Document:
+        """The document above other entries by their paths, which hold where it gives none."""
+        tables = dict[str, Any]()
+        for path, value in entries.items():
+            tables = with_value(tables, path, value)
+        return Document((*self.layers, FileEntries(self.file, tables)))
 
     def file_of(self, key: str) -> Path:
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any, cast
 
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, quoted, with_value
+from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, display, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs, require_around
@@ -73,12 +73,9 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
 
 def with_first_values(document: Document) -> Document:
     """The document with the first values of ``over`` as its lowest layer."""
-    sweep, first = document.entries().get("sweep"), dict[str, Any]()
-    over = sweep.get("over") if isinstance(sweep, dict) else None
-    for path, values in flat(over) if isinstance(over, dict) else ():
-        if isinstance(values, list) and values:
-            first = with_value(first, path, values[0])
-    return document.above(first)
+    over = entry_at(document.entries(), "sweep.over")
+    listed = flat(over) if isinstance(over, dict) else ()
+    return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v})
 
 
 def column_of(path: str, values: Sequence[Any], owner: str) -> Column:

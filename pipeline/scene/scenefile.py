@@ -31,7 +31,7 @@ from pipeline.scene.parts import (
     roughness_of,
     wear_of,
 )
-from pipeline.scene.reference import sections
+from pipeline.scene.reference import meanings
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
 from pipeline.scene.unknown import fixed_paths, samples_of
@@ -42,6 +42,9 @@ from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import Laws, Own
 from pipeline.sweep.variants import surfaces
 from tribo.simulation.pins import sizes_of
+
+_UNSET = ("extends", "materials", "fidelity", "measured", "tested")
+"""Tables whose entries are not named by their path alone."""
 
 
 def load_scene(
@@ -244,13 +247,7 @@ def _by_path(overrides: Mapping[str, Any], preset: str | None, faults: Faults) -
             replaced[key] = value
         else:
             fields = [field for field in FIDELITY.keys if field != "preset"]
-            paths = [
-                section.path_of(name)
-                for section in sections()
-                for name in section.keys()  # noqa: SIM118
-                if not (section.is_list or "NAME" in section.path or section.path == "fidelity")
-                and name != "extends"
-            ]
+            paths = [path for path in meanings() if path.partition(".")[0] not in _UNSET]
             hint = did_you_mean(key, [*fields, *paths])
             problem = f"unknown key{hint}; give one of {', '.join(fields)}"
             faults.note(key, f"{problem}; or an entry such as wear.pattern, loading.hold or title")
