@@ -147,7 +147,7 @@ def run_sweep(
             with connected(client, count, patience, tell, dashboard) as link:
                 threading.Thread(target=_import_readers, daemon=True).start()
                 for asked, store, waiting in itertools.chain([first], rounds):
-                    tally.begin(asked, store, link, waiting)
+                    tally.begin(store, link, waiting)
                     with Writer(store) as writer:
                         compute(link, asked, writer, waiting, tally.learn, tally.note)
         summary = summarized(store)

@@ -20,18 +20,15 @@ import numpy as np
 
 from pipeline.run.cluster import Connection
 from pipeline.run.work import ExecutionError, Report, records_here
-from pipeline.store.schema import DONE, FAILED, PLANE
+from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
-from tribo import MeasuredLoad
-from tribo.types import Array, Indices, Mask
+from tribo.types import Mask
 
 # Time since the first points [s], and points since then on each worker, that tell the pace.
 _ENOUGH, _SEVERAL = 1.0, 4
-_FEW = 2.0  # points of the mean duration that are added to the known ones of a velocity
-_HEAT = 8.0  # steps of contact that a temperature takes as long as: 5 to 16 of the scenes tried
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
@@ -87,7 +84,6 @@ class Tally:
         self._connection: Connection | None = None
         self._worked = 0.0
         self._known = 0
-        self._weights: Array = np.ones(1)
         self._marks: deque[tuple[float, float, int]] = deque()
         self._first = 0.0
         self._failures: Counter[str] = Counter()
@@ -96,16 +92,10 @@ class Tally:
         self._report()
 
     def begin(
-        self,
-        sweep: Sweep,
-        store: Store,
-        connection: Connection,
-        waiting: Sequence[Sequence[Point]],
+        self, store: Store, connection: Connection, waiting: Sequence[Sequence[Point]]
     ) -> None:
-        """Take note that chains of points of a sweep begin to be computed into its store."""
+        """Take note that chains of points begin to be computed into a store."""
         self._take(store, waiting)
-        is_axis = store.along("load") == "load"
-        self._weights = _weights(sweep, store.axes["load"], is_axis)
         self._connection = connection
 
     def learn(self, records: Iterable[PointRecord]) -> None:
@@ -167,20 +157,14 @@ class Tally:
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
 
     def _time_to_go(self, pending: Mask, link: Connection) -> float:
-        """Time of pending points on all workers, or of the longest chain of them on one [s]."""
-        expected, slowness = self._expected()[pending], self._slowness(link)
-        longest = np.bincount(self._chains[pending], expected).max(initial=0.0)
-        return slowness * float(max(expected.sum() / link.workers, longest))
+        """Time of pending points on all workers, or of the longest chain of them on one [s].
 
-    def _expected(self) -> Array:
-        """Durations of all points [s], shape of their statuses."""
-        shape, along = self._durations.shape, [self._store.along(name) for name in PLANE]
-        grid = np.indices(shape, sparse=True)
-        numbers: list[Indices] = [
-            np.broadcast_to(grid[self._store.dims.index(dim)], shape) for dim in along
-        ]
-        weights, velocities = self._weights[numbers[0]], self._store.axes["velocity"]
-        return expected_durations(self._durations, weights, numbers[1], velocities)
+        Each is taken to last as long as those that are done on average: weights by load and paces
+        by velocity told the time to go of eight sweeps no better.
+        """
+        in_chains = np.bincount(self._chains[pending], minlength=1)
+        points = max(in_chains.sum() / link.workers, in_chains.max())
+        return self._slowness(link) * float(points * np.nanmean(self._durations))
 
     def _slowness(self, link: Connection) -> float:
         """Time that passes while all workers do a second of work each [s].
@@ -204,44 +188,6 @@ class Tally:
         if not tells(self._marks[0]):
             return 1.0
         return max(1.0, (now - began) * link.workers / (worked - before))
-
-
-def _weights(sweep: Sweep, loads: Sequence[float], is_axis: bool = True) -> Array:
-    """Durations of points at each of some loads to expect, in any unit.
-
-    A point takes the steps on from the next lower load, if the loads are an axis, and a
-    temperature, and both take longer on a larger contact.
-    """
-    scene = sweep.variant(sweep.variants.names[0]).scene
-    goes_on = is_axis and not (sweep.plane.independent or isinstance(scene.loading, MeasuredLoad))
-    lower = [0.0, *loads[:-1]] if goes_on else [0.0] * len(loads)
-    steps = [
-        sum(1 for _ in scene.stations(load, after))
-        for load, after in zip(loads, lower, strict=True)
-    ]
-    weights: Array = np.sqrt(loads) * (_HEAT + np.array(steps))
-    return weights
-
-
-def expected_durations(
-    durations: Array, weights: Array, numbers: Indices, velocities: Sequence[float]
-) -> Array:
-    """Durations of points [s] by those that are not NaN, their weights, and numbers of velocities.
-
-    They are the weight times a pace for each velocity, with which the sum of the known ones agrees.
-    To each sum some points of the mean are added, so that a few do not tell of all others; between
-    known velocities the pace is interpolated.
-    """
-    known = np.isfinite(durations)
-    took, worth = (
-        np.bincount(numbers[known], of[known], len(velocities)) for of in (durations, weights)
-    )
-    few, pace = _FEW * took.sum() / known.sum(), took.sum() / worth.sum()
-    present = np.flatnonzero(worth)
-    order = present[np.argsort(np.take(velocities, present))]
-    paces = (took[order] + few) / (worth[order] + few / pace)
-    expected: Array = weights * np.interp(velocities, np.take(velocities, order), paces)[numbers]
-    return expected
 
 
 @contextmanager

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from pipeline.run.cluster import Connection
-from pipeline.run.tally import Tally, _weights
+from pipeline.run.tally import Tally
 from pipeline.run.work import ExecutionError
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, chains, points
 from tests.helpers import tiny
-from tribo import MeasuredLoad
 
 START, COUNT = 10.0, 100
 
@@ -28,7 +27,7 @@ def tallied(tmp_path, monkeypatch):
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
             tally = Tally(store, reports.append, now)
-            tally.begin(sweep, store, link, chains(points(sweep), sweep))
+            tally.begin(store, link, chains(points(sweep), sweep))
             link.absent, link.workers = absent, workers
             for now, velocity in zip(ends, sweep.plane.velocities, strict=False):  # noqa: B007
                 point = Point(150.0, velocity)
@@ -76,19 +75,12 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
     places = points(sweep)
     with writing(tmp_path / "out.zarr", sweep) as store:
         tally = Tally(store, None, time.monotonic())
-        tally.begin(sweep, store, Connection(None), ())
+        tally.begin(store, Connection(None), ())
         failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
         other = [PointRecord(point, None, "MemoryError: ") for point in places]
         tally.note([*failures[:19], *other[:19]])
         with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
             tally.note(failures[19:20])
         done = Tally(store, None, time.monotonic())
-        done.begin(sweep, store, Connection(None), ())
+        done.begin(store, Connection(None), ())
         done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
-
-
-def test_points_of_a_recorded_load_take_all_their_steps():
-    """They share no trunk, which an expected duration may not ask for."""
-    record = MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 300.0, 600.0]))
-    first, second = _weights(tiny.sweep(loading=record), (300.0, 600.0)) / np.sqrt((300.0, 600.0))
-    assert first == second  # as each begins at no load
