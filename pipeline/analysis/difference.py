@@ -26,7 +26,7 @@ from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import ENTRIES, outcomes
 from pipeline.scene.units import display
 from pipeline.store.place import PathLike
-from pipeline.store.schema import DONE, FAILED, PLANE
+from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.unknown import Unknown
 from pipeline.sweep.variants import PLACE, VARIANT
@@ -114,16 +114,15 @@ def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
     """Critical velocities at the loads of both; none where wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
-        one, other = (_critical_velocities(ds, **criterion) for ds in (a, b))
+        first, second = (_critical_velocities(ds, **criterion) for ds in (a, b))
     except OwnLawError:
         raise
     except InputError:  # no critical temperature, or samples, whose boundary is a probability
         return frame_of(heads, ())
-    rows = []
-    for load in sorted(one.keys() & other.keys()):
-        (first, of_a), (second, of_b) = one[load], other[load]
-        rows.append((load, first, second, second / first - 1, of_a, of_b))
-    return frame_of(heads, rows)
+    both = pd.merge(first, second, on="load", suffixes=(" a", " b"))
+    change = both["velocity b"] / both["velocity a"] - 1
+    columns = both["load"], both["velocity a"], both["velocity b"], change
+    return frame_of(heads, zip(*columns, both["outcome a"], both["outcome b"], strict=True))
 
 
 def _margins(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
@@ -149,14 +148,17 @@ def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
     return ", ".join(words) or None
 
 
-def _critical_velocities(ds: xr.Dataset, **criterion: Any) -> dict[float, tuple[float, str]]:
+def _critical_velocities(ds: xr.Dataset, **criterion: Any) -> pd.DataFrame:
     """Critical velocity and outcome at each load; over several surfaces the median."""
     boundaries, meanings = boundary(ds, **criterion), outcomes("velocity")
-    middles = middle_of(boundaries, "critical_velocity").values.tolist()
     codes = boundaries["outcome_at_load"].transpose("load", ...).values
-    words = (", ".join(meanings[code] for code in np.unique(here)) for here in codes)
-    loads = boundaries["load"].values.tolist()
-    return dict(zip(loads, zip(middles, words, strict=True), strict=True))
+    return pd.DataFrame(
+        {
+            "load": boundaries["load"].values,
+            "velocity": middle_of(boundaries, "critical_velocity").values,
+            "outcome": [", ".join(meanings[code] for code in np.unique(here)) for here in codes],
+        }
+    )
 
 
 def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
@@ -166,38 +168,37 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
         "change [%]",
     )  # fmt: skip
     has_seeds = any("realization" in ds.dims for ds in (a, b))
-    states = [dict(_states(ds, has_seeds)) for ds in (a, b)]
-    rows, alike = [], 0
-    for place in sorted(
-        {**states[0], **states[1]},
-        key=lambda place: (*place[:2], isinstance(place[2], str), place[2] or 0),
-    ):
-        (of_a, rise_a), (of_b, rise_b) = (state.get(place, ("absent", np.nan)) for state in states)
-        if of_a == of_b == "done" and rise_a == rise_b:
-            alike += 1
-        elif "done" in (of_a, of_b):
-            change = rise_b / rise_a - 1 if rise_a else np.nan
-            rows.append((*place, of_a, of_b, rise_a, rise_b, change))
-    return frame_of(heads, rows), alike
+    place = ["load", "velocity", "variant"]
+    states = (_states(ds, has_seeds) for ds in (a, b))
+    both = pd.merge(*states, on=place, how="outer", suffixes=(" a", " b"))
+    both = both.fillna({"state a": "absent", "state b": "absent"})
+    is_done = both[["state a", "state b"]] == "done"
+    is_alike = is_done.all(axis=1) & (both["rise a"] == both["rise b"])
+    both["change"] = (both["rise b"] / both["rise a"] - 1).where(both["rise a"] != 0)
+    names = [*place, "state a", "state b", "rise a", "rise b", "change"]
+    rows = both.loc[is_done.any(axis=1) & ~is_alike, names]
+    return frame_of(heads, rows.itertuples(index=False, name=None)), int(is_alike.sum())
 
 
-def _states(
-    ds: xr.Dataset, has_seeds: bool
-) -> Iterator[tuple[tuple[float, float, int | str | None], tuple[str, float]]]:
-    """Place of each point that is done, failed or asked for; its state and highest rise [K]."""
-    roughness = attributes_of(ds)["scene"].get("roughness") or {}
-    seed = roughness.get("seed") if has_seeds else None
+def _states(ds: xr.Dataset, has_seeds: bool) -> pd.DataFrame:
+    """State and highest rise [K] of each point that is done, failed or asked for, by its place."""
     rise = end_of_point(ds[["time", "max_rise"]])["max_rise"]
+    points = xr.Dataset({"status": ds["status"], "asked": asked(ds), "rise": rise})
+    frame = points.to_dataframe().reset_index()
     in_front = [str(name) for name in ds["status"].dims if name not in PLANE]
     if PLACE in ds.coords:
         in_front[in_front.index(VARIANT)] = PLACE
-    points = xr.Dataset({"status": ds["status"], "asked": asked(ds), "rise": rise})
-    for point in points.to_dataframe().reset_index().to_dict("records"):
-        if point["status"] or point["asked"]:
-            labels = [point[name] for name in in_front] or [seed]
-            row = labels[0] if len(labels) == 1 else ", ".join(map(str, labels))
-            place = point["load"], point["velocity"], row
-            yield place, (_STATES.get(point["status"], "pending"), point["rise"])
+    labels: Any = (attributes_of(ds)["scene"].get("roughness") or {}).get("seed")
+    if len(in_front) > 1:
+        labels = frame[in_front].astype(str).agg(", ".join, axis=1)
+    elif in_front:
+        labels = frame[in_front[0]]
+    elif not has_seeds:
+        labels = None
+    frame["variant"] = pd.Series(labels, frame.index, object)  # numbers beside text
+    frame["state"] = frame["status"].map(_STATES).fillna("pending")
+    here = (frame["status"] != PENDING) | frame["asked"]
+    return frame.loc[here, ["load", "velocity", "variant", "state", "rise"]]
 
 
 _ATTRIBUTES = (
