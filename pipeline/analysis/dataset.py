@@ -262,20 +262,21 @@ def _in_order(array: xr.DataArray) -> xr.DataArray:
     return array.transpose(..., *_ORDER, missing_dims="ignore")
 
 
-def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
-    """Take the sweep on one of its surfaces by its seed, the first if not given."""
-    ds = at_labels(plane_of(ds), realization=realization)
+def at_realization(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
+    """Take the sweep on the surface of a seed; the whole sweep if None."""
+    if seed is None:
+        return ds
+    held = ds.indexes.get("realization", pd.Index([]))
+    if seed not in held:
+        others = f"it holds {', '.join(map(str, held))}" if len(held) else "it has no others"
+        raise InputError(f"realization is {seed}, which the sweep does not hold; {others}")
+    return ds.sel(realization=seed)
+
+
+def one_row(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
+    """Take the sweep of one scene on the surface of a seed, on the first one if None."""
+    ds = at_realization(plane_of(ds), seed)
     return ds.isel({name: 0 for name in _drawn(ds) if name in ds.dims})
-
-
-def at_labels(ds: xr.Dataset, **labels: int | None) -> xr.Dataset:
-    """Take the sweep at labels along dimensions in front, on all rows where one is not given."""
-    for name, label in labels.items():
-        held = ds.indexes.get(name, pd.Index([]))
-        if label is not None and label not in held:
-            others = f"it holds {', '.join(map(str, held))}" if len(held) else "it has no others"
-            raise InputError(f"{name} is {label}, which the sweep does not hold; {others}")
-    return ds.sel({name: label for name, label in labels.items() if label is not None})
 
 
 def drawn_row(ds: xr.Dataset) -> Variant:

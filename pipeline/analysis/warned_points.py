@@ -118,11 +118,6 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
     )
 
 
-def has_warning(ds: xr.Dataset) -> xr.DataArray:
-    """Points that are done and carry a warning."""
-    return warnings_of(ds) != 0
-
-
 def warnings_of(ds: xr.Dataset) -> xr.DataArray:
     """Sum of the `WarningKind` of each done point: its own, and what its neighbours tell."""
     flags = ds["warning_flags"].where(ds["status"] == DONE, 0).astype(int)

@@ -26,7 +26,7 @@ from pipeline.scene.units import difference_in_si
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import MOST, Candidate, Programme, load_of_target, programme
-from pipeline.uncertain.posterior import Difference, Judged, Posterior, differences
+from pipeline.uncertain.posterior import Contrast, Judged, Posterior, differences
 from tribo import InputError
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
@@ -59,7 +59,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     frame = _in_si(weighed)
     with working("comparing the sweeps"):
         compared = list(differences(weighed))
-    document["differences"] = [one.as_dict() for one in compared]
+    document["differences"] = [one._asdict() for one in compared]
     text += map(_in_words, compared)
     if options.next is None:
         command = next_tests(stores, options.scatter, at)
@@ -130,7 +130,7 @@ def _beside_tests(weighed: Posterior) -> pd.DataFrame:
     return frame_of(heads, rows)
 
 
-def _in_words(one: Difference) -> str:
+def _in_words(one: Contrast) -> str:
     """Difference of two oils, in a line."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (

@@ -19,7 +19,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from pipeline.analysis.boundary import BAND, boundary_under
 from pipeline.analysis.dataset import (
     asked,
-    at_labels,
+    at_realization,
     attributes_of,
     drawn_row,
     entry_dims,
@@ -31,7 +31,7 @@ from pipeline.analysis.decisive import conditions_of, decisive_rise, refined
 from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, CROSSES, Crossing, range_of
-from pipeline.analysis.warned_points import has_warning
+from pipeline.analysis.warned_points import warnings_of
 from pipeline.figures import style
 from pipeline.figures.overlays import (
     at_own_conditions,
@@ -93,7 +93,7 @@ def diagram(
         if any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log, **judged)
-    ds = at_labels(ds, realization=realization)
+    ds = at_realization(ds, realization)
     if not has_plane(ds):
         if log or isinstance(friction, Sequence):
             raise InputError(_OF_A_PLANE)
@@ -305,7 +305,7 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK, "mew": 1.3, "ms": 5.5}),
         ("pending", pending, {"marker": ".", "mfc": GREY, "mec": "none", "ms": 6}),
-        ("carries a warning", _on_any(has_warning(ds)),
+        ("carries a warning", _on_any(warnings_of(ds) != 0),
          {"marker": "o", "mfc": "none", "mec": BLACK, "mew": 0.8, "ms": 8.5, "zorder": 3.4}),
     ]  # fmt: skip
     size = 4.0 if done.size < 1500 else 2.0

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.analysis.dataset import corrected_field, drawn_row, on_surface
+from pipeline.analysis.dataset import corrected_field, drawn_row, one_row
 from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.figures import style
 from pipeline.scene.units import in_si
@@ -121,7 +121,7 @@ def fields(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
             "into another store"
         )
-    ds = on_surface(ds, realization)
+    ds = one_row(ds, realization)
     point = chosen_points(ds, load, velocity, conditions)[0]
     return _contact(ds, point, conditions, stacked)
 

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.dataset import on_surface, sweep_at_bulks
+from pipeline.analysis.dataset import one_row, sweep_at_bulks
 from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.transition import crossing, interpolated
 from pipeline.figures import style
@@ -45,7 +45,7 @@ def ramp(
     place of contact and wear.
     """
     conditions = conditions_of(ds, **changed)
-    ds = on_surface(ds, realization)
+    ds = one_row(ds, realization)
     points = chosen_points(ds, load, velocity, conditions)
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
@@ -214,7 +214,7 @@ def temperature(
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
     conditions = conditions_of(ds, **changed)
-    ds = on_surface(ds, realization)
+    ds = one_row(ds, realization)
     row = ds.isel(load=[index_of_load(ds, load)])
     velocities, load_here = row["velocity"].values, float(row["load"][0])
     figure, axes = style.canvas(ax, (7.2, 5.0))

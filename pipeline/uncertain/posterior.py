@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -247,8 +247,7 @@ def _is_outer(unknown: Unknown, column: Array) -> Array:
     return np.where((column < low + part) | (column > high - part), 1.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Difference:
+class Contrast(NamedTuple):
     """Difference of a quantity between two sweeps, the second less the first.
 
     Of velocities it is that of their logarithms. 5, 50 and 95 % stay below the ``interval``;
@@ -262,12 +261,8 @@ class Difference:
     interval: tuple[float, float, float]
     probability: float
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return all fields by name."""
-        return asdict(self)
 
-
-def differences(posterior: Posterior) -> Iterator[Difference]:
+def differences(posterior: Posterior) -> Iterator[Contrast]:
     """Differences of the critical temperature and velocity of two sweeps; none of any other number.
 
     The velocity is that at a load in the middle of those that both sweeps have.
@@ -286,8 +281,8 @@ def differences(posterior: Posterior) -> Iterator[Difference]:
         yield _difference(posterior, f"critical velocity at {load:.3g} N", "1", second - first)
 
 
-def _difference(posterior: Posterior, what: str, unit: str, values: Array) -> Difference:
+def _difference(posterior: Posterior, what: str, unit: str, values: Array) -> Contrast:
     draws = posterior.draws
     more = float(draws.mean(np.where(values > 0, 1.0, 0.0)))
     moments = float(draws.mean(values)), draws.spread(values)
-    return Difference(what, unit, *moments, draws.interval(values), more)
+    return Contrast(what, unit, *moments, draws.interval(values), more)

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.warned_points import NO_WARNING, Warned, has_warning, warned
+from pipeline.analysis.warned_points import NO_WARNING, Warned, warned, warnings_of
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
@@ -96,7 +96,7 @@ def narrow(tmp_path_factory):
 def test_a_summary_counts_the_same_points(narrow, tmp_path):
     path = shutil.copytree(narrow, tmp_path / "out.zarr")
     ds = pipeline.open_sweep(path)
-    there = has_warning(ds)
+    there = warnings_of(ds) != 0
     count = int(there.sum())
     assert pipeline.summary(path).warned == count > 0
     row, column = np.argwhere(there.values)[0]
@@ -114,7 +114,7 @@ def printed(capsys, *arguments):
 @pytest.mark.parametrize("command", ["status", "boundary", "plot"])
 def test_every_command_on_a_store_tells(command, narrow, tmp_path, capsys):
     ds = pipeline.open_sweep(narrow)
-    assert has_warning(ds).any()
+    assert (warnings_of(ds) != 0).any()
     options = ["--kind", "diagram", "-o", tmp_path / "out.png"] if command == "plot" else []
     text = printed(capsys, command, narrow, *options)
     document = json.loads(printed(capsys, command, narrow, *options, "--json"))["warnings"]
