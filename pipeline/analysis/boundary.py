@@ -203,8 +203,11 @@ def _film(line: str, judged: xr.Dataset, crossings: xr.DataArray) -> xr.DataArra
         output_core_dims=[[line]],
         vectorize=True,
     )
-    attributes = {"units": "1", "long_name": "film parameter at the crossing"}
-    return film.drop_attrs(deep=False).assign_attrs(attributes)
+    return _described(film, "1", "film parameter at the crossing")
+
+
+def _described(values: xr.DataArray, units: str, words: str) -> xr.DataArray:
+    return values.drop_attrs(deep=False).assign_attrs(units=units, long_name=words)
 
 
 _UNITS = {
@@ -251,10 +254,7 @@ def _transitions(axis: str, ds: xr.Dataset, judged: xr.Dataset) -> dict[str, xr.
     if axis == "velocity":
         words = "d ln(rise) / d ln(velocity) at the crossing"
         columns["rise_exponent_at_load"] = slope, "1", words
-    transitions = {
-        name: values.drop_attrs(deep=False).assign_attrs(units=units, long_name=words)
-        for name, (values, units, words) in columns.items()
-    }
+    transitions = {name: _described(*column) for name, column in columns.items()}
     meanings = {
         "long_name": "why there is no crossing",
         "flag_values": np.array(list(outcomes(axis)), dtype=np.int8),

@@ -24,6 +24,7 @@ from pipeline.analysis.scenes import by_scene
 from pipeline.analysis.transition import certain, interpolated
 from pipeline.scene.faults import quoted
 from pipeline.scene.units import in_si, share_of
+from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions, changes_of
 from pipeline.sweep.criterion import (
@@ -230,23 +231,17 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
 
 
-def decisive_temperature(
-    ds: xr.Dataset,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
-    own_laws: bool = False,
-) -> xr.DataArray:
+def decisive_temperature(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.DataArray:
     """Deciding temperature of the contact at each point, the highest while its load is held.
 
     Wear is severe where it lies above the critical temperature.
 
     Parameters
     ----------
-    ds, friction, bulk_temperature, critical_temperature, share, criterion, own_laws
-        See `boundary`.
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store.
+    **conditions
+        Friction, temperatures, share and criterion; see `pipeline.boundary`.
 
     Returns
     -------
@@ -261,14 +256,13 @@ def decisive_temperature(
     >>> temperature.sel(load=600, velocity=1.6).round().item()
     444.0
     """
-    given = friction, bulk_temperature, critical_temperature, share, criterion, own_laws
 
     def of_scene(scene: xr.Dataset) -> xr.DataArray:
         scene = plane_of(scene)
-        conditions = conditions_of(scene, *given)
-        temperature = contact_temperature(decisive_rise(scene, conditions), conditions)
-        words = f"deciding temperature, {conditions.decisive.temperature}"
-        temperature.attrs = {"units": "K", "long_name": words, **attributes_by(conditions)}
+        judged = conditions_of(scene, **conditions)
+        temperature = contact_temperature(decisive_rise(scene, judged), judged)
+        words = f"deciding temperature, {judged.decisive.temperature}"
+        temperature.attrs = {"units": "K", "long_name": words, **attributes_by(judged)}
         return temperature.rename("decisive_temperature")
 
     return by_scene(ds, of_scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -12,8 +13,8 @@ import xarray as xr
 
 from pipeline.analysis.dataset import attributes_of, entry_dims, plane_of, variant_of
 from pipeline.analysis.decisive import conditions_of
-from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
-from pipeline.analysis.margins import notes_of, rows_of
+from pipeline.analysis.margin import NOT_DECIDED, Margin
+from pipeline.analysis.margins import notes_of, rows_under
 from pipeline.analysis.scenes import frame_by_scene, heads_of, planes
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
@@ -170,7 +171,7 @@ def on_tests(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
 def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """Rows of one scene."""
     plane, conditions = plane_of(ds), conditions_of(ds, **changed)
-    judges: dict[Conditions, tuple[JudgedRow, ...]] = {}
+    rows_by = functools.cache(lambda judged: tuple(rows_under(plane, judged)))
     held = (attributes_of(ds).get("scene") or {}).get("loading", {}).get("hold") or 0.0
     for test in laboratory_tests(ds):
         own = own_conditions(conditions, test)
@@ -179,14 +180,7 @@ def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...
         hold = test.get("hold")
         note = "" if hold in (None, held) else f"computed with the hold of the scene, {held:g} s"
         try:
-            if own not in judges:
-                overrides = {
-                    name: test[of]
-                    for name, of in (("friction", "friction"), ("bulk_temperature",) * 2)
-                    if test.get(of) is not None
-                }
-                judges[own] = rows_of(plane, **{**changed, **overrides})
-            margins = [row.at(*place) for row in judges[own]]
+            margins = [row.at(*place) for row in rows_by(own)]
             computed, temperature, agrees = _answer(test, margins)
         except InputError as error:
             computed, temperature, agrees, note = NOT_KNOWN, None, NOT_KNOWN, str(error)

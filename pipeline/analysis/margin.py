@@ -11,8 +11,8 @@ distance, so it is mostly too large: it held at 54 of 60 random places of
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from pipeline.analysis.transition import UNITS, Crossing, certain, interpolated,
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from tribo import Criterion, InputError
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 NOT_DECIDED = "not decided"
 """Verdict on a place whose distance from severe wear lies within the error of its temperature."""
@@ -102,7 +102,6 @@ class JudgedRow:
     """Decisive rises of one row of the table of variants by load and velocity, and how to judge."""
 
     grid: RisePlane
-    is_missing: Mask  # points asked for and not done, shape (n_load, n_velocity)
     conditions: Conditions
     promised: float | None  # relative error of its boundary velocities
     ends: Mapping[str, tuple[float, float]]  # of the loads [N] and velocities [m/s] asked for
@@ -119,26 +118,6 @@ class JudgedRow:
                 "a velocity (--load and --velocity), or a table of them (--points)"
             )
         return self.at(*self.place)
-
-    def with_others(self, others: Sequence[JudgedRow]) -> JudgedRow:
-        """The row together with the rows around it, which lie on a cross."""
-        every = (self, *others)
-        loads = np.unique(np.concatenate([row.grid.loads for row in every]))
-        velocities = np.unique(np.concatenate([row.grid.velocities for row in every]))
-        shape = len(loads), len(velocities)
-        rises, durations = np.full(shape, np.nan), np.zeros(shape)
-        flags, is_missing = np.zeros(shape, int), np.zeros(shape, bool)
-        for row in every:
-            grid = row.grid
-            here = np.ix_(np.isin(loads, grid.loads), np.isin(velocities, grid.velocities))
-            rises[here], flags[here] = grid.rises, grid.flags
-            durations[here], is_missing[here] = grid.durations, row.is_missing
-        return replace(
-            self,
-            grid=RisePlane(loads, velocities, rises, flags, durations),
-            is_missing=is_missing,
-            ends={"load": (loads[0], loads[-1]), "velocity": (velocities[0], velocities[-1])},
-        )
 
     def at(self, load: float, velocity: float) -> Margin:
         """The margin at a load [N] and a velocity [m/s]; an `InputError` where it is not known."""
@@ -195,7 +174,7 @@ class JudgedRow:
         """
         x, other, place, along = self.grid.velocities, self.grid.loads, load, velocity
         rises, limit, ends = self.grid.rises, rise_limit(self.conditions), self.ends[axis]
-        is_missing = self.is_missing
+        is_missing = self.grid.is_missing
         if axis == "load":
             x, other, place, along = other, x, velocity, load
             rises, is_missing = rises.T, is_missing.T

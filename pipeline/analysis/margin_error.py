@@ -11,19 +11,19 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.dataset import attributes_of
+from pipeline.analysis.dataset import asked, attributes_of
 from pipeline.analysis.warned_points import warnings_of
 from pipeline.sweep.selection import velocity_error
 from tribo import WarningKind
 from tribo.simulation.point_warnings import SLOWEST
-from tribo.types import Array, Indices
+from tribo.types import Array, Indices, Mask
 
 _OF_WARNED = {
     WarningKind.FEW_STEPS: 0.10,
@@ -85,8 +85,23 @@ class RisePlane:
     loads: Array
     velocities: Array
     rises: Array
+    is_missing: Mask  # asked for, and not done
     flags: Indices
     durations: Array
+
+    @classmethod
+    def joined(cls, planes: Sequence[RisePlane]) -> RisePlane:
+        """Planes of places on a cross as one."""
+        loads = np.unique(np.concatenate([plane.loads for plane in planes]))
+        velocities = np.unique(np.concatenate([plane.velocities for plane in planes]))
+        rises = np.full((len(loads), len(velocities)), np.nan)
+        rest = (np.zeros(rises.shape, kind) for kind in (bool, int, float))
+        whole = cls(loads, velocities, rises, *rest)
+        for plane in planes:
+            here = np.ix_(np.isin(loads, plane.loads), np.isin(velocities, plane.velocities))
+            for name in ("rises", "is_missing", "flags", "durations"):
+                getattr(whole, name)[here] = getattr(plane, name)
+        return whole
 
     def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
         """Rows that the rise at a place is taken from, and the points of each.
@@ -107,8 +122,8 @@ class RisePlane:
 def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
     """Grid of each surface of a sweep, by its deciding rises."""
     shape = -1, *rise.shape[-2:]
-    flags, durations = warnings_of(ds), ds["time"].max("step")
-    parts = (part.transpose(*rise.dims).values.reshape(shape) for part in (rise, flags, durations))
+    of_rows = rise, rise.isnull() & asked(ds), warnings_of(ds), ds["time"].max("step")
+    parts = (part.transpose(*rise.dims).values.reshape(shape) for part in of_rows)
     axes = rise["load"].values, rise["velocity"].values
     return [RisePlane(*axes, *values) for values in zip(*parts, strict=True)]
 

@@ -6,6 +6,7 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -15,7 +16,6 @@ import xarray as xr
 
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import (
-    asked,
     attributes_of,
     dataset_of,
     has_plane,
@@ -23,9 +23,9 @@ from pipeline.analysis.dataset import (
     require_plane,
     with_wear_rates,
 )
-from pipeline.analysis.decisive import Bulk, conditions_of, decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
-from pipeline.analysis.margin_error import grids_of
+from pipeline.analysis.margin_error import RisePlane, grids_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import range_of
@@ -33,6 +33,7 @@ from pipeline.scene.along import OperatingPoints
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
@@ -44,12 +45,7 @@ def margins(
     ds: xr.Dataset | PathLike,
     load: float | str | None = None,
     velocity: float | str | None = None,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
-    own_laws: bool = False,
+    **conditions: Any,
 ) -> tuple[Margin, ...]:
     """Distance of an operating point from severe wear, without a new simulation.
 
@@ -63,8 +59,8 @@ def margins(
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep. Both
         are left out where rows have places of their own (``[sweep] along``).
-    friction, bulk_temperature, critical_temperature, share, criterion, own_laws
-        See `pipeline.boundary`.
+    **conditions
+        Friction, temperatures, share and criterion; see `pipeline.boundary`.
 
     Returns
     -------
@@ -86,13 +82,12 @@ def margins(
     >>> margin.verdict, f"{margin.distance:.0f} K"
     ('severe', '-13 K')
     """
-    others = friction, bulk_temperature, critical_temperature, share, criterion, own_laws
     if load is None or velocity is None:
-        return tuple(row.here() for row in rows_of(ds, *others))
+        return tuple(row.here() for row in rows_of(ds, **conditions))
     place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     ds = dataset_of(ds)
     require_plane(ds)
-    return tuple(row.at(*place) for row in rows_of(ds, *others))
+    return tuple(row.at(*place) for row in rows_of(ds, **conditions))
 
 
 def margins_at(
@@ -109,44 +104,43 @@ def margins_at(
                 yield row.here() if place is None else row.at(*place)
 
 
-def rows_of(ds: xr.Dataset | PathLike, *others: Any, **given: Any) -> tuple[JudgedRow, ...]:
+def rows_of(ds: xr.Dataset | PathLike, **given: Any) -> tuple[JudgedRow, ...]:
     """The planes of a sweep along whatever stands in front, each judged by its conditions."""
-    ds, rows = with_wear_rates(ds), list[JudgedRow]()
+    ds = with_wear_rates(ds)
     if is_emulated(ds):
         require_plane(ds)
     if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long
         ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    for scene in scenes(ds):
-        placed = [name for name in PLANE if name not in scene.dims]
-        place = tuple(scene[name].item() for name in PLANE) if placed else None
-        coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
-        shown = {name: label.item() for name, label in coords.items() if not label.ndim}
-        scene = scene.expand_dims(placed)
-        conditions, about = conditions_of(scene, *others, **given), attributes_of(scene)
-        rise = decisive_rise(scene, conditions)
-        ends = {
-            name: (at, at) if place else range_of(scene, name)
-            for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
-        }
-        entries = {path: scene[path].item() for path in about.get("entries", {})}
-        front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
-        is_missing = (rise.isnull() & asked(scene)).values.reshape(-1, *rise.shape[-2:])
-        drawn = (dict(zip(front, row, strict=True)) for row in itertools.product(*front.values()))
-        rows += [
-            JudgedRow(
-                grid=grid,
-                is_missing=missing,
-                conditions=conditions,
-                promised=velocity_error(about),
-                ends=ends,
-                realization=labels.get("realization"),
-                entries=entries,
-                shown=shown | labels,
-                place=place,
-            )
-            for grid, missing, labels in zip(grids_of(scene, rise), is_missing, drawn, strict=True)
-        ]
+    rows = (row for one in scenes(ds) for row in rows_under(one, conditions_of(one, **given)))
     return tuple(_about_places(rows))
+
+
+def rows_under(scene: xr.Dataset, conditions: Conditions) -> Iterator[JudgedRow]:
+    """The planes of one scene, each judged by some conditions."""
+    placed = [name for name in PLANE if name not in scene.dims]
+    place = tuple(scene[name].item() for name in PLANE) if placed else None
+    coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
+    shown = {name: label.item() for name, label in coords.items() if not label.ndim}
+    scene, about = scene.expand_dims(placed), attributes_of(scene)
+    rise = decisive_rise(scene, conditions)
+    ends = {
+        name: (at, at) if place else range_of(scene, name)
+        for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
+    }
+    entries = {path: scene[path].item() for path in about.get("entries", {})}
+    front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
+    for grid, row in zip(grids_of(scene, rise), itertools.product(*front.values()), strict=True):
+        labels = dict(zip(front, row, strict=True))
+        yield JudgedRow(
+            grid=grid,
+            conditions=conditions,
+            promised=velocity_error(about),
+            ends=ends,
+            realization=labels.get("realization"),
+            entries=entries,
+            shown=shown | labels,
+            place=place,
+        )
 
 
 def _about_places(rows: Iterable[JudgedRow]) -> Iterator[JudgedRow]:
@@ -156,7 +150,12 @@ def _about_places(rows: Iterable[JudgedRow]) -> Iterator[JudgedRow]:
         labels = [label for label in row.shown.items() if label[0] != VARIANT]
         about.setdefault((*labels,) if PLACE in row.shown else id(row), []).append(row)
     for first, *others in about.values():
-        yield first.with_others(others) if others else first
+        if others:
+            grid = RisePlane.joined([row.grid for row in (first, *others)])
+            axes = {"load": grid.loads, "velocity": grid.velocities}
+            ends = {name: (float(x[0]), float(x[-1])) for name, x in axes.items()}
+            first = replace(first, grid=grid, ends=ends)
+        yield first
 
 
 def margin_table(

@@ -16,7 +16,6 @@ import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 import scipy  # loads its parts when they are used
@@ -36,7 +35,7 @@ BEYOND = (ABOVE, BELOW)
 @functools.cache
 def outcomes(axis: str) -> Mapping[int, str]:
     """Meanings of the outcomes along ``"velocity"`` or ``"load"``, in the words used everywhere."""
-    words = {
+    return {
         CROSSES: "crosses",
         MILD: "mild throughout",
         SEVERE: "severe throughout",
@@ -44,7 +43,6 @@ def outcomes(axis: str) -> Mapping[int, str]:
         ABOVE: f"mild at every {axis} computed",
         BELOW: f"severe at every {axis} computed",
     }
-    return MappingProxyType(words)
 
 
 UNITS = {"velocity": "m/s", "load": "N"}

@@ -10,6 +10,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.analysis.dataset import with_changes
+from pipeline.analysis.frames import compared
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.physics import physics_of
 from pipeline.sweep.samples import SPECIFIC_WEAR_RATE
@@ -106,6 +107,16 @@ def test_friction_by_velocity_is_that_friction_at_that_velocity(store):
         steady = ds.assign_attrs(conditions=CONDITIONS.as_dict())
         alone = pipeline.decisive_temperature(steady, friction=friction)
         np.testing.assert_allclose(falling.sel(velocity=velocity), alone.sel(velocity=velocity))
+
+
+def test_a_friction_that_a_test_measured_stands_in_place_of_the_friction_by_velocity(store):
+    by_velocity = Conditions(0.1, 298.15, 345.0, corrections=PARTS["friction"])
+    test = {"normal_load": 600.0, "velocity": 1.5, "friction": 0.1, "outcome": "mild"}
+    plain = pipeline.open_sweep(store)
+    ds = plain.assign_attrs(conditions=by_velocity.as_dict(), measured=[], tested=[test])
+    (margin,) = pipeline.margins(plain, 600.0, 1.5, friction=0.1, critical_temperature=345.0)
+    (row,) = compared(ds).to_dict("records")
+    assert row["decisive temperature [°C]"] + 273.15 == pytest.approx(margin.decisive_temperature)
 
 
 def test_entries_of_a_scene_become_corrections(tmp_path):

@@ -36,7 +36,7 @@ def ds(alone):
 @pytest.mark.parametrize("kind", [str, Path])
 def test_what_is_judged_may_be_given_by_its_path(alone, ds, kind):
     for judged in (boundary, decisive_temperature):
-        xr.testing.assert_identical(judged(kind(alone), 0.2), judged(ds, 0.2))
+        xr.testing.assert_identical(judged(kind(alone), friction=0.2), judged(ds, friction=0.2))
 
 
 def test_axes_ascend_in_whatever_order_they_were_added(tmp_path):
