@@ -64,14 +64,14 @@ promises: .venv/test  ## judge --accuracy and the presets on random scenes, for 
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 
-samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its next tests by truths
+samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its next tests by truths, in 2 hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.bands
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --minutes 30
 	for case in known unknown; do for tests in 4 10 20 40; do \
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --promise --case $$case \
-	        --tests $$tests --truths 40 --minutes 15 --laws drawn || exit 1; done; done
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans
+	        --tests $$tests --truths 40 --minutes 6 --laws drawn || exit 1; done; done
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans --minutes 30
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants
