@@ -70,7 +70,7 @@ samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its n
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --minutes 30
 	for case in known unknown; do for tests in 4 10 20 40; do \
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --promise --case $$case \
-	        --tests $$tests --truths 40 --minutes 6 --laws drawn || exit 1; done; done
+	        --tests $$tests --truths 150 --minutes 6 --laws drawn || exit 1; done; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans --minutes 30
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour

@@ -19,7 +19,7 @@ from pipeline.cli import given
 from pipeline.cli.output import Result, rounded, run_line, tell, working
 from pipeline.cli.unknowns import Samples, samples_in
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Direct, Goal, Limit, confirmed, designed
+from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Direct, Goal, Limit, designed, directly
 from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
@@ -108,11 +108,16 @@ def design(options: argparse.Namespace) -> Result:
         raise InputError(f"--over is {', '.join(entries)}; give one entry, or two different ones")
     ds = given.dataset_in(options)
     samples = samples_in(options, ds, **given.criterion_in(options))
-    with working("seeking the limit") as progress:
-        limits = list(_limits(samples, goal, entries, progress))
-    found = [pair for pair in limits if pair[1].value is not None] or limits
-    at, limit = found[len(found) // 2]
-    direct, reason = _checked(ds, samples, limit, at)
+    shift, direct = 0.0, None
+    for seed in range(2):  # the first time to correct the limit, the second to check it
+        with working("seeking the limit") as progress:
+            limits = list(_limits(samples, goal, entries, shift, progress))
+        found = [pair for pair in limits if pair[1].value is not None] or limits
+        at, limit = found[len(found) // 2]
+        direct, reason = _simulated(ds, samples, limit, at, shift, seed)
+        if direct is None:
+            break
+        shift = direct.shift
     entry, path = limit.entry, limit.entry.path
     if at:
         (other,) = at
@@ -144,7 +149,11 @@ def _goal(options: argparse.Namespace) -> Goal:
 
 
 def _limits(
-    samples: Samples, goal: Goal, entries: Sequence[str], progress: Callable[[int, int], None]
+    samples: Samples,
+    goal: Goal,
+    entries: Sequence[str],
+    shift: float,
+    progress: Callable[[int, int], None],
 ) -> Iterator[tuple[dict[str, float], Limit]]:
     """Limits of the last entry, at each of some values of another one if there are two."""
     *first, last = entries
@@ -154,11 +163,16 @@ def _limits(
         places = [{path: value} for value in np.linspace(low, high, _LINE).tolist()]
     for number, at in enumerate(places):
         progress(number, len(places))
-        yield at, pipeline.design(samples.ensemble, goal, last, samples.draws, at)
+        yield at, pipeline.design(samples.ensemble, goal, last, samples.draws, at, shift)
 
 
-def _checked(
-    ds: xr.Dataset, samples: Samples, limit: Limit, at: Mapping[str, float]
+def _simulated(
+    ds: xr.Dataset,
+    samples: Samples,
+    limit: Limit,
+    at: Mapping[str, float],
+    shift: float,
+    seed: int,
 ) -> tuple[Direct | None, str]:
     """Direct simulations at a limit; or why there are none."""
     if limit.value is None:
@@ -168,10 +182,13 @@ def _checked(
     try:
         scene_with = given.scene_with_of(ds)
         with working("simulating draws near the limit") as progress:
-            check = confirmed(samples.ensemble, *place, values, scene_with, samples.draws, progress)
+            direct = directly(
+                samples.ensemble, *place, values, scene_with, samples.draws, progress,
+                shift=shift, seed=seed,
+            )  # fmt: skip
     except (TriboError, OSError) as error:
         return None, str(error).splitlines()[0]
-    return check, ""
+    return direct, ""
 
 
 def _worded(entry: Unknown, value: float) -> str:

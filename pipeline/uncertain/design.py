@@ -26,7 +26,8 @@ RISK_OF_MARGIN = 0.05
 _VALUES = 17  # of the input, among which a limit is sought
 _DRAWS, _FRESH = 2**13, 2**11  # of the inputs; of those that are drawn anew for a direct check
 _LEAST = 1e-9  # probability
-_NEAR, _MOST = 4.0, 400  # errors of the emulator from the limit, within which draws are simulated
+_NEAR = 4.0  # errors of the emulator from the limit, within which draws are simulated
+_FEWEST, _MOST = 64, 400  # that are simulated, also where it is sure
 _AGREES = 2.0  # standard errors of the direct check
 
 
@@ -121,6 +122,7 @@ def design(
     over: str,
     draws: Draws | None = None,
     at: Mapping[str, float] | None = None,
+    shift: float = 0.0,
 ) -> Limit:
     """Values of an unknown input, uniform between two, with which a goal is reached.
 
@@ -136,6 +138,9 @@ def design(
         Draws of the inputs that tests have weighed; see `pipeline.risk`.
     at : mapping of str to float, optional
         Values of other inputs by their paths [SI].
+    shift : float
+        Logarithm of the ratio of rises near the limit to those that the samples tell, as direct
+        simulations find it.
 
     Raises
     ------
@@ -162,7 +167,7 @@ def design(
         """Highest probability over the places, its error, and the number of the place."""
         inputs = with_values(ensemble, draws.inputs, {**(at or {}), over: value})
         found = [
-            probability_of(_excess(ensemble, inputs, place, goal.margin), draws)
+            probability_of(_excess(ensemble, inputs, place, goal.margin, shift), draws)
             for place in goal.places
         ]
         number = int(np.argmax([probability for probability, _ in found]))
@@ -229,11 +234,11 @@ def with_values(ensemble: Ensemble, inputs: Array, values: Mapping[str, float]) 
     return other
 
 
-def _excess(ensemble: Ensemble, inputs: Array, place: Place, margin: float) -> Excess:
-    """Logarithm of the rise over the one that leaves a margin."""
+def _excess(ensemble: Ensemble, inputs: Array, place: Place, margin: float, shift: float) -> Excess:
+    """Logarithm of the rise, with a shift, over the one that leaves a margin."""
     excess = ensemble.excess(inputs, *place)
     limits = ensemble.log_limit(inputs), ensemble.log_limit(inputs, margin=margin)
-    return excess._replace(values=excess.values + limits[0] - limits[1])
+    return excess._replace(values=excess.values + shift + limits[0] - limits[1])
 
 
 def _run(fits: Mask, place: int) -> tuple[int, int]:
@@ -250,13 +255,16 @@ def _run(fits: Mask, place: int) -> tuple[int, int]:
 class Direct:
     """Probability by direct simulations of the draws that are near the limit, with its error.
 
-    Of new draws the 400 nearest to the limit at most are simulated; the emulator judges the others.
+    Of new draws 64 to 400 that are nearest to the limit are simulated; the emulator judges the
+    others.
+    ``shift`` is the mean logarithm of the simulated rises over those that the samples tell.
     """
 
     probability: float
     error: float
     draws: int
     simulated: int
+    shift: float
 
     def agrees_with(self, risk: float) -> bool:
         """True if it is no higher than a probability, within its error."""
@@ -267,7 +275,7 @@ class Direct:
         return asdict(self)
 
 
-def confirmed(
+def directly(
     ensemble: Ensemble,
     goal: Goal,
     place: Place,
@@ -275,29 +283,33 @@ def confirmed(
     scene_with: SceneWith,
     draws: Draws | None = None,
     progress: Callable[[int, int], None] | None = None,
+    *,
+    shift: float = 0.0,
+    seed: int = 0,
 ) -> Direct:
     """Find a probability anew, with direct simulations where the emulator is not sure.
 
     The designed inputs have ``values`` by their paths [SI]. ``progress`` is called with the
-    simulations done and their number.
+    simulations done and their number. Draws of another ``seed`` are others.
     """
-    rng = np.random.default_rng([ensemble.design.seed, 2718])
     if draws is None:
-        inputs = prior(ensemble.unknown, ensemble.design.seed + 2718, _FRESH).inputs
+        inputs = prior(ensemble.unknown, ensemble.design.seed + 2718 + seed, _FRESH).inputs
     else:
+        rng = np.random.default_rng([ensemble.design.seed, 2718, seed])
         weighed = draws_of(ensemble, draws)
         inputs = weighed.inputs[rng.choice(len(weighed.weights), _FRESH, p=weighed.weights)]
     inputs = with_values(ensemble, inputs, values)
-    excess = _excess(ensemble, inputs, place, goal.margin)
+    excess = _excess(ensemble, inputs, place, goal.margin, shift)
     scores = np.abs(excess.values / excess.error)
-    near = np.argsort(scores)[: min(int(np.sum(scores < _NEAR)), _MOST)]
-    severe = excess.values > 0
+    near = np.argsort(scores)[: np.clip(np.sum(scores < _NEAR), _FEWEST, _MOST)]
     limits = ensemble.log_limit(inputs, margin=goal.margin)
+    found = excess.values.copy()
     for number, row in enumerate(near.tolist()):
         if progress:
             progress(number, len(near))
         sweep = scene_with(as_in_a_scene(ensemble, inputs[row]))
-        severe[row] = log_rise(sweep, *place) > limits[row]
-    chance = float(severe.mean())
+        found[row] = log_rise(sweep, *place) - limits[row]
+    chance = float(np.mean(found > 0))
     error = math.sqrt(max(chance * (1 - chance), 1 / _FRESH) / _FRESH)
-    return Direct(chance, error, _FRESH, len(near))
+    missed = float(np.mean((found - excess.values)[near]))
+    return Direct(chance, error, _FRESH, len(near), shift + missed)

@@ -8,6 +8,7 @@ import pytest
 import pipeline
 from pipeline.scene.along import Place
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
+from pipeline.uncertain import design
 from pipeline.uncertain.design import Goal
 from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, ensemble, rise
 from tribo import InputError
@@ -36,6 +37,30 @@ def test_the_limit_is_where_direct_draws_have_the_risk(samples, risk):
     assert limit.interval[0] < limit.value < limit.interval[1]
     assert limit.safe == (limit.value, 473.15)
     assert limit.as_dict()["limit"]["unit"] == "K"
+
+
+def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkeypatch):
+    def simulated(entries, load, velocity):
+        row = np.zeros(len(UNKNOWN))
+        for number in (1, 3):  # what the rise at friction 1 depends on
+            text, one = entries[UNKNOWN[number].path], UNKNOWN[number]
+            row[number] = float(text.split()[0]) / one.shown.of(1.0)
+        return np.log(rise(row[None], load, velocity, UNKNOWN)[0])
+
+    monkeypatch.setattr(design, "log_rise", simulated)
+    low, goal = replace(samples, rises=0.96 * samples.rises, keeper=None), Goal((HERE,), 0.01)
+    limit = pipeline.design(low, goal, WIDE.path)
+    found = design.directly(low, goal, HERE, {WIDE.path: limit.value}, dict)
+    assert found.shift == pytest.approx(-np.log(0.96), abs=2e-3)
+    assert found.probability > 0.015
+    assert not found.agrees_with(0.01)
+    limit = pipeline.design(low, goal, WIDE.path, shift=found.shift)
+    assert limit.value == pytest.approx(hottest(HERE, 0.99), abs=1.5)
+    again = design.directly(
+        low, goal, HERE, {WIDE.path: limit.value}, dict, shift=found.shift, seed=1
+    )
+    assert again.shift == pytest.approx(found.shift, abs=1e-3)
+    assert again.agrees_with(0.01)
 
 
 def test_a_margin_asks_for_that_much_more(samples):
