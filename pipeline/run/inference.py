@@ -27,33 +27,14 @@ _PLACE = ("normal_load", "velocity")
 
 @dataclass(frozen=True, slots=True)
 class CriticalTemperatures:
-    """Critical temperatures from measured transitions, each on each random surface.
+    """Critical temperatures from measured transitions, each on each random surface."""
 
-    Attributes
-    ----------
-    transitions : tuple of Transition
-        Measured transitions, each with its friction.
-    surfaces : tuple of int or None
-        Seeds of the surfaces; None for a surface that is not random.
-    temperatures : tuple of tuple of float
-        Critical temperature by transition and surface [K].
-    criterion : Criterion
-        Criterion of severe wear by which they are found.
-
-    Examples
-    --------
-    >>> from tribo import Criterion, Transition
-    >>> measured = Transition(600.0, 1.5, 0.1), Transition(200.0, 3.75, 0.094)
-    >>> kelvins = (418.0, 420.0), (412.0, 414.0)
-    >>> inferred = CriticalTemperatures(measured, (0, 1), kelvins, Criterion())
-    >>> inferred.means, inferred.mean
-    ((419.0, 413.0), 416.0)
-    """
-
-    transitions: tuple[Transition, ...]
+    transitions: tuple[Transition, ...]  #: Measured transitions, each with its friction.
+    #: Seeds of the surfaces; None for a surface that is not random.
     surfaces: tuple[int | None, ...]
+    #: Critical temperature by transition and surface [K].
     temperatures: tuple[tuple[float, ...], ...]
-    criterion: Criterion
+    criterion: Criterion  #: Criterion of severe wear by which they are found.
 
     @property
     def means(self) -> tuple[float, ...]:

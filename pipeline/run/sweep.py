@@ -41,25 +41,14 @@ _MOST = 200
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Result of a run.
+    """Result of a run."""
 
-    Attributes
-    ----------
-    total, done : int
-        Points of the sweep, and those of them that are done.
-    computed : int
-        Points that this run completed.
-    failed : tuple of FailedPoint
-        Points that failed, now or in an earlier run.
-    wall_time : float
-        Duration of this run [s].
-    """
-
+    #: Points of the sweep, and those of them that are done.
     total: int
     done: int
-    computed: int
-    failed: tuple[FailedPoint, ...]
-    wall_time: float
+    computed: int  #: Points that this run completed.
+    failed: tuple[FailedPoint, ...]  #: Points that failed, now or in an earlier run.
+    wall_time: float  #: Duration of this run [s].
 
 
 def run_sweep(

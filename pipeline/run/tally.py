@@ -35,29 +35,14 @@ _NUMBER = re.compile(r"\d[\d.e+-]*")
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of a run.
+    """Progress of a run."""
 
-    Attributes
-    ----------
-    done, failed, total : int
-        Points that are done, that have failed, and all of the sweep, earlier runs included.
-    elapsed : float
-        Time since this run began [s].
-    time_to_go : float or None
-        Estimated time until the end [s]; None until enough points are done.
-
-    Examples
-    --------
-    >>> def show(progress: Progress) -> None:  # as run_sweep(..., progress=show)
-    ...     print(progress)
-    >>> show(Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
-    6 of 24 points done, 0 failed, 2 s so far, 6 s to go
-    """
-
+    #: Points that are done, that have failed, and all of the sweep, earlier runs included.
     done: int
     failed: int
     total: int
-    elapsed: float
+    elapsed: float  #: Time since this run began [s].
+    #: Estimated time until the end [s]; None until enough points are done.
     time_to_go: float | None
 
     def __str__(self) -> str:

@@ -35,56 +35,33 @@ _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*)")
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """The boundary with one entry changed.
+    """The boundary with one entry changed."""
 
-    Attributes
-    ----------
-    key, value : str
-        Path of the entry, and what it is given, as it would stand in the scene; both empty for the
-        scene as it is.
-    critical_velocities : tuple of float
-        Critical velocity at each load [m/s]; NaN where there is no transition within the sweep.
-    outcomes : tuple of str
-        At each load ``"crosses"``, or where there is no transition, ``"mild throughout"`` or
-        ``"severe throughout"``.
-    """
-
+    #: Path of the entry, and what it is given, as it would stand in the scene; both empty for the
+    #: scene as it is.
     key: str
     value: str
+    #: Critical velocity at each load [m/s]; NaN where there is no transition within the sweep.
     critical_velocities: tuple[float, ...]
+    #: At each load ``"crosses"``, or where there is no transition, ``"mild throughout"`` or
+    #: ``"severe throughout"``.
     outcomes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Variations:
-    """The boundary of a scene as it is, and with single entries changed.
+    """The boundary of a scene as it is, and with single entries changed."""
 
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    loads : tuple of float
-        Normal loads on the whole pin [N].
-    base : Variation
-        The scene as it is.
-    others : tuple of Variation
-        The changes, in the order in which they were asked for.
-    points, contacts : int
-        Points of all scenes, and the points whose contacts were computed for them.
-    warned : Warned
-        Points that carry a warning, over all scenes.
-    physics : tuple of Effect
-        Physics beside the half-spaces; where it can be sized its name is the key of a change, with
-        "without" before it where the scene counts it.
-    """
-
-    title: str
-    loads: tuple[float, ...]
-    base: Variation
-    others: tuple[Variation, ...]
+    title: str  #: Title of the scene.
+    loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
+    base: Variation  #: The scene as it is.
+    others: tuple[Variation, ...]  #: The changes, in the order in which they were asked for.
+    #: Points of all scenes, and the points whose contacts were computed for them.
     points: int
     contacts: int
-    warned: Warned = NO_WARNING
+    warned: Warned = NO_WARNING  #: Points that carry a warning, over all scenes.
+    #: Physics beside the half-spaces; where it can be sized its name is the key of a change, with
+    #: "without" before it where the scene counts it.
     physics: tuple[Effect, ...] = ()
 
     def changes(self, variation: Variation) -> Array:

@@ -34,33 +34,20 @@ class FailedPoint:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Progress of a sweep.
+    """Progress of a sweep."""
 
-    Attributes
-    ----------
-    name, title : str
-        Name and title of the scene.
-    total, done, pending : int
-        Points that the scene asks for, those of them that are done and those still to do.
-    failed : tuple of FailedPoint
-        Points that could not be computed.
-    earlier : int
-        Further points that are done, for which only an earlier run asked.
-    warned : int
-        Points that are done and carry a warning, also those that only an earlier run asked for.
-    running : str or None
-        Process that computes points now; None if there is none.
-    """
-
+    #: Name and title of the scene.
     name: str
     title: str
+    #: Points that the scene asks for, those of them that are done and those still to do.
     total: int
     done: int
     pending: int
-    failed: tuple[FailedPoint, ...]
-    earlier: int = 0
+    failed: tuple[FailedPoint, ...]  #: Points that could not be computed.
+    earlier: int = 0  #: Further points that are done, for which only an earlier run asked.
+    #: Points that are done and carry a warning, also those that only an earlier run asked for.
     warned: int = 0
-    running: str | None = None
+    running: str | None = None  #: Process that computes points now; None if there is none.
 
 
 def summarized(store: Store) -> Summary:

@@ -56,27 +56,14 @@ _Index = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """Result of reading a whole store.
+    """Result of reading a whole store."""
 
-    Attributes
-    ----------
-    done : int
-        Points that are done and intact.
-    damaged : tuple of FailedPoint
-        Points that are damaged; repair makes them pending.
-    shared : tuple of str
-        Faults of coordinates and metadata, which belong to no point.
-    without_status : tuple of Point
-        Points that are complete, but have no readable status; repair makes them done.
-    repaired : bool
-        True if all of that was repaired.
-    """
-
-    done: int
-    damaged: tuple[FailedPoint, ...]
-    shared: tuple[str, ...]
+    done: int  #: Points that are done and intact.
+    damaged: tuple[FailedPoint, ...]  #: Points that are damaged; repair makes them pending.
+    shared: tuple[str, ...]  #: Faults of coordinates and metadata, which belong to no point.
+    #: Points that are complete, but have no readable status; repair makes them done.
     without_status: tuple[Point, ...]
-    repaired: bool
+    repaired: bool  #: True if all of that was repaired.
 
     @property
     def is_clean(self) -> bool:

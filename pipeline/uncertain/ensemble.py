@@ -259,21 +259,9 @@ class Ensemble:
     ) -> Excess:
         """Logarithm of the rise over the limit above which wear is severe.
 
-        Parameters
-        ----------
-        draws : ndarray, shape (n, n_unknown)
-            Values of the unknown inputs [SI].
-        load : float or sequence of float
-            Normal loads on the whole pin [N].
-        velocity : float or sequence of float
-            Sliding velocities [m/s].
-        with_error : bool
-            False for errors of 0, which is faster.
-
-        Raises
-        ------
-        InputError
-            If a load or a velocity lies outside the sweep, or no critical temperature is known.
+        Draws (n, n_unknown) are values of the unknown inputs [SI]; without errors, which are 0
+        then, it is faster. Raise an `InputError` at a load [N] or a velocity [m/s] outside the
+        sweep, or if no critical temperature is known.
         """
         rise = self._emulated(self._rise, draws, load, velocity, with_error)
         return rise._replace(values=(rise.values.T - self.log_limit(draws)).T)

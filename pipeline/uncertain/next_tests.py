@@ -44,30 +44,15 @@ _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A measurement that could be made next.
+    """A measurement that could be made next."""
 
-    Attributes
-    ----------
-    what : str
-        Measurement, in words.
-    spread : float
-        Expected standard deviation of the target after it, and after those before it in a batch.
-        For the boundary, that of the logarithm of the critical velocity, root mean square over the
-        loads.
-    before : float
-        Standard deviation today.
-    test : dict or None
-        Load [N], velocity [m/s] and bulk temperature [K] of a test; None for other measurements.
-
-    Examples
-    --------
-    >>> Candidate("the friction", spread=0.03, before=0.05).narrows
-    0.4
-    """
-
-    what: str
+    what: str  #: Measurement, in words.
+    #: Expected standard deviation of the target after it, and after those before it in a batch. For
+    #: the boundary, that of the logarithm of the critical velocity, root mean square over the
+    #: loads.
     spread: float
-    before: float
+    before: float  #: Standard deviation today.
+    #: Load [N], velocity [m/s] and bulk temperature [K] of a test; None for other measurements.
     test: dict[str, float] | None = None
 
     @property

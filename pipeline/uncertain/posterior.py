@@ -44,53 +44,25 @@ class Judged(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Posterior:
-    """Joint distribution of the unknown inputs, given tests.
+    """Joint distribution of the unknown inputs, given tests."""
 
-    Attributes
-    ----------
-    ensembles : tuple of Ensemble
-        Sweeps whose samples it rests on.
-    unknown : tuple of Unknown
-        Inputs; one that belongs to a single sweep has the name of the sweep before its path.
-    columns : tuple of ndarray of int
-        Inputs of each sweep, among all.
-    prior, draws : Draws
-        Values before and after they were weighed.
-    judged : tuple of Judged
-        Tests, beside what the others say.
-    scatter : float
-        Relative standard deviation of measured velocities, as stated.
-    inferred_scatter : tuple of float
-        That which 5, 50 and 95 % stay below, given the tests.
-    faults : tuple of str
-        Reasons why the model does not fit the tests, in words.
-    cut_off : {"", "above", "below"}
-        End at which the inferred scatter is cut off, since no larger or smaller one is considered.
-    rigs : tuple of Places or None
-        Inputs that are the friction of each sweep's rig, and its scatter between tests.
-    evidence_gain : float or None
-        Logarithm of the factor by which a discrepancy makes the tests likelier; None without one.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> weighed = pipeline.posterior(ensemble)
-    >>> len(weighed.judged), any(judged.contradicts for judged in weighed.judged)
-    (4, False)
-    """
-
-    ensembles: tuple[Ensemble, ...]
+    ensembles: tuple[Ensemble, ...]  #: Sweeps whose samples it rests on.
+    #: Inputs; one that belongs to a single sweep has the name of the sweep before its path.
     unknown: tuple[Unknown, ...]
-    columns: tuple[Any, ...]
+    columns: tuple[Any, ...]  #: Inputs of each sweep, among all.
+    #: Values before and after they were weighed.
     prior: Draws
     draws: Draws
-    judged: tuple[Judged, ...]
-    scatter: float
+    judged: tuple[Judged, ...]  #: Tests, beside what the others say.
+    scatter: float  #: Relative standard deviation of measured velocities, as stated.
+    #: That which 5, 50 and 95 % stay below, given the tests.
     inferred_scatter: tuple[float, float, float]
-    faults: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()  #: Reasons why the model does not fit the tests, in words.
+    #: End at which the inferred scatter is cut off, since no larger or smaller one is considered.
     cut_off: str = ""
+    #: Inputs that are the friction of each sweep's rig, and its scatter between tests.
     rigs: tuple[Places | None, ...] = ()
+    #: Logarithm of the factor by which a discrepancy makes the tests likelier; None without one.
     evidence_gain: float | None = None
 
     @property

@@ -26,42 +26,18 @@ _APART = 1.1  # ratio of velocities over which a slope is taken
 
 @dataclass(frozen=True, slots=True)
 class Risk:
-    """Probability of severe wear at an operating point.
+    """Probability of severe wear at an operating point."""
 
-    Attributes
-    ----------
-    load : float
-        Normal load on the whole pin [N].
-    velocity : float
-        Sliding velocity [m/s].
-    probability : float
-        Probability of severe wear.
-    error : float
-        Standard error of the probability, from the numbers of samples and of draws.
-    rise_error : float
-        Standard error of the emulated rise against a simulation, relative; the root mean square
-        over the draws.
-    samples : int
-        Samples that were simulated.
-    lowest, highest : float
-        The probability if all rises are too high or too low by the error of the samples' fidelity;
-        0 and 1 where that error is not known.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> answer = pipeline.risk(ensemble, load=400.0, velocity=2.2)
-    >>> 0.4 < answer.probability < 0.7
-    True
-    """
-
-    load: float
-    velocity: float
-    probability: float
-    error: float
+    load: float  #: Normal load on the whole pin [N].
+    velocity: float  #: Sliding velocity [m/s].
+    probability: float  #: Probability of severe wear.
+    error: float  #: Standard error of the probability, from the numbers of samples and of draws.
+    #: Standard error of the emulated rise against a simulation, relative; the root mean square over
+    #: the draws.
     rise_error: float
-    samples: int
+    samples: int  #: Samples that were simulated.
+    #: The probability if all rises are too high or too low by the error of the samples' fidelity; 0
+    #: and 1 where that error is not known.
     lowest: float
     highest: float
 
@@ -125,37 +101,16 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class MarginIntervals:
-    """The distance of an operating point from severe wear, as an interval of probability.
+    """The distance of an operating point from severe wear, as an interval of probability."""
 
-    Attributes
-    ----------
-    risk : Risk
-        Probability of severe wear at the operating point.
-    decisive_temperature : Interval
-        Temperature that just the failing share of the contact area exceeds [K].
-    distance : Interval
-        Distance to the critical temperature [K]; negative where wear is severe.
-    critical_velocity : Interval
-        Velocity at this load at which wear turns severe [m/s].
-    critical_load : Interval or None
-        Likewise the load at this velocity [N]; None in a sweep of a single load.
-    velocity_range, load_range : tuple of float
-        The lowest and highest velocity [m/s] and load [N] of the sweep.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> answer = pipeline.margin_intervals(ensemble, "400 N", "2 m/s")
-    >>> answer.distance.low < 0 < answer.distance.high
-    True
-    """
-
-    risk: Risk
+    risk: Risk  #: Probability of severe wear at the operating point.
+    #: Temperature that just the failing share of the contact area exceeds [K].
     decisive_temperature: Interval
-    distance: Interval
-    critical_velocity: Interval
+    distance: Interval  #: Distance to the critical temperature [K]; negative where wear is severe.
+    critical_velocity: Interval  #: Velocity at this load at which wear turns severe [m/s].
+    #: Likewise the load at this velocity [N]; None in a sweep of a single load.
     critical_load: Interval | None
+    #: The lowest and highest velocity [m/s] and load [N] of the sweep.
     velocity_range: tuple[float, float]
     load_range: tuple[float, float]
 

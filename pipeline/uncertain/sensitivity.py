@@ -27,42 +27,22 @@ _BINS = 24
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensitivity:
-    """Sobol' indices of the critical velocity.
+    """Sobol' indices of the critical velocity."""
 
-    Attributes
-    ----------
-    unknown : tuple of Unknown
-        The inputs.
-    loads : tuple of float
-        Normal loads on the whole pin [N].
-    first, total : ndarray, shape (n_load, n_unknown)
-        Indices; the total ones NaN where the inputs are not independent.
-    first_interval, total_interval : ndarray, shape (2, n_load, n_unknown)
-        Ends of their 90 % intervals, from the numbers of points and of samples.
-    spread : tuple of float
-        Standard deviation of the logarithm of the critical velocity, by load.
-    velocity_error : tuple of float
-        Standard error of the emulated critical velocity against a simulation, relative, by load.
-    given_measured : bool
-        True if they are those of the boundary given measured transitions.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> indices = pipeline.sensitivity(ensemble)
-    >>> [quantity.path for quantity in indices.unknown]
-    ['friction.coefficient', 'temperature.critical']
-    """
-
-    unknown: tuple[Unknown, ...]
-    loads: tuple[float, ...]
+    unknown: tuple[Unknown, ...]  #: The inputs.
+    loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
+    #: Indices; the total ones NaN where the inputs are not independent, shape (n_load, n_unknown).
     first: Array
     total: Array
+    #: Ends of their 90 % intervals, from the numbers of points and of samples, shape (2, n_load,
+    #: n_unknown).
     first_interval: Array
     total_interval: Array
+    #: Standard deviation of the logarithm of the critical velocity, by load.
     spread: tuple[float, ...]
+    #: Standard error of the emulated critical velocity against a simulation, relative, by load.
     velocity_error: tuple[float, ...]
+    #: True if they are those of the boundary given measured transitions.
     given_measured: bool = False
 
     def as_dict(self) -> dict[str, Any]:

@@ -24,6 +24,7 @@ def test_a_programme_ends_where_its_goal_is_reached():
     assert last.spread <= 4.0 < min(test.spread for test in before)
     same = pipeline.plan_tests(posterior, len(planned.tests), CRITICAL.path, ["25 degC"])
     assert [test.spread for test in same] == [test.spread for test in planned.tests]
+    assert last.narrows == pytest.approx(1 - last.spread / planned.before)
 
 
 def test_where_tests_no_longer_help_what_does_is_named():
