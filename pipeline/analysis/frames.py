@@ -15,11 +15,12 @@ from pipeline.analysis.dataset import attributes_of, entry_dims, plane_of, varia
 from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import notes_of, rows_under
-from pipeline.analysis.scenes import frame_by_scene, heads_of, planes
+from pipeline.analysis.scenes import frame_by_scene, heads_of, parts_of, planes
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
+from tribo.material import BOUNDARY, FULL_FILM
 
 BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
 """Variables of a boundary, each with the axis that it is found along."""
@@ -40,6 +41,26 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
     Over several surfaces it has the median, the band, and how many of them cross.
     """
     return tuple(_along(boundaries, *ends) for ends in BOUNDARIES)
+
+
+def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
+    """The frames of a boundary, what its film means, and how many points it lacks."""
+    alone = ["friction"] if len(frictions_of(boundaries)) == 1 else []
+    for frame in frames_of(boundaries):
+        yield short(frame, [*alone, *JUDGED.values()])
+    if "film_parameter_at_load" in boundaries:
+        yield (
+            "Λ is the minimum film over Rq, at the bulk temperature and the unworn radius: below "
+            f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
+            "which the model does not have"
+        )
+    if missing := missing_points(boundaries):
+        yield f"{missing} points are pending or failed and were left out"
+
+
+def missing_points(boundaries: xr.Dataset) -> int:
+    """Number of pending and failed points, of all scenes."""
+    return sum(part.attrs["missing_points"] for _, part in parts_of(boundaries))
 
 
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:

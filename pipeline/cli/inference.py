@@ -15,10 +15,11 @@ from pipeline.analysis.margin import NOT_DECIDED, verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.tables import TABLES, frame_of, short, upright, writable_path
 from pipeline.cli.given import PLACE, conditions_in, flags_of, one_scene_in, selected, values_in
-from pipeline.cli.next_steps import fidelity_of, lines_on, point_that_decides
+from pipeline.cli.next_steps import lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
+from pipeline.store.attributes import root_attributes
 from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
@@ -47,15 +48,16 @@ def point(options: argparse.Namespace) -> Result:
     decisive, critical = verdict.decisive_temperature, conditions.critical_temperature
     rise = decisive - conditions.coldest_bulk_temperature
     flags = sum({int(warning.kind) for warning in result.warnings})
-    promised = velocity_error(fidelity_of(sweep))
+    attributes = root_attributes(sweep, None)  # as a store of this scene would have them
+    promised = velocity_error(attributes)
     error = error_of_point(flags, result.state.time, promised).times(rise)
     judged, commands = None, list[str]()
     distance = None if critical is None else critical - decisive
     if distance is not None and verdict.is_severe is not None:
         judged = verdict_on(verdict.is_severe, distance, error.total)
         if judged == NOT_DECIDED:
-            given = conditions_in(options)
-            commands = point_that_decides(sweep, place, options.realization, distance, rise, given)
+            about = distance, rise, conditions_in(options)
+            commands = point_that_decides(attributes, place, options.realization, *about)
     document = measures(sweep.scene, result.state) | {
         "velocity": options.velocity,
         "friction": conditions.friction,

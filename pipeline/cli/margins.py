@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -30,8 +29,7 @@ from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
 from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
-from tribo import InputError, lubrication_regime
-from tribo.material import BOUNDARY, FULL_FILM
+from tribo import InputError
 
 
 def margin(options: argparse.Namespace) -> Result:
@@ -110,10 +108,8 @@ def _on_points(
 
 def _is_incomplete(here: Margin) -> bool:
     """A transition beyond the computed points, or across some that are not done."""
-    is_beyond = any(
-        outcome in (outcomes(axis)[code] for code in BEYOND)
-        for axis, outcome in (("velocity", here.velocity_outcome), ("load", here.load_outcome))
-    )
+    found = {"velocity": here.velocity_outcome, "load": here.load_outcome}
+    is_beyond = any(outcomes(axis)[code] == found[axis] for axis in found for code in BEYOND)
     return is_beyond or here.velocity_bridged + here.load_bridged > 0
 
 
@@ -204,47 +200,21 @@ def _about_rows(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
 
 
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:
-    """Plain data of `pipeline.boundary`, under its names; outcomes and regimes in words."""
+    """Plain data of `pipeline.boundary`, under its names; outcomes in words."""
     document = {str(name): values.values.tolist() for name, values in crossings.variables.items()}
     for name, axis in frames.BOUNDARIES:
-        words = outcomes(name.removeprefix("critical_"))
-        outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
+        words, outcome = outcomes(name.removeprefix("critical_")), f"outcome_at_{axis}"
         worded = np.vectorize(words.__getitem__, otypes=[object])(crossings[outcome])
         document[outcome] = worded.tolist()
-        if film in document:
-            regimes = np.vectorize(_regime, otypes=[object])(crossings[film], crossings[outcome])
-            document[f"regime_at_{axis}"] = regimes.tolist()
-    document.pop("missing_points", None)
-    conditions, missing = _judged_by(crossings), _missing(crossings)
-    return {"conditions": conditions, "missing_points": missing, **document}
+    missing = frames.missing_points(crossings)
+    return document | {"conditions": _judged_by(crossings), "missing_points": missing}
 
 
 def _judged_by(crossings: xr.Dataset) -> dict[str, Any]:
     """Conditions, each of which has several values where scenes differ in it."""
-    names = (
-        "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
-        "wear_rate", "criterion",
-    )  # fmt: skip
-    present = {*crossings.attrs, *crossings.coords}
-    conditions = {name: _values(crossings, name) for name in names if name in present}
-    frictions = frames.frictions_of(crossings)
-    return conditions | {"friction": frictions[0] if "friction" in crossings.attrs else frictions}
-
-
-def _values(crossings: xr.Dataset, name: str) -> Any:
-    """A condition: an attribute, or a coordinate where it differs from scene to scene."""
-    return crossings.attrs[name] if name in crossings.attrs else crossings[name].values.tolist()
-
-
-def _missing(crossings: xr.Dataset) -> int:
-    """Number of pending and failed points, of all scenes."""
-    return int(np.sum(_values(crossings, "missing_points")))
-
-
-def _regime(film_parameter: float, outcome: int) -> str:
-    if math.isfinite(film_parameter):
-        return lubrication_regime(film_parameter)
-    return "not known" if outcome == CROSSES else "no crossing"
+    by_scene = {name: values.values.tolist() for name, values in crossings.coords.items()}
+    held = by_scene | {"friction": frames.frictions_of(crossings)} | crossings.attrs
+    return {name: held[name] for name in ("friction", *frames.JUDGED, "wear_rate") if name in held}
 
 
 def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | None:
@@ -260,23 +230,10 @@ def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | 
 def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str | pd.DataFrame]:
     """Lines of text on a boundary; the command computes points that it lacks, if any."""
     yield ", ".join(_conditions(crossings))
-    alone = ["friction"] if len(frames.frictions_of(crossings)) == 1 else []
-    for frame in frames.frames_of(crossings):
-        yield ""
-        yield short(frame, [*alone, *frames.JUDGED.values()])
-    if "film_parameter_at_load" in crossings:
-        yield ""
-        yield (
-            "Λ is the minimum film over Rq, at the bulk temperature and the unworn radius: below "
-            f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
-            "which the model does not have"
-        )
-    if missing := _missing(crossings):
-        yield ""
-        yield f"{missing} points are pending or failed and were left out"
+    for part in frames.on_boundary(crossings):
+        yield from ("", part)
     if command:
-        yield ""
-        yield f"compute more of the boundary with: {command}"
+        yield from ("", f"compute more of the boundary with: {command}")
 
 
 def _conditions(crossings: xr.Dataset) -> Iterator[str]:

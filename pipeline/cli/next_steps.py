@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from pipeline.analysis.dataset import asked, attributes_of
 from pipeline.analysis.margin import Margin
 from pipeline.analysis.transition import ENTRIES
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Point
 from pipeline.sweep.selection import velocity_error
 
 _COARSE = 0.05  # error of the boundary velocity from which a table is no more than a first look
@@ -113,34 +112,26 @@ def next_tests(
     return shlex.join(words if scatter is None else [*words, f"--scatter={scatter:g}"])
 
 
-def fidelity_of(sweep: Sweep) -> dict[str, Any]:
-    """What `velocity_error` takes of the attributes of a store, of a sweep that has none yet."""
-    selection = sweep.about.selection
-    return {
-        "preset": sweep.about.preset,
-        "selection": selection.as_dict() if selection else None,
-        "scene": {"fidelity": asdict(sweep.scene.fidelity)},
-    }
-
-
 def point_that_decides(
-    sweep: Sweep, place: Point, seed: int | None, distance: float, rise: float, given: Iterable[str]
+    attributes: Mapping[str, Any],
+    place: Point,
+    seed: int | None,
+    distance: float,
+    rise: float,
+    given: Iterable[str],
 ) -> list[str]:
-    """Command that computes a point that is not decided more accurately; none if nothing is.
+    """Command that computes a point of a scene more accurately to decide it; none if nothing does.
 
     Its distance from severe wear and its rise are in K; ``given`` are the names of conditions that
     are not the scene's own.
     """
-    bound = velocity_error(fidelity_of(sweep))
+    bound, conditions = velocity_error(attributes), attributes["conditions"]
     accuracy = _accuracy_for(bound, distance, None if bound is None else bound * rise)
-    if accuracy is None:
-        return []
-    conditions = sweep.conditions.as_dict()
-    others = {*given, *(["disk_temperature"] if "bulk_temperature" in given else [])}
-    names = {"failing_share": "share"}
-    own = {name: value for name, value in conditions.items() if names.get(name, name) not in others}
-    about = {"arguments": list(sweep.about.arguments), "name": sweep.about.name, "conditions": own}
-    return [_point(about, place, seed, accuracy, conditions)]
+    entries = {"share": ("failing_share",), "bulk_temperature": tuple(_BULKS)}
+    others = {entry for name in given for entry in entries.get(name, (name,))}
+    own = {name: value for name, value in conditions.items() if name not in others}
+    scene = {**attributes, "conditions": own}
+    return [] if accuracy is None else [_point(scene, place, seed, accuracy, conditions)]
 
 
 def _settings(attributes: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[str]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
-from functools import partial
 from importlib import resources
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import pandas as pd
 import xarray as xr
@@ -20,7 +19,7 @@ from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.difference import entries_of
-from pipeline.analysis.frames import JUDGED, agreement, compared, frames_of
+from pipeline.analysis.frames import compared, on_boundary, on_tests
 from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import frame_of, html_of, short, writable_path, write_text
@@ -37,9 +36,13 @@ from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.selection import error_in_words
 from tribo import InputError
 
+if TYPE_CHECKING:
+    from pipeline.uncertain.ensemble import Ensemble
+
 Part: TypeAlias = str | pd.DataFrame | Figure
 """A paragraph, a table or a picture of a section."""
-Section: TypeAlias = Callable[[], Iterable[Part]]
+Sections: TypeAlias = dict[str, Iterable[Part]]
+"""Parts of each section by its heading; those that compute do so as they are read."""
 
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
@@ -126,66 +129,68 @@ def report(
     return write_text(document, path)
 
 
-def body_of(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]) -> str:
+def body_of(ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]) -> str:
     """Headings, paragraphs, tables and a picture, as HTML."""
     attributes = dataset.attributes_of(ds)
     title = attributes.get("title") or attributes.get("name") or "Transition diagram"
-    sections: dict[str, Section] = {
-        **_answers(ds, conditions),
-        "Tests": partial(_tests, ds, conditions),
-        "Operating points": partial(_operating_points, ds, points, conditions),
-        "Warnings": partial(_warnings, ds, conditions),
-        "Inputs": partial(_inputs, attributes),
-        "Numerical choices and their error": partial(_fidelity, attributes),
-        "Model": lambda: [_MODEL],
-        "Versions": partial(_versions, attributes),
-        "Citation": citation,
-    }
     if dataset.is_emulated(ds):
-        sections |= sections_of_samples(ds, points, conditions)
+        answers = sections_of_samples(ds, points, changed)
+    else:
+        answers = _sections_of_points(ds, points, changed)
+    sections: Sections = answers | {
+        "Warnings": _warnings(ds, changed),
+        "Inputs": _inputs(attributes),
+        "Numerical choices and their error": _fidelity(attributes),
+        "Model": [_MODEL],
+        "Versions": _versions(attributes),
+        "Citation": citation(),
+    }
     parts = [f"<h1>{html.escape(str(title))}</h1>"]
-    for heading, write in sections.items():
-        if body := [_html(part, heading) for part in _or_reason(write)]:
+    for heading, section in sections.items():
+        if body := [_html(part, heading) for part in _or_reason(section)]:
             parts += [f"<h2>{heading}</h2>", *body]
     return "\n".join(parts)
 
 
-def _answers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> dict[str, Section]:
-    """Sections that answer: of a plane its boundary, of rows with places of their own margins."""
-
-    def drawn() -> list[Part]:
-        return [fitted(diagram(ds, **conditions), 0.17, with_title=False)]
-
-    if dataset.has_plane(ds) or dataset.is_emulated(ds):
-        return {
-            "Question and answer": partial(_question, ds, conditions),
-            "Transition diagram": drawn,
-            "Boundary in numbers": partial(_numbers, ds, conditions),
-        }
+def _sections_of_points(
+    ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
+) -> Sections:
+    """Answers of a plane by its boundary, of rows with places of their own by their margins."""
+    places = {"Operating points": _operating_points(ds, points, changed)}
+    if not dataset.has_plane(ds):
+        question = {"Question and answer": _question_of_rows(ds, changed)}
+        return question | {"Margins by row": _drawn(ds, changed)} | places
     return {
-        "Question and answer": partial(_question_of_rows, ds, conditions),
-        "Margins by row": drawn,
+        "Question and answer": _question(ds, changed),
+        "Transition diagram": _drawn(ds, changed),
+        "Boundary in numbers": _numbers(ds, changed),
+        "Tests": _tests(ds, changed),
+        **places,
     }
 
 
-def _or_reason(write: Section) -> list[Part]:
+def _drawn(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
+    yield fitted(diagram(ds, **changed), 0.17, with_title=False)
+
+
+def _or_reason(section: Iterable[Part]) -> list[Part]:
     """Parts of a section, and the reason for which the sweep has no more."""
     parts: list[Part] = []
     try:
-        parts.extend(write())
+        parts.extend(section)
     except OwnLawError:
         raise  # for a report without its answers is none
     except InputError as error:
-        parts.append(f"Not in this report: {error}.")
+        parts.append(f"Not in this report: {error}")
     return parts
 
 
 def _html(part: Part, heading: str) -> str:
-    """A table, a paragraph or a figure of a section as HTML."""
+    """A table, a sentence or a figure of a section as HTML."""
     if isinstance(part, pd.DataFrame):
         return html_of(part)
     if isinstance(part, str):
-        return f"<p>{html.escape(part)}</p>"
+        return f"<p>{html.escape(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
     return f'<figure role="img" aria-label="{heading}">{svg_of(part)}</figure>'
 
 
@@ -208,8 +213,7 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
             "What follows rests on those that are done."
         )
     boundaries = boundary(ds, **changed)
-    for judged in dict.fromkeys(conditions_of(scene, **changed) for scene in scenes(ds)):
-        yield f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}."
+    yield from _on_conditions(ds, changed)
     for values, part in parts_of(boundaries):
         entries = words(ds, dict(zip(dataset.entry_dims(ds), values, strict=True)))
         yield f"{entries}. {_answer(part)}" if entries else _answer(part)
@@ -222,9 +226,13 @@ def _question_of_rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Pa
         "Is wear of this lubricated contact mild, or is it severe adhesive wear (scuffing)? "
         f"Examined: {len(table)} places, each with a load, a velocity and entries of its own."
     )
+    yield from _on_conditions(ds, changed)
+    yield f"Answer: {in_counts(table)}"
+
+
+def _on_conditions(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[str]:
     for judged in dict.fromkeys(conditions_of(scene, **changed) for scene in scenes(ds)):
-        yield f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}."
-    yield f"Answer: {in_counts(table)}."
+        yield f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}"
 
 
 def _answer(boundaries: xr.Dataset) -> str:
@@ -247,47 +255,32 @@ def _answer(boundaries: xr.Dataset) -> str:
     return f"Answer: wear is severe {text}{median}."
 
 
-def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
-    """Tables of the boundary."""
-    boundaries = boundary(ds, **conditions)
-    yield from (short(frame, JUDGED.values()) for frame in frames_of(boundaries))
-    if missing := sum(part.attrs["missing_points"] for _, part in parts_of(boundaries)):
-        yield f"{missing} points are pending or failed and were left out."
-    if "film_parameter_at_load" in boundaries:
-        yield (
-            "Film Λ is the minimum film over Rq at the bulk temperature: below 1 boundary "
-            "lubrication, below 3 mixed, above it a full film, which the model does not have."
-        )
+def _numbers(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
+    yield from on_boundary(boundary(ds, **changed))
 
 
 def _operating_points(
-    ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]
+    ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
 ) -> Iterator[Part]:
     """Margins of operating points."""
-    table = margin_table(ds, points, **conditions)
+    table = margin_table(ds, points, **changed)
     if table.empty:
         return
-    yield short(table, LONG)
-    yield from (f"{note}." for note in notes_of(table))
+    yield from _on_points(table)
     yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
-        "many times its velocity, or its load. Where there is none, the sweep has no transition."
+        "many times its velocity, or its load. Where there is none, the sweep has no transition"
     )
 
 
-def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
+def _on_points(table: pd.DataFrame) -> Iterator[Part]:
+    yield short(table, LONG)
+    yield from notes_of(table)
+
+
+def _warnings(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     """Warnings by kind, with counts."""
-    warnings = warned(ds, **conditions)
-    if not warnings.points:
-        yield "No computed point carries a warning."
-        return
-    yield frame_of(("kind", "points"), warnings.kinds.items())
-    total = int((ds["status"] == DONE).sum())
-    beside = (
-        "" if warnings.at_boundary is None else f", {warnings.at_boundary} of them at the boundary"
-    )
-    yield f"{warnings.points} of {total} points carry a warning{beside}."
-    yield f"For example {warnings.example}"
+    yield from [*warned(ds, **changed).lines()] or ["No computed point carries a warning"]
 
 
 def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
@@ -310,19 +303,17 @@ def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
     yield f"Source: {origin} from the scene {attributes.get('name')}.toml."
 
 
-def _tests(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
+def _tests(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     """Tests of the laboratory beside what is computed at their own conditions."""
-    table = compared(ds, **conditions)
+    table = compared(ds, **changed)
     if table is None:
         return
-    yield agreement(table)
-    yield short(table, ["note"])
+    yield from on_tests(table)
     yield (
         "Each is computed at its own friction and bulk temperature. A transition agrees within two "
         "standard deviations of its velocity (5 % each if it gives none); a test agrees if its "
-        "outcome is the computed one beyond the error of the temperature."
+        "outcome is the computed one beyond the error of the temperature"
     )
-    yield from (f"{note}." for note in notes_of(table))
 
 
 def _meaning(path: str) -> str:
@@ -334,8 +325,7 @@ def _meaning(path: str) -> str:
 
 def _fidelity(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Numerical choices, and the error of the boundary that they bring."""
-    words = error_in_words(attributes)
-    yield f"{words[0].upper()}{words[1:]}."
+    yield error_in_words(attributes)
     choices = entries_of({"scene": {"fidelity": (attributes.get("scene") or {}).get("fidelity")}})
     rows = ((path.removeprefix("fidelity."), text) for path, text in choices.items())
     yield frame_of(("choice", "value"), rows)
@@ -374,47 +364,42 @@ def _line(entry: Mapping[str, Any]) -> str:
 
 def sections_of_samples(
     ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
-) -> dict[str, Section]:
-    """Sections that a sweep of samples has in place of the usual ones: answers as probabilities."""
+) -> Sections:
+    """Answers of a sweep of samples, as probabilities."""
     # With the libraries that only this needs.
     from pipeline.uncertain.answers import frame_of_lines
     from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.risks import risk_table
 
     ensemble = Ensemble.of(ds, **changed)
     lines = frame_of_lines(ensemble)
-
-    def velocity_in_words(velocity: float) -> str:
-        low, high = ensemble.velocities
-        if velocity < 0:
-            return f"below {low:.3g} m/s"
-        return f"beyond {high:.3g} m/s" if math.isinf(velocity) else f"{velocity:.3g} m/s"
-
-    def question() -> Iterator[Part]:
-        yield (
-            "At which load and sliding velocity does wear of this lubricated contact turn from "
-            "mild to severe adhesive wear (scuffing), with inputs that are not known exactly? "
-            f"{len(ensemble.inputs)} samples of them were simulated."
-        )
-        yield f"Not known exactly: {'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}."
-        words = []
-        for load, *row in dict.fromkeys(lines.iloc[[0, -1]].itertuples(index=False, name=None)):
-            low, middle, high = map(velocity_in_words, row)
-            words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
-        yield f"Answer: wear is as likely severe as mild {' and '.join(words)}."
-
-    def operating_points() -> Iterator[Part]:
-        if points is None:
-            return
-        table = risk_table(ensemble, points)
-        yield short(table, ["note"])
-        yield from (f"{note}." for note in notes_of(table))
-
+    meaning = "Velocities at which wear is severe with these probabilities"
     return {
-        "Question and answer": question,
-        "Boundary in numbers": lambda: [
-            lines,
-            "Velocities at which wear is severe with these probabilities.",
-        ],
-        "Operating points": operating_points,
+        "Question and answer": _question_of_samples(ensemble, lines),
+        "Transition diagram": _drawn(ds, changed),
+        "Boundary in numbers": [lines, meaning],
+        "Operating points": _risks(ensemble, points),
     }
+
+
+def _risks(ensemble: Ensemble, points: OperatingPoints | None) -> Iterator[Part]:
+    from pipeline.uncertain.risks import risk_table
+
+    if points is not None:
+        yield from _on_points(risk_table(ensemble, points))
+
+
+def _question_of_samples(ensemble: Ensemble, lines: pd.DataFrame) -> Iterator[Part]:
+    """Question that samples answer, and the answer in a sentence."""
+    slowest, fastest = ensemble.velocities
+    yield (
+        "At which load and sliding velocity does wear of this lubricated contact turn from "
+        "mild to severe adhesive wear (scuffing), with inputs that are not known exactly? "
+        f"{len(ensemble.inputs)} samples of them were simulated"
+    )
+    yield f"Not known exactly: {'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}"
+    words = []
+    for load, *row in dict.fromkeys(lines.iloc[[0, -1]].itertuples(index=False, name=None)):
+        beyond = {-math.inf: f"below {slowest:.3g}", math.inf: f"beyond {fastest:.3g}"}
+        low, middle, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in row)
+        words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
+    yield f"Answer: wear is as likely severe as mild {' and '.join(words)}"

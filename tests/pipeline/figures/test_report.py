@@ -63,7 +63,8 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     ensemble = samples.ensemble()
     points = OperatingPoints.read({"load [N]": [400.0, 5000.0], "velocity [m/s]": [2.2, 1.0]})
     written = sections_of_samples(samples.dataset(ensemble), points, {})
-    (_, _, question), (table, _), (risks, places) = (list(write()) for write in written.values())
+    headings = "Question and answer", "Boundary in numbers", "Operating points"
+    (_, _, question), (table, _), (risks, places) = (list(written[name]) for name in headings)
     (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
     assert middle == pytest.approx(critical, rel=0.03)
