@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from pipeline.analysis.dataset import attributes_of, has_plane
 from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import LONG, in_counts, margins_at, notes_of
-from pipeline.analysis.scenes import parts_of, words
+from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import as_dict, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
 from pipeline.analysis.warned_points import turns_left_out
@@ -27,6 +27,7 @@ from pipeline.cli.given import by_samples, conditions_in, dataset_in, operating_
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
+from pipeline.sweep.about import judged_by
 from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from tribo import InputError
@@ -159,21 +160,30 @@ def boundary(options: argparse.Namespace) -> Result:
     crossings = pipeline.boundary(ds, **conditions)
     command = _command(crossings, options.store, ds)
     cold = turns_left_out(ds, crossings, **conditions)
-    not_counted = ["", f"warning: {cold}"] if cold else []
     # Of several frictions none is that of a test which gives none.
-    one = {k: value for k, value in conditions.items() if not isinstance(value, tuple | list)}
+    one = {k: value for k, value in conditions.items() if not isinstance(value, tuple)}
     tests = frames.compared(ds, **one)
-    text = [
-        *text_of(crossings, command),
-        *not_counted,
-        *(["", *frames.on_tests(tests)] if tests is not None else []),
-        *after_boundary(attributes_of(ds), options.store),
-    ]
+    text: list[str | pd.DataFrame] = [_judged_by(options, ds, conditions)]
+    for part in frames.on_boundary(crossings):
+        text += ["", part]
+    text += ["", f"compute more of the boundary with: {command}"] if command else []
+    text += ["", f"warning: {cold}"] if cold else []
+    text += [] if tests is None else ["", *frames.on_tests(tests)]
+    text += after_boundary(attributes_of(ds), options.store)
     warned = pipeline.warned(ds, **conditions)
     document = document_of(crossings) | {"command": command, "not_counted": cold}
     if tests is not None:
         document["tests"] = as_dict(tests)
     return Result(document, text, warned, frames.frames_of(crossings))
+
+
+def _judged_by(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> str:
+    """Conditions of all scenes and frictions, in words."""
+    frictions = conditions.get("friction")
+    each = [{"friction": one} for one in frictions] if isinstance(frictions, tuple) else [{}]
+    several = (conditions_of(scene, **conditions | one) for one in each for scene in scenes(ds))
+    rate = options.wear_rate and f"; wear rate {pipeline.display(options.wear_rate, 'mm³/(N m)')}"
+    return f"{judged_by(several)}{rate or ''}"
 
 
 _IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K]"
@@ -206,15 +216,12 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
         words, outcome = outcomes(name.removeprefix("critical_")), f"outcome_at_{axis}"
         worded = np.vectorize(words.__getitem__, otypes=[object])(crossings[outcome])
         document[outcome] = worded.tolist()
+    # Of several values where scenes differ in them.
+    held = document | {"friction": frames.frictions_of(crossings)} | crossings.attrs
+    names = ("friction", *frames.JUDGED, "wear_rate")
+    conditions = {name: held[name] for name in names if name in held}
     missing = frames.missing_points(crossings)
-    return document | {"conditions": _judged_by(crossings), "missing_points": missing}
-
-
-def _judged_by(crossings: xr.Dataset) -> dict[str, Any]:
-    """Conditions, each of which has several values where scenes differ in it."""
-    by_scene = {name: values.values.tolist() for name, values in crossings.coords.items()}
-    held = by_scene | {"friction": frames.frictions_of(crossings)} | crossings.attrs
-    return {name: held[name] for name in ("friction", *frames.JUDGED, "wear_rate") if name in held}
+    return document | {"conditions": conditions, "missing_points": missing}
 
 
 def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | None:
@@ -225,34 +232,3 @@ def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | 
             if is_beyond or part["bridged_at_load"].any():
                 return more_of_boundary(ds, store, scene.attrs | {"friction": friction})
     return None
-
-
-def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str | pd.DataFrame]:
-    """Lines of text on a boundary; the command computes points that it lacks, if any."""
-    yield ", ".join(_conditions(crossings))
-    for part in frames.on_boundary(crossings):
-        yield from ("", part)
-    if command:
-        yield from ("", f"compute more of the boundary with: {command}")
-
-
-def _conditions(crossings: xr.Dataset) -> Iterator[str]:
-    """Conditions by which wear is judged, in words."""
-    conditions = _judged_by(crossings)
-
-    def worded(name: str, unit: str = "") -> str:
-        values = np.unique(conditions[name]).tolist()
-        if unit:
-            return ", ".join(pipeline.display(value, unit) for value in values)
-        return ", ".join(value if isinstance(value, str) else f"{value:g}" for value in values)
-
-    yield "friction " + ", ".join(f"{value:g}" for value in frames.frictions_of(crossings))
-    disk = "disk_temperature"
-    unequal = f" (pin) and {worded(disk, '°C')} (disk)" if disk in conditions else ""
-    yield f"bulk {worded('bulk_temperature', '°C')}{unequal}"
-    yield f"critical {worded('critical_temperature', '°C')}"
-    criterion = worded("criterion")
-    is_share = criterion == "share"
-    yield f"failing share {worded('failing_share')}" if is_share else f"criterion {criterion}"
-    if "wear_rate" in conditions:
-        yield f"wear rate {worded('wear_rate', 'mm³/(N m)')}"

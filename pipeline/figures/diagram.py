@@ -44,6 +44,7 @@ from pipeline.figures.overlays import (
 from pipeline.figures.rows import draw_rows
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
 from pipeline.store.schema import PENDING, PLANE
+from pipeline.sweep.about import judged_by
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import named
@@ -138,7 +139,7 @@ def diagram(
     _frame(axes, ds, log)
     if is_plane:
         name_regions(axes, plane, limit, ds["load"].values, tests)
-    severe = f"severe wear: {style.criterion(conditions)}; {style.heating(conditions)}"
+    severe = judged_by([conditions])
     style.legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
     return figure
 
@@ -179,7 +180,7 @@ def _of_scenes(ds: xr.Dataset, changed: Mapping[str, Any], log: bool, ax: Axes |
     entries = " and ".join(entry_dims(ds)).replace(".", " ").replace("_", " ")
     title = f"transition to severe wear, by {entries}"
     if len({judged for _, judged in several}) == 1:
-        title += f"; severe: {style.criterion(judged)}; {style.heating(judged)}"
+        title += f"; {judged_by([judged])}"
     style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 

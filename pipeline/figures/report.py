@@ -26,12 +26,12 @@ from pipeline.analysis.tables import frame_of, html_of, short, writable_path, wr
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
-from pipeline.figures.style import criterion, fitted, heating, svg_of
+from pipeline.figures.style import fitted, svg_of
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import meanings
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.about import on_plane
+from pipeline.sweep.about import judged_by, on_plane
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.selection import error_in_words
 from tribo import InputError
@@ -156,16 +156,18 @@ def _sections_of_points(
     ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
 ) -> Sections:
     """Answers of a plane by its boundary, of rows with places of their own by their margins."""
-    places = {"Operating points": _operating_points(ds, points, changed)}
     if not dataset.has_plane(ds):
-        question = {"Question and answer": _question_of_rows(ds, changed)}
-        return question | {"Margins by row": _drawn(ds, changed)} | places
+        return {
+            "Question and answer": _question_of_rows(ds, changed),
+            "Margins by row": _drawn(ds, changed),
+            "Operating points": _operating_points(ds, points, changed),
+        }
     return {
         "Question and answer": _question(ds, changed),
         "Transition diagram": _drawn(ds, changed),
         "Boundary in numbers": _numbers(ds, changed),
         "Tests": _tests(ds, changed),
-        **places,
+        "Operating points": _operating_points(ds, points, changed),
     }
 
 
@@ -213,10 +215,10 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
             "What follows rests on those that are done."
         )
     boundaries = boundary(ds, **changed)
-    yield from _on_conditions(ds, changed)
+    yield judged_by(conditions_of(scene, **changed) for scene in scenes(ds))
     for values, part in parts_of(boundaries):
         entries = words(ds, dict(zip(dataset.entry_dims(ds), values, strict=True)))
-        yield f"{entries}. {_answer(part)}" if entries else _answer(part)
+        yield f"Answer{entries and ' for '}{entries}: {_answer(part)}"
 
 
 def _question_of_rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
@@ -226,13 +228,8 @@ def _question_of_rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Pa
         "Is wear of this lubricated contact mild, or is it severe adhesive wear (scuffing)? "
         f"Examined: {len(table)} places, each with a load, a velocity and entries of its own."
     )
-    yield from _on_conditions(ds, changed)
+    yield judged_by(conditions_of(scene, **changed) for scene in scenes(ds))
     yield f"Answer: {in_counts(table)}"
-
-
-def _on_conditions(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[str]:
-    for judged in dict.fromkeys(conditions_of(scene, **changed) for scene in scenes(ds)):
-        yield f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}"
 
 
 def _answer(boundaries: xr.Dataset) -> str:
@@ -246,13 +243,13 @@ def _answer(boundaries: xr.Dataset) -> str:
     if not crossings.size:
         codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
         words = " or ".join(outcomes("velocity")[code] for code in codes)
-        return f"Answer: no transition is known among the points computed: {words}."
+        return f"no transition is known among the points computed: {words}"
     places = [crossings[0], crossings[-1]] if crossings.size > 1 else [crossings[0]]
     text = " and ".join(
         f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places
     )
     median = f", the median of {boundaries.sizes[axis]} surfaces" if axis else ""
-    return f"Answer: wear is severe {text}{median}."
+    return f"wear is severe {text}{median}"
 
 
 def _numbers(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:

@@ -17,6 +17,7 @@ from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margins import frame_of_rows, labels_of_rows, rows_of
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, PURPLE, TINTS, VERMILION
+from pipeline.sweep.about import judged_by
 from pipeline.sweep.variants import PLACE
 from tribo import InputError
 
@@ -64,11 +65,8 @@ def draw_rows(
         shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
         panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
     judged = {row.conditions for row in rows}
-    said = (
-        f"severe wear: {style.criterion(rows[0].conditions)}; {style.heating(rows[0].conditions)}"
-    )
     handles = [handle for one in panels for handle in one.get_legend_handles_labels()[0]]
-    title = said if len(judged) == 1 else "severe wear: by the conditions of each row"
+    title = judged_by(judged) if len(judged) == 1 else "severe wear: by the conditions of each row"
     style.legend_below(figure, ax, handles=handles, ncols=3, title=title, title_fontsize=9.5)
     return figure
 

@@ -144,12 +144,6 @@ def celsius(temperature: Any) -> Any:
     return temperature - 273.15
 
 
-def criterion(conditions: Conditions) -> str:
-    """Criterion of severe wear in words, such as "more than 10 % of the contact above 145 °C"."""
-    critical = celsius(conditions.known_critical_temperature())
-    return f"{conditions.decisive.severe} {critical:g} °C"
-
-
 def heating(conditions: Conditions) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
     return " ".join(next(on_conditions(conditions)))

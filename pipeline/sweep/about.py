@@ -127,8 +127,19 @@ def on_conditions(conditions: Conditions) -> Iterator[Line]:
     if conditions.corrections:
         yield "besides", conditions.corrections.worded
     if conditions.critical_temperature is not None:
-        critical = f"{conditions.critical_temperature - 273.15:g} °C"
-        yield "severe", f"{conditions.decisive.severe} {critical}"
+        yield "severe", _severe(conditions)
+
+
+def judged_by(several: Iterable[Conditions]) -> str:
+    """Say in a line when wear is severe under some conditions, each part of them once."""
+    each = [(_severe(one), " ".join(next(on_conditions(one)))) for one in several]
+    severe, heat = (" or ".join(dict.fromkeys(part)) for part in zip(*each, strict=True))
+    return f"severe wear: {severe}; {heat}"
+
+
+def _severe(conditions: Conditions) -> str:
+    critical = conditions.known_critical_temperature() - 273.15
+    return f"{conditions.decisive.severe} {critical:g} °C"
 
 
 def on_point(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Line]:

@@ -216,7 +216,7 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     title = pipeline.plot(swept, "diagram", friction=0.12).legends[0].get_title().get_text()
     assert "friction 0.12, bulk 25" in title
     irg("report", swept, "-o", folder / "r.html")
-    assert "pin.radius 4 mm. Answer: " in (folder / "r.html").read_text()
+    assert "Answer for pin.radius 4 mm: " in (folder / "r.html").read_text()
     for words in (
         ("plot", "--kind", "temperature"),
         ("diff", swept),

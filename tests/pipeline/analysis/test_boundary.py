@@ -7,9 +7,9 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, refined
-from pipeline.analysis.frames import frames_of
+from pipeline.analysis.frames import frames_of, on_boundary
 from pipeline.analysis.transition import crossing
-from pipeline.cli.margins import document_of, text_of
+from pipeline.cli.margins import document_of
 from pipeline.cli.output import lines_in
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
@@ -26,7 +26,7 @@ def sweep():
 
 
 def said(crossings):
-    return [*lines_in(text_of(crossings))]
+    return [*lines_in(on_boundary(crossings))]
 
 
 def curved(load, velocity, quantile=1.0):

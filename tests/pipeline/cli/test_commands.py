@@ -72,7 +72,7 @@ def test_boundary_moves_with_the_conditions_given(store, irg):
         at_600[1]
     )
     said = irg("boundary", store)
-    assert "friction 0.1, bulk 25 °C, critical 145 °C, failing share 0.1" in said
+    assert "more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C" in said
     assert "critical velocity [m/s]" in said
 
 
