@@ -77,12 +77,10 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
     except KeyboardInterrupt:
         output.complain(f"interrupted{safe}{safe and ': run the same command again to go on'}")
         return output.INTERRUPTED
-    except pipeline.StoreMismatchError as error:
-        output.complain(str(error))
-        return output.OTHER_SCENE
     except TriboError as error:
         output.complain(str(error))
-        return output.WRONG_USE
+        is_of_other = isinstance(error, pipeline.StoreMismatchError)
+        return output.OTHER_SCENE if is_of_other else output.WRONG_USE
     except BrokenPipeError:
         sys.stderr.close()
         return output.DONE

@@ -47,7 +47,8 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
 
 def flags_of(names: Iterable[str]) -> str:
     """Options as they are typed, one after the other."""
-    return ", ".join(f"--{name.replace('_', '-')}" for name in names)
+    typed = ("for" if name == "target" else name.replace("_", "-") for name in names)
+    return ", ".join(f"--{name}" for name in typed)
 
 
 def beside(store: Path | str, ending: str) -> Path:

@@ -30,9 +30,6 @@ from tribo import InputError, Ramp, measures, specific_wear_rate
 if TYPE_CHECKING:
     from pipeline.run.inference import CriticalTemperatures  # with Dask
 
-_MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
-"""Share by which more elements of so many pixels touch than the pixels do [%]."""
-
 
 def point(options: argparse.Namespace) -> Result:
     """Simulate one point."""
@@ -115,9 +112,10 @@ def _on_point(
     yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.scene.roughness is not None:
-        more = _MORE_AREA.get(block)
-        beside = f", which touch on {more} % more than pixels in the paper's system" if more else ""
-        yield f"note: area and pressure are those of elements of {block} × {block} pixels{beside}"
+        yield (
+            f"note: area and pressure are those of elements of {block} × {block} pixels, more of "
+            "which touch"
+        )
     if velocity < 0:
         yield "note: the velocity is negative, so the disk slides towards −x"
     yield from (f"note: {note}" for note in sweep.about.notes)
@@ -130,35 +128,36 @@ def _on_point(
 
 def infer(options: argparse.Namespace) -> Result:
     """Infer a critical temperature, a wear rate, or all unknown inputs."""
-    if stores := [path for path in options.scene if path.is_dir()]:
-        if others := [path for path in options.scene if path not in stores]:
-            raise InputError(
-                f"{others[0]} is not a store, as the others are; give stores of samples alone, or "
-                "one scene"
-            )
-        _require_as_stored(options, stores[0])
-        return posterior(options, stores)
-    scene, *others = options.scene
-    if others:
-        raise InputError(f"{others[0]} is not a store; give one scene, or several stores")
-    bulks = options.bulk_temperature or [None]
-    options.scene, options.bulk_temperature = scene, bulks[0]
-    # Several bulk temperatures are to choose from: those of a test to plan, of samples.
-    sweep = one_scene_in(options) if len(bulks) == 1 else None
-    if sweep is None or (sweep.variants.draw and options.contact_width is None):
-        store = Path("results") / f"{scene.stem}.zarr"
-        if not store.exists():
-            raise InputError(
-                f"the samples of {scene} are not computed; run irg run {scene}, then irg infer "
-                "with the store that it wrote"
-            )
-        _require_as_stored(options, store)
+    stores = [path for path in options.scene if path.is_dir()]
+    scenes = [path for path in options.scene if path not in stores]
+    if scenes[1:] or (scenes and stores):
+        raise InputError(f"{scenes[-1]} is not a store; give stores of samples alone, or one scene")
+    if scenes:
+        (options.scene,), bulks = scenes, options.bulk_temperature or [None]
+        options.bulk_temperature = bulks[0]
+        # Several bulk temperatures are to choose from: those of a test to plan, of samples.
+        sweep = one_scene_in(options) if len(bulks) == 1 else None
+        if sweep is not None and (options.contact_width is not None or not sweep.variants.draw):
+            return _of_scene(options, sweep)
         options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
-        return posterior(options, [store])
-    if given := values_in(options, "next", "until", "target", "scatter", "discrepancy", "at"):
-        flags = flags_of(["for" if name == "target" else name for name in given])
+        stores = [Path("results") / f"{options.scene.stem}.zarr"]
+        if not stores[0].exists():
+            raise InputError(
+                f"the samples of {options.scene} are not computed; run irg run {options.scene}, "
+                "then irg infer with the store that it wrote"
+            )
+    if names := values_in(options, "contact_width", "duration", "preset", "set", *PLACE):
         raise InputError(
-            f"{flags} needs samples of unknown inputs: give [unknown] and "
+            f"the samples of {stores[0]} stay as they were computed; leave out {flags_of(names)}"
+        )
+    return posterior(options, stores)
+
+
+def _of_scene(options: argparse.Namespace, sweep: Sweep) -> Result:
+    """Wear rate from a contact width, or critical temperature from transitions or tests."""
+    if given := values_in(options, "next", "until", "target", "scatter", "discrepancy", "at"):
+        raise InputError(
+            f"{flags_of(given)} needs samples of unknown inputs: give [unknown] and "
             "sweep.samples in the scene"
         )
     if options.output is not None:
@@ -167,7 +166,7 @@ def infer(options: argparse.Namespace) -> Result:
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
-        raise InputError(f"{flags_of([*ignored])} belongs to --contact-width, which is not given")
+        raise InputError(f"{flags_of(ignored)} belongs to --contact-width, which is not given")
     tested = () if sweep.about.measured else sweep.about.tested
     if tested:
         sweep = sweep.changed(measured=tested)
@@ -177,69 +176,45 @@ def infer(options: argparse.Namespace) -> Result:
         )
     frame = _transitions(inferred)
     if tested:
-        outcomes = [str(test.outcome) for test in tested]
-        return _of_tests(inferred, outcomes, sweep.about.name, frame)
-    return Result(inferred.as_dict(), _on_temperatures(inferred, frame), frames=[frame])
+        return _of_tests(inferred, [str(test.outcome) for test in tested], frame)
+    measured = counted(len(frame), "measured transition", "measured transitions")
+    several = f" on {len(inferred.surfaces)} surfaces" if len(inferred.surfaces) > 1 else ""
+    apart = f", {inferred.spread:.1f} K apart (standard deviation)" if inferred.spread else ""
+    text = [
+        f"critical temperature from {measured}{several}: {inferred.criterion.temperature}",
+        short(frame),
+        f"on average {pipeline.display(inferred.mean, '°C', 4)}{apart}",
+    ]
+    return Result(inferred.as_dict(), text, frames=[frame])
 
 
-def _of_tests(
-    at_tests: CriticalTemperatures, outcomes: list[str], name: str, frame: pd.DataFrame
-) -> Result:
-    """Bounds of the critical temperature from tests, and the lines that would say more.
+def _of_tests(at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame) -> Result:
+    """Bounds of the critical temperature from tests.
 
     A test that stayed mild was colder than the critical temperature, one that turned severe hotter.
     """
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
+    above, below = (end and pipeline.display(end, "°C", 4) for end in (low, high))
+    if low is None or high is None:
+        said = f"the critical temperature is {'below' if low is None else 'above'} {above or below}"
+    elif low < high:
+        said = f"the critical temperature is between {above} and {below}"
+    else:
+        said = f"the tests contradict each other: mild up to {above}, severe from {below} on"
     frame.insert(3, "outcome", outcomes)
     frame = frame.rename(columns={"critical temperature [°C]": "temperature [°C]"})
-    text: list[str | pd.DataFrame] = [
+    text = [
         f"temperature of {counted(len(outcomes), 'test', 'tests')}, below the critical "
         "temperature where wear stayed mild, above it where wear turned severe:",
         short(frame),
+        said,
+        "for the probability of each value give temperature.critical a range under [unknown], and "
+        "samples under [sweep]: irg help your-tests",
     ]
-    above, below = (None if end is None else pipeline.display(end, "°C", 4) for end in (low, high))
-    if low is None or high is None:
-        text.append(
-            f"the critical temperature is {f'below {below}' if low is None else f'above {above}'}"
-        )
-    elif low < high:
-        text.append(f"the critical temperature is between {above} and {below}")
-    else:
-        text.append(f"the tests contradict each other: mild up to {above}, severe from {below} on")
-    known = [end - 273.15 for end in (low, high) if end is not None]
-    first, last = round(min(known) / 10 - 4) * 10, round(max(known) / 10 + 4) * 10
-    toml = [
-        "[unknown]",
-        f'"temperature.critical" = {{ from = "{first} degC", to = "{last} degC" }}',
-    ]
-    text += [
-        "", "for the probability of each value, with the scatter of tests, add to the scene:", "",
-        *toml, "", f"and samples = 64 in [sweep]; then irg run {name}.toml, irg infer {name}.toml",
-    ]  # fmt: skip
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
-    return Result(document | {"toml": "\n".join(toml)}, text, frames=[frame])
-
-
-def _require_as_stored(options: argparse.Namespace, store: Path) -> None:
-    """Refuse options of a scene, where its samples are read from a store."""
-    if names := values_in(options, "contact_width", "duration", "preset", "set", *PLACE):
-        raise InputError(
-            f"the samples of {store} stay as they were computed; leave out {flags_of([*names])}"
-        )
-
-
-def _on_temperatures(
-    inferred: CriticalTemperatures, frame: pd.DataFrame
-) -> Iterator[str | pd.DataFrame]:
-    """Sentences and a frame on critical temperatures, a row for each measured transition."""
-    measured = counted(len(inferred.transitions), "measured transition", "measured transitions")
-    several = f" on {len(inferred.surfaces)} surfaces" if len(inferred.surfaces) > 1 else ""
-    yield f"critical temperature from {measured}{several}: {inferred.criterion.temperature}"
-    yield short(frame)
-    apart = f", {inferred.spread:.1f} K apart (standard deviation)" if inferred.spread else ""
-    yield f"on average {pipeline.display(inferred.mean, '°C', 4)}{apart}"
+    return Result(document, text, frames=[frame])
 
 
 def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:

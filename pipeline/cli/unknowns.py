@@ -159,7 +159,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
         f"{next_tests([options.store], options.scatter, given.at_in(options), target)}",
     ]
     draw = partial(pipeline.draw_sensitivity, indices, samples.ensemble.title)
-    document = samples.about() | indices.as_dict()
+    document = samples.as_dict() | indices.as_dict()
     return Result(document, text, pipeline.warned(ds), [frame], draw)
 
 
@@ -212,13 +212,10 @@ class Samples(NamedTuple):
         return self.posterior.draws if self.posterior else None
 
     def as_dict(self) -> dict[str, Any]:
-        """What every answer of samples says of them, as plain data."""
-        return {"given_measured": self.posterior is not None, **self.about()}
-
-    def about(self) -> dict[str, Any]:
-        """Samples and inputs, as plain data."""
+        """What every answer of samples says of them and of their inputs, as plain data."""
         ensemble = self.ensemble
         return {
+            "given_measured": self.posterior is not None,
             "samples": len(ensemble.inputs),
             "samples_left_out": ensemble.missing,
             "unknown": [one.as_dict() for one in ensemble.unknown],

@@ -158,29 +158,25 @@ def criterion(text: str) -> str:
 
 def settings(text: str) -> tuple[str, list[Any]]:
     """Read ``KEY=VALUE,VALUE``, the values as in `setting`."""
-    key, separator, values = text.partition("=")
-    if not (separator and key and values):
-        raise Refused(f'"{text}" has no values; give some, like friction.coefficient=0.08,0.12')
-    return key, [setting(f"{key}={value.strip()}")[1] for value in values.split(",")]
+    key, values = pair(text, like="friction.coefficient=0.08,0.12")
+    return key, [setting(f"{key}={value}")[1] for value in values.split(",")]
 
 
 def setting(text: str) -> tuple[str, Any]:
     """Read ``KEY=VALUE``, the value as in a scene file; text needs no quotes."""
-    key, separator, value = text.partition("=")
-    if not (separator and key and value):
-        raise Refused(f'"{text}" is not a setting; give one like increments=50')
+    key, value = pair(text, like="increments=50")
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         return key, value
 
 
-def pair(text: str) -> tuple[str, str]:
+def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]:
     """Read ``NAME=TEXT``."""
-    name, separator, value = text.partition("=")
-    if not (name.strip() and separator and value.strip()):
-        raise Refused(f'"{text}" is not a pair; give one like "load=Normalkraft F_N / N"')
-    return name.strip(), value.strip()
+    name, separator, value = map(str.strip, text.partition("="))
+    if not (name and separator and value):
+        raise Refused(f'"{text}" has no name and value; give both, like {like}')
+    return name, value
 
 
 def word(text: str) -> tuple[str, str]:

@@ -17,7 +17,7 @@ from scipy.special import ndtr
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
-from pipeline.cli.given import at_in, criterion_in, values_in
+from pipeline.cli.given import at_in, criterion_in, flags_of, values_in
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, rounded, working
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
@@ -31,14 +31,14 @@ from tribo import InputError
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
 _SURE = math.log(1000.0)  # from which a power of ten will do
+_AT = "prior", "posterior"
 
 
 def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     """Print and draw the inputs as the tests leave them, and the tests to make next."""
-    belonging = {"for": options.target, "until": options.until}
-    belonging["bulk-temperature"] = options.bulk_temperature
-    if options.next is None and (given := [name for name, value in belonging.items() if value]):
-        raise InputError(f"--{given[0]} belongs to --next, which is not given")
+    given = values_in(options, "target", "until", "bulk_temperature")
+    if given and options.next is None:
+        raise InputError(f"{flags_of(given)} belongs to --next, which is not given")
     if any(isinstance(bulk, dict) for bulk in options.bulk_temperature or ()):
         raise InputError(
             "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
@@ -158,8 +158,7 @@ def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:
         value = f"{mean.of(float(best)):g}{mean.suffix}"
         return unknown.path, f"one of {len(odds)}", f"{value} likeliest, {odds[best]:.2f}", ""
     before, after = (
-        f"{mean.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"
-        for name in ("prior", "posterior")
+        f"{mean.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}" for name in _AT
     )
     within = " to ".join(f"{mean.of(value):.4g}" for value in row["posterior"]["interval"])
     unit = mean.suffix if spread == mean else f"{mean.suffix}, ± in{spread.suffix}"
@@ -168,11 +167,13 @@ def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:
 
 def _in_si(weighed: Posterior) -> pd.DataFrame:
     """Mean and spread of each input before and after, in SI."""
-    words = {"prior": "before", "posterior": "after"}
-    moments = [(name, moment) for name in words for moment in ("mean", "sd")]
-    heads = "input", "unit", *(f"{words[name]} {moment}" for name, moment in moments)
+    heads = "input", "unit", "before mean", "before sd", "after mean", "after sd"
     rows = (
-        (row["path"], row["unit"], *(row[name].get(moment) for name, moment in moments))
+        (
+            row["path"],
+            row["unit"],
+            *(row[at].get(moment) for at in _AT for moment in ("mean", "sd")),
+        )
         for row in weighed.summary()
     )
     return frame_of(heads, rows)

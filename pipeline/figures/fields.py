@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.dataset import corrected_field, drawn_row, one_row
 from pipeline.analysis.decisive import conditions_of, decisive_rise
+from pipeline.analysis.transition import UNITS
 from pipeline.figures import style
 from pipeline.scene.units import in_si
 from pipeline.sweep.conditions import Conditions
@@ -20,6 +21,8 @@ from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from tribo import InputError
 from tribo.types import Array, Mask
+
+_LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
 class PendingError(InputError):
@@ -40,10 +43,7 @@ def chosen_points(
             "no point of the sweep is done yet; go on with irg run, "
             "with --retry-failed if points failed"
         )
-    loads = [_index(ds, "load", "N", value) for value in _several("load", load, "600 N")]
-    velocities = [
-        _index(ds, "velocity", "m/s", value) for value in _several("velocity", velocity, "1.5 m/s")
-    ]
+    loads, velocities = indices(ds, "load", load), indices(ds, "velocity", velocity)
     points = []
     for i in loads or [int(np.flatnonzero(is_finite.any(axis=1))[-1])]:
         require_done_at(ds["load"].values[i], is_finite[i])
@@ -69,32 +69,20 @@ def require_done_at(load: float, is_done: Mask) -> None:
         )
 
 
-def index_of_load(ds: xr.Dataset, load: float | str | None) -> int:
-    """Find the index of a load; of the highest if none is given."""
-    if load is None:
-        return int(ds.sizes["load"]) - 1
-    return _index(ds, "load", "N", in_si("load", load, "600 N"))
-
-
-def _several(
-    name: str, values: float | str | Iterable[float | str] | None, like: str
-) -> list[float]:
-    """Read one quantity or several."""
-    if values is None:
-        return []
-    several = np.atleast_1d(np.asarray(values, dtype=object)).tolist()
-    return [in_si(name, value, like) for value in several]
-
-
-def _index(ds: xr.Dataset, axis: str, unit: str, value: float) -> int:
-    available = ds[axis].values
-    nearest = int(np.abs(available - value).argmin())
-    if not math.isclose(available[nearest], value, rel_tol=1e-9):
-        raise InputError(
-            f"{axis} is {value:g} {unit}, which the sweep does not hold; the nearest is "
-            f"{available[nearest]:g} {unit}"
-        )
-    return nearest
+def indices(
+    ds: xr.Dataset, axis: str, values: float | str | Iterable[float | str] | None
+) -> list[int]:
+    """Find the indices of one load or velocity or several; none if none is given."""
+    several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
+    available, found = ds[axis].values, []
+    for value in (in_si(axis, value, _LIKE[axis]) for value in several):
+        found.append(int(np.abs(available - value).argmin()))
+        if not math.isclose(available[found[-1]], value, rel_tol=1e-9):
+            raise InputError(
+                f"{axis} is {value:g} {UNITS[axis]}, which the sweep does not hold; the nearest is "
+                f"{available[found[-1]]:g} {UNITS[axis]}"
+            )
+    return found
 
 
 def point_name(ds: xr.Dataset, point: tuple[int, int]) -> str:

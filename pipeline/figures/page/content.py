@@ -41,7 +41,7 @@ from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion
-from tribo.types import Array, Mask
+from tribo.types import Array, Indices, Mask
 
 MOST_FIELDS = 500
 """Number of points whose fields a page holds unless told otherwise, some 5 MB."""
@@ -73,17 +73,16 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     stored, rates = _wear_rates(rows)
     done = values_of(ds, "status") == DONE
-    systems = [corrected_sweep(at_wear_rate(rows, rate), conditions) for rate in rates or (None,)]
+    systems = (corrected_sweep(at_wear_rate(rows, rate), conditions) for rate in rates or (None,))
     tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
+    # By load, velocity, wear rate, bulk ratio, share or quantile, and step.
+    deciding, quantiles = (np.stack(parts, axis=-4) for parts in zip(*tables, strict=True))
     own = stored, ratios.index(0.0), shares.index(conditions.failing_share)
-    deciding, ends = tables[stored][0][..., own[1], own[2]], ds["load"].values[:, None, None]
+    load = values_of(ds, "normal_load")[..., None, None, None, :]
+    worst = worst_moment(deciding, load, ds["load"].values[:, None, None, None, None, None])
+    decisive = np.where(done[..., None, None, None], _at_step(deciding, worst), np.nan)
     # The step at which each point is shown is the one that decides.
-    steps = worst_moment(deciding, values_of(ds, "normal_load"), ends)[..., None]
-    rises = [
-        np.take_along_axis(quantiles, steps[..., None, None], axis=-3)[..., 0, :, :]
-        for _, quantiles in tables
-    ]
-    decisive = np.stack([_at_worst(table, ds) for table, _ in tables], axis=-3)
+    steps = worst[..., own[0], own[1], own[2]]
     has_heat = attributes.get("scene", {}).get("friction_heat", True)
     has_fields = set(FIELDS) <= set(ds.data_vars)
     chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
@@ -97,11 +96,11 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         ],
         "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
         "deciding": conditions.decisive.temperature,
-        "times": packed_array(np.take_along_axis(values_of(ds, "time"), steps, axis=-1), "<f4"),
+        "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
         "wear_rates": rates,
         "bulk_ratios": ratios,
         "shares": shares,
-        "rises": packed_array(np.stack(rises, axis=-3), "<f4"),
+        "rises": packed_array(_at_step(quantiles, steps[..., None, None, None]), "<f4"),
         **_planes(decisive, ds, own),
         "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
@@ -210,26 +209,21 @@ def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
 def _tables(
     ds: xr.Dataset, criterion: Criterion, ratios: list[float], shares: list[float]
 ) -> tuple[Array, Array]:
-    """Deciding rises by share, and quantiles, by load, velocity, step and bulk ratio [K]."""
+    """Deciding rises by share, and quantiles, by load, velocity, bulk ratio, these and step [K]."""
     names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
     columns = {name: values_of(ds, name) for name in names if name in ds}
     quantile = {"quantile": ds["cooler_share"].values}
     at_ratios = [{**above_colder(columns, ratio), **quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
-    decisive = [np.stack([one.rise(rises) for one in criteria], axis=-1) for rises in at_ratios]
-    quantiles = [rises["rise_quantile"] for rises in at_ratios]
-    return np.stack(decisive, axis=-2), np.stack(quantiles, axis=-2)
+    deciding = [np.stack([one.rise(rises) for one in criteria], axis=-2) for rises in at_ratios]
+    quantiles = [np.swapaxes(rises["rise_quantile"], -1, -2) for rises in at_ratios]
+    return np.stack(deciding, axis=-3), np.stack(quantiles, axis=-3)
 
 
-def _at_worst(decisive: Array, ds: xr.Dataset) -> Array:
-    """Deciding rise of each point, by load, velocity, bulk ratio and share; NaN if not done [K]."""
-    by_step = np.moveaxis(decisive, -3, -1)
-    loads = ds["load"].values[:, None, None, None, None]
-    worst = worst_moment(by_step, values_of(ds, "normal_load")[..., None, None, :], loads)
-    rises = np.take_along_axis(by_step, worst[..., None], axis=-1)[..., 0]
-    done = (values_of(ds, "status") == DONE)[..., None, None]
-    result: Array = np.where(done, rises, np.nan)
-    return result
+def _at_step(values: Array, steps: Indices) -> Array:
+    """Values at a step of each point, along the last axis."""
+    chosen: Array = np.take_along_axis(values, steps[..., None], axis=-1)[..., 0]
+    return chosen
 
 
 def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str, Any]:

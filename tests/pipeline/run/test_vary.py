@@ -133,7 +133,7 @@ def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, irg
         ("wear.pattern=+20%", "no number there"),
         ("pin.radius=-2 mm", "out of range"),
         ("pin.radis=1 mm", "unknown key"),
-        ("pin.radius", "has no values"),
+        ("pin.radius", "has no name and value"),
         ("friction.coefficient=0", "without friction"),
     ],
 )
