@@ -6,6 +6,7 @@ was. Files are those of two stores, with fields and without; each kind of file i
 """
 
 import contextlib
+import functools
 import io
 import json
 import shutil
@@ -20,7 +21,7 @@ from pipeline.cli import main as irg
 from pipeline.store import verify as verifying
 from pipeline.store.place import ROOT
 from tests.crash.loop import PATIENCE, Forked, code_of, differing, places
-from tests.crash.sweeps import STAGES
+from tests.crash.sweeps import EXPECTED, STAGES
 
 TRIALS = 300
 MISTAKE = "unchecked"
@@ -102,8 +103,8 @@ class _Whole:
         name = "fields" if fields else "plain"
         self.path, self.older = run.folder / f"{name}.zarr", run.folder / f"{name}.older.zarr"
         self.log = run.folder / f"acknowledged {name}"
-        self.expected, self._sweep = run.expected, STAGES[-1].changed(fields=fields)
-        self._records = run.expected.records(self._sweep)
+        self._sweep = STAGES[-1].changed(fields=fields)
+        self._records = EXPECTED.records(self._sweep)
         self._begin()
         self.resume(self.path)
         self.files: dict[str, list[Path]] = {}
@@ -133,7 +134,7 @@ class _Whole:
         with pipeline.open_sweep(path) as ds:
             arrays = {name: ds[name].values for name in ds.data_vars}
             for index, point in places(ds):
-                names = list(differing(arrays, index, self.expected(point)))
+                names = list(differing(arrays, index, EXPECTED(point)))
                 if arrays["status"][index] != 1 or names:
                     yield f"{point}: {names} differ"
         if called("verify", path)[0] != 0:
@@ -166,14 +167,15 @@ def _faults_of(path, whole, is_verified):
 
 def campaign(run):
     """Damage so many files, the one after the other."""
-    stores = [_Whole(run, fields) for fields in (True, False)]
+    whole_store = functools.cache(lambda fields: _Whole(run, fields))
     # Most other damage is noticed by the codec already.
     kinds = (_swapped,) if run.mistake else _KINDS
     # Checksums of points are left unread.
     wrong = mock.patch.object(verifying, "_OTHER", "") if run.mistake else nullcontext()
     with wrong:
         for number in range(run.count):
-            whole, kind = stores[0 if run.mistake else number % 2], run.chance.choice(kinds)
+            whole = whole_store(bool(run.mistake) or number % 2 == 0)
+            kind = run.chance.choice(kinds)
             # Chunks of fields are those of single points.
             among = ["pressure"] if run.mistake else sorted(whole.files)
             file = run.chance.choice(whole.files[run.chance.choice(among)])

@@ -11,10 +11,10 @@ from tests.helpers import tiny
 _FIRST = tiny.full(
     loading=tiny.SlowRamp(150.0, 750.0),
     loads=(150.0, 600.0),
-    velocities=tuple(np.linspace(0.5, 1.5, 12).tolist()),
+    velocities=tuple(np.linspace(0.5, 1.5, 6).tolist()),
 )
 _LONGER = _FIRST.changed(loads=(150.0, 600.0, 900.0))  # by some steps
-_WIDER = _LONGER.changed(velocities=tuple(np.linspace(0.5, 1.5, 23).tolist()))
+_WIDER = _LONGER.changed(velocities=tuple(np.linspace(0.5, 1.5, 11).tolist()))
 STAGES = (_FIRST, _LONGER, _WIDER)
 """The same sweep, asked for more and more."""
 FAILING = Point(600.0, 1.5)
@@ -43,6 +43,10 @@ class Expected:
     def records(self, sweep):
         """Records of all points of a sweep, as its workers return them."""
         return {point: self(point).record(sweep.record.fields) for point in points(sweep)}
+
+
+EXPECTED = Expected(STAGES[-1])
+"""Results of the points of all stages."""
 
 
 def record_of(records, sweep, point):
