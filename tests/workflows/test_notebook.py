@@ -6,15 +6,24 @@ from pathlib import Path
 import pytest
 
 import pipeline
+from tests.helpers.samples import fewer_draws
 
 nbclient = pytest.importorskip("nbclient")
 nbformat = pytest.importorskip("nbformat")
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
-NOTEBOOK = WORKFLOWS / "uncertain.ipynb"
+UNCERTAIN = "uncertain.ipynb"
 SHORT = ["first_diagram.ipynb", "stations.ipynb"]
+NAMES = [UNCERTAIN, *SHORT]
+FEWER = f"""
+import sys
+sys.path.insert(0, {str(WORKFLOWS.parent)!r})
+import pytest
+from tests.helpers.samples import fewer_draws
+fewer_draws(pytest.MonkeyPatch())
+"""
 
 
-@pytest.mark.parametrize("name", [NOTEBOOK.name, *SHORT])
+@pytest.mark.parametrize("name", NAMES)
 def test_a_notebook_is_kept_without_what_it_printed(name):
     cells = json.loads((WORKFLOWS / name).read_text(encoding="utf-8"))["cells"]
     code = [cell for cell in cells if cell["cell_type"] == "code"]
@@ -22,18 +31,34 @@ def test_a_notebook_is_kept_without_what_it_printed(name):
     assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
 
 
-def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test(tmp_path):
-    notebook = nbformat.read(NOTEBOOK, as_version=4)
-    first = next(cell for cell in notebook.cells if cell.cell_type == "code")
+@pytest.fixture(scope="module")
+def executed(tmp_path_factory):
+    """The folder in which they ran, of all the same, and the outputs of each: in one kernel."""
+    read = {name: nbformat.read(WORKFLOWS / name, as_version=4) for name in NAMES}
+    first = next(cell for cell in read[UNCERTAIN].cells if cell.cell_type == "code")
     assert "SAMPLES = 128" in first.source
-    first.source = first.source.replace("SAMPLES = 128", "SAMPLES = 16")
-    folder = {"metadata": {"path": str(tmp_path)}}  # any one, without the scenes
-    nbclient.NotebookClient(notebook, timeout=200, startup_timeout=60, resources=folder).execute()
-    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    first.source = f"{FEWER}\n{first.source}".replace("SAMPLES = 128", "SAMPLES = 16")
+    together = read[UNCERTAIN].copy()
+    together.cells = [cell for name in (*SHORT, UNCERTAIN) for cell in read[name].cells]
+    folder = tmp_path_factory.mktemp("notebooks")  # without the scenes
+    resources = {"metadata": {"path": str(folder)}}
+    nbclient.NotebookClient(
+        together, timeout=200, startup_timeout=60, resources=resources
+    ).execute()
+    outputs = {
+        name: [output for cell in read[name].cells for output in cell.get("outputs", [])]
+        for name in NAMES
+    }
+    return folder, outputs
+
+
+def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test(executed, monkeypatch):
+    folder, outputs = executed[0], executed[1][UNCERTAIN]
+    fewer_draws(monkeypatch)
     printed = "".join(output.text for output in outputs if output.output_type == "stream")
     figures = [output for output in outputs if "image/png" in output.get("data", {})]
     assert len(figures) == 4
-    ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
+    ensemble = pipeline.Ensemble.of(pipeline.open_sweep(folder / "results" / "uncertain.zarr"))
     prior = pipeline.risk(ensemble, 400.0, 2.0)
     assert f"{prior.probability:.2f} ± {prior.error:.2f}\n" in printed
     posterior = pipeline.risk(ensemble, 400.0, 2.0, pipeline.posterior(ensemble).draws)
@@ -44,15 +69,11 @@ def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test(tmp_path
     assert printed.count("% instead of ±") == 6
 
 
-def test_the_short_notebooks_keep_their_assertions(tmp_path):
-    """In one kernel, which imports once."""
-    both = [nbformat.read(WORKFLOWS / name, as_version=4) for name in SHORT]
-    assert all(sum("assert " in cell.source for cell in one.cells) >= 2 for one in both)
-    notebook = both[0].copy()
-    notebook.cells = [cell for one in both for cell in one.cells]
-    folder = {"metadata": {"path": str(tmp_path)}}  # any one, without the scenes
-    nbclient.NotebookClient(notebook, timeout=200, startup_timeout=60, resources=folder).execute()
-    first, stations = (str([cell.get("outputs", []) for cell in one.cells]) for one in both)
+def test_the_short_notebooks_keep_their_assertions(executed):
+    for name in SHORT:
+        source = (WORKFLOWS / name).read_text(encoding="utf-8")
+        assert source.count("assert ") >= 2
+    first, stations = (str(executed[1][name]) for name in SHORT)
     assert "image/png" in first
     assert "image/png" in stations
     assert "/status" in stations  # the link of the dashboard

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pipeline
 from pipeline.cli import main
+from pipeline.uncertain import next_tests, sensitivity
 from tests.helpers.samples import fewer_draws
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
-FEW = ["--set", "sweep.samples=64", "--set", 'sweep.loads=["200 N", "400 N", "750 N"]', "-q"]
+FEW = ["--set", "sweep.samples=16", "--set", 'sweep.loads=["200 N", "400 N", "750 N"]', "-q"]
 
 
 def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
@@ -19,6 +20,8 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
     assert len(commands) == 15
     fewer_draws(monkeypatch)
+    monkeypatch.setattr(next_tests, "_TRUTHS", 32)
+    monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     scene = str(WORKFLOWS / "uncertain.toml")
@@ -43,5 +46,5 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
     near = pipeline.risk(ensemble, 400.0, 2.0).probability
     (probability,) = re.findall(r"probability of (\d\.\d+) ± 0\.\d+ there", page)
-    # As far as 64 samples tell.
-    assert abs(near - float(probability)) < 0.1
+    # As far as 16 samples tell.
+    assert abs(near - float(probability)) < 0.15

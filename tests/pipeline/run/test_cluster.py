@@ -45,7 +45,7 @@ SLOW = tiny.sweep(
 
 
 class Cluster:
-    """A scheduler and two workers, each a command of Dask's in a process of its own."""
+    """A scheduler and workers, each a command of Dask's in a process of its own."""
 
     def __init__(
         self,
@@ -56,15 +56,16 @@ class Cluster:
         code=ROOT,
         python=sys.executable,
         user=None,
+        threads=(1,),
     ):
         self._stack, file = ExitStack(), folder / "scheduler.json"
         self._code, self._python, self._user = os.fspath(code), python, user
         self._words = folder / "words.txt"
         self._protocol, self._settings = protocol, dict(settings)
         self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
-        self.workers = [  # one of them with threads that may not compute at the same time
-            self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={threads}")
-            for threads in (1, 3)
+        self.workers = [
+            self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={count}")
+            for count in threads
         ]
         end = time.monotonic() + 120.0
         while not file.exists() or not file.read_text():
@@ -96,32 +97,53 @@ class Cluster:
 
 
 @pytest.fixture
-def cluster(tmp_path):
-    cluster = Cluster(tmp_path)
-    yield cluster
-    cluster.close()
+def start(tmp_path):
+    """Start a cluster that ends with the test."""
+    with ExitStack() as stack:
+
+        def start(*arguments, **options):
+            cluster = Cluster(tmp_path, *arguments, **options)
+            stack.callback(cluster.close)
+            return cluster
+
+        yield start
 
 
-def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path, alone, capsys):
-    def kill_one(report):
-        if 0 < report.done < 9:
-            cluster.workers[0].send_signal(signal.SIGKILL)
+def when_done(act):
+    """A report of progress that acts as soon as a point is done."""
 
-    path = tmp_path / "tiny.zarr"
+    def report(progress):
+        if progress.done:
+            act()
+
+    return report
+
+
+def test_workers_elsewhere_compute_the_same_and_may_be_killed(start, tmp_path, alone, capsys):
+    # One of them with threads that may not compute at the same time.
+    cluster = start(threads=(1, 3))
+    first, second = cluster.workers
+    path, later = tmp_path / "tiny.zarr", tmp_path / "later.zarr"
     slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
     with client_of(cluster.address) as client:
-        outcome = run_sweep(slow, path, client=client, progress=kill_one)
-    assert (outcome.done, outcome.failed) == (9, ())
-    assert cluster.workers[0].poll() == -signal.SIGKILL
-    assert content(path) == content(alone)
-    (tmp_path / "small.toml").write_text(SCENE)
-    run = ["run", str(tmp_path / "small.toml"), "-o", str(tmp_path / "small.zarr")]
-    file = tmp_path / "scheduler.json"
-    assert main([*run, "--scheduler-file", str(file)]) == 0
-    (tmp_path / "empty.json").write_text("{}")
-    for name in ("empty.json", "missing.json"):
-        assert main([*run, "--scheduler-file", str(tmp_path / name)]) == 2
-        assert f"{name} cannot be read as the file of a Dask" in capsys.readouterr().err
+        options = {"client": client, "patience": 4.0}
+        outcome = run_sweep(slow, path, progress=when_done(first.kill), **options)
+        assert (outcome.done, outcome.failed) == (9, ())
+        assert first.poll() == -signal.SIGKILL
+        assert content(path) == content(alone)
+        (tmp_path / "small.toml").write_text(SCENE)
+        run = ["run", str(tmp_path / "small.toml"), "-o", str(tmp_path / "small.zarr")]
+        file = tmp_path / "scheduler.json"
+        assert main([*run, "--scheduler-file", str(file)]) == 0
+        (tmp_path / "empty.json").write_text("{}")
+        for name in ("empty.json", "missing.json"):
+            assert main([*run, "--scheduler-file", str(tmp_path / name)]) == 2
+            assert f"{name} cannot be read as the file of a Dask" in capsys.readouterr().err
+        for _ in range(2):  # lost on the way, then gone from the beginning
+            with pytest.raises(ExecutionError, match="none has come within 4 s"):
+                run_sweep(SLOW, later, progress=when_done(second.kill), **options)
+            assert summary(later).done
+            assert summary(later).failed == ()
 
 
 def python_of(user):
@@ -160,42 +182,19 @@ def test_workers_of_another_user_need_not_see_the_store(tmp_path, alone):
     assert content(hidden / "out.zarr") == content(alone)
 
 
-def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, tmp_path):
-
-    def lose(*processes):
-        def report(progress):
-            if progress.done:
-                for process in processes:
-                    process.kill()
-
-        return report
-
-    first, second = tmp_path / "first.zarr", tmp_path / "second.zarr"
-    with client_of(cluster.address) as client:
-        options = {"client": client, "patience": 4.0}
-        with pytest.raises(ExecutionError, match="none has come within 4 s"):
-            run_sweep(SLOW, first, progress=lose(*cluster.workers), **options)
-        assert summary(first).done
-        assert summary(first).failed == ()
-        with pytest.raises(ExecutionError, match="none has come within 4 s"):
-            run_sweep(SLOW, second, **options)
-    cluster.scheduler.kill()
+def test_a_scheduler_that_is_frozen_or_lost_on_the_way_is_an_error(start, tmp_path):
+    cluster = start()
+    for how in (signal.SIGSTOP, signal.SIGKILL):
+        path = tmp_path / f"{how}.zarr"
+        lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
+        lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe")
+        with client_of(cluster.address) as client, lost:
+            run_sweep(SLOW, path, client=client, progress=lose, patience=6.0)
+        assert summary(path).done
+        cluster.scheduler.send_signal(signal.SIGCONT)
     cluster.scheduler.wait(60)
     with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {cluster.address}"):
         client_of(cluster.address, patience=4.0)
-
-
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
-def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_path, how):
-    def lose(progress):
-        if progress.done:
-            cluster.scheduler.send_signal(how)
-
-    path = tmp_path / "tiny.zarr"
-    lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe")
-    with client_of(cluster.address) as client, lost:
-        run_sweep(SLOW, path, client=client, progress=lose, patience=6.0)
-    assert summary(path).done
 
 
 class Deadly:
@@ -352,16 +351,13 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     assert named["point-150N-1ms"] == []
 
 
-def test_workers_that_lack_the_package_are_named_in_one_line(tmp_path):
+def test_workers_that_lack_the_package_are_named_in_one_line(start, tmp_path):
     (tmp_path / "pipeline").mkdir()
     (tmp_path / "pipeline/__init__.py").touch()  # of another program
-    cluster = Cluster(tmp_path, code=tmp_path)
-    try:
-        refused = pytest.raises(ExecutionError, match=r"cannot run this program: ModuleNotFound")
-        with client_of(cluster.address) as client, refused as said:
-            run_sweep(SHORT, tmp_path / "out.zarr", client=client)
-    finally:
-        cluster.close()
+    cluster = start(code=tmp_path)
+    refused = pytest.raises(ExecutionError, match=r"cannot run this program: ModuleNotFound")
+    with client_of(cluster.address) as client, refused as said:
+        run_sweep(SHORT, tmp_path / "out.zarr", client=client)
     assert "\n" not in str(said.value)
 
 
@@ -406,7 +402,7 @@ def test_a_local_cluster_talks_to_its_own_driver_only():
                     urllib.request.urlopen(f"http://127.0.0.1:{services['dashboard']}/{page}")
 
 
-def test_a_scheduler_with_certificates_is_used_by_whoever_has_them(tmp_path):
+def test_a_scheduler_with_certificates_is_used_by_whoever_has_them(start, tmp_path):
     security, tls = Security.temporary(), "distributed.comm.tls"
     for name in ("ca_file", "client_cert", "client_key"):
         (tmp_path / name).write_text(getattr(security, f"tls_{name}"))
@@ -418,11 +414,8 @@ def test_a_scheduler_with_certificates_is_used_by_whoever_has_them(tmp_path):
         f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
         for key, file in configured.items()
     }
-    cluster = Cluster(tmp_path, "tls", variables, security)
-    try:
-        with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm\.tls"):
-            client_of(cluster.address)
-        with dask.config.set(configured), client_of(cluster.address) as client:
-            assert run_sweep(SHORT, tmp_path / "out.zarr", client=client).done == 3
-    finally:
-        cluster.close()
+    cluster = start("tls", variables, security)
+    with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm\.tls"):
+        client_of(cluster.address)
+    with dask.config.set(configured), client_of(cluster.address) as client:
+        assert run_sweep(SHORT, tmp_path / "out.zarr", client=client).done == 3

@@ -12,8 +12,9 @@ from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
-from pipeline.uncertain import design
+from pipeline.uncertain import design, next_tests, sensitivity
 from pipeline.uncertain.answers import risk_lines
+from tests.helpers.samples import fewer_draws
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.helpers.stores import stored_values
 from tests.helpers.sweeps import inputs_of
@@ -112,8 +113,11 @@ def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
         assert abs(emulated.values[0] - expected[0]) < 4 * emulated.error[0]
 
 
-def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
+def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, monkeypatch):
     folder, _, _ = sampled
+    fewer_draws(monkeypatch)
+    monkeypatch.setattr(next_tests, "_TRUTHS", 32)
+    monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     load(folder, unknown=UNKNOWN + MEASURED.replace("400 N", "500 N").replace("2 m/s", "1.3 m/s"))
     store = folder / "out.zarr"
     irg("run", folder / "scene.toml", "-o", store, "-q")
@@ -231,7 +235,7 @@ RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
 
 
 def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg, monkeypatch):
-    monkeypatch.setattr(design, "_MOST", 40)  # simulations of a check, in place of 400
+    monkeypatch.setattr(design, "_MOST", 16)  # simulations of a check, in place of 400
     load(tmp_path, unknown=UNKNOWN + RANGE)
     store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
     irg("run", tmp_path / "scene.toml", "-o", store, "-q")
