@@ -126,8 +126,7 @@ def test_workers_elsewhere_compute_the_same_and_may_be_killed(start, tmp_path, a
     path, later = tmp_path / "tiny.zarr", tmp_path / "later.zarr"
     slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
     with client_of(cluster.address) as client:
-        options = {"client": client, "patience": 4.0}
-        outcome = run_sweep(slow, path, progress=when_done(first.kill), **options)
+        outcome = run_sweep(slow, path, client=client, progress=when_done(first.kill))
         assert (outcome.done, outcome.failed) == (9, ())
         assert first.poll() == -signal.SIGKILL
         assert content(path) == content(alone)
@@ -141,7 +140,7 @@ def test_workers_elsewhere_compute_the_same_and_may_be_killed(start, tmp_path, a
             assert f"{name} cannot be read as the file of a Dask" in capsys.readouterr().err
         for _ in range(2):  # lost on the way, then gone from the beginning
             with pytest.raises(ExecutionError, match="none has come within 4 s"):
-                run_sweep(SLOW, later, progress=when_done(second.kill), **options)
+                run_sweep(SLOW, later, client=client, progress=when_done(second.kill), patience=4.0)
             assert summary(later).done
             assert summary(later).failed == ()
 

@@ -15,7 +15,7 @@ from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
 from pipeline.store import lock, place
 from pipeline.store.create import writing
-from pipeline.store.place import Bucket, StoreError, StoreMismatchError
+from pipeline.store.place import Bucket, StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
@@ -48,6 +48,14 @@ def address(server, request):
     return f"s3://irg/{request.node.name}_{os.getpid()}/tiny.zarr"
 
 
+@pytest.fixture(scope="module")
+def made(server):
+    """A store with one of its two points, which tests leave as it is."""
+    address = f"s3://irg/made_{os.getpid()}/tiny.zarr"
+    commit(address, SWEEP, [POINT])
+    return address
+
+
 def put(address, content):
     bucket, key = address.removeprefix("s3://").split("/", 1)
     boto3.client("s3").put_object(Bucket=bucket, Key=key, Body=content)
@@ -69,10 +77,7 @@ def test_a_sweep_runs_resumes_and_grows(address):
     assert run_sweep(first, address, workers=1).computed == 1
     assert run_sweep(SWEEP, address, workers=1).computed == 1
     assert run_sweep(SWEEP, address, workers=1).computed == 0
-    longer = tiny.full(loads=(150.0, 1500.0), velocities=(1.0, 2.0))
-    commit(address, longer, [Point(1500.0, 2.0)])
-    assert_is_as_computed(address, [POINT, OTHER, Point(1500.0, 2.0)])
-    assert verify_store(address).is_clean
+    assert_is_as_computed(address, [POINT, OTHER])
     with open_sweep(address) as ds:
         assert ds["max_rise"].sel(load=600, velocity=1).notnull().any()
     with pytest.raises(StoreMismatchError):
@@ -82,11 +87,10 @@ def test_a_sweep_runs_resumes_and_grows(address):
 LATER = tiny.full(loads=(1500.0,), velocities=(1.0, 2.0))
 
 
-def test_values_between_those_of_an_object_store_are_refused(address):
-    commit(address, SWEEP, [POINT])
+def test_values_between_those_of_an_object_store_are_refused(made):
     with pytest.raises(StoreError, match="objects cannot be renamed; write to another store"):
-        commit(address, tiny.full(loads=(150.0, 250.0), velocities=(1.0,)), ())
-    assert_is_as_computed(address, [POINT])
+        commit(made, tiny.full(loads=(150.0, 250.0), velocities=(1.0,)), ())
+    assert_is_as_computed(made, [POINT])
 
 
 def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
@@ -152,13 +156,13 @@ def test_a_commit_and_a_run_with_nothing_to_do_take_few_requests(address, reques
     assert len(requests) <= 50
 
 
-def test_one_driver_at_a_time(address):
-    with writing(address, SWEEP):
-        assert summary(address).running.startswith(f"process {os.getpid()} on ")
+def test_one_driver_at_a_time(made):
+    with writing(made, SWEEP):
+        assert summary(made).running.startswith(f"process {os.getpid()} on ")
         with pytest.raises(StoreError, match=f"in use by process {os.getpid()} on"):
-            commit(address, SWEEP, ())
-    assert summary(address).running is None
-    assert keys(f"{address}/status/lock") == []
+            commit(made, SWEEP, ())
+    assert summary(made).running is None
+    assert keys(f"{made}/status/lock") == []
 
 
 def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address, monkeypatch):
@@ -209,7 +213,6 @@ REFUSALS = {
 
 @pytest.mark.parametrize("error", REFUSALS.values(), ids=REFUSALS)
 def test_a_server_refuses_in_its_own_way_to_create_what_is_there(address, monkeypatch, error):
-    commit(address, SWEEP, ())
     put(f"{address}/status/lock", b"process 7 on elsewhere\n")
     call = s3fs.S3FileSystem._call_s3
 
@@ -238,13 +241,14 @@ def test_what_is_no_store_is_refused(address):
     assert len(keys(address)) == 2
 
 
-def test_a_store_that_lost_its_root_is_not_written_over(address):
-    commit(address, SWEEP, [POINT])
-    delete(f"{address}/zarr.json")
-    before = keys(address)
+def test_a_store_that_lost_its_root_is_not_written_over(made):
+    root = place_of(made).read("zarr.json")
+    delete(f"{made}/zarr.json")
+    before = keys(made)
     with pytest.raises(StoreError, match=r"has lost its zarr\.json"):
-        commit(address, SWEEP, ())
-    assert keys(address) == before
+        commit(made, SWEEP, ())
+    assert keys(made) == before
+    put(f"{made}/zarr.json", root)
 
 
 def test_without_s3fs_it_says_what_to_install(monkeypatch, capsys):
@@ -253,9 +257,8 @@ def test_without_s3fs_it_says_what_to_install(monkeypatch, capsys):
     assert "pip install s3fs" in capsys.readouterr().err
 
 
-def test_a_server_that_is_gone_is_an_error_in_a_line(address, monkeypatch, server):
-    with writing(address, SWEEP) as store:
-        store.commit([record(POINT)])
+def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):
+    with writing(made, SWEEP) as store:
 
         async def gone(*_, **__):
             raise ConnectionRefusedError(111, "Connect call failed")
@@ -264,4 +267,4 @@ def test_a_server_that_is_gone_is_an_error_in_a_line(address, monkeypatch, serve
             patch.setattr(s3fs.S3FileSystem, "_pipe_file", gone)
             with pytest.raises(StoreError, match="cannot be written: Connect call failed"):
                 store.commit([record(OTHER, SWEEP.plane.loads)])
-    assert set(done_points(address)) == {POINT}
+    assert set(done_points(made)) == {POINT}
