@@ -188,7 +188,7 @@ def test_a_scheduler_that_is_frozen_or_lost_on_the_way_is_an_error(start, tmp_pa
         lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
         lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe")
         with client_of(cluster.address) as client, lost:
-            run_sweep(SLOW, path, client=client, progress=lose, patience=6.0)
+            run_sweep(SLOW, path, client=client, progress=lose, patience=10.0)
         assert summary(path).done
         cluster.scheduler.send_signal(signal.SIGCONT)
     cluster.scheduler.wait(60)
