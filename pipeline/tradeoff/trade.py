@@ -272,17 +272,18 @@ def _candidates(
 def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ...]]:
     """Values to try of each field alone, as far as they go with unequal bulk temperatures."""
     block, coarsening = start.pixels_per_element, start.history_coarsening
+    steps = start.increments
     return {
         "pixels_per_element": (2 * block, 4 * block),
         "averaging": ("mean", "sample") if block > 1 else (),
         "history_coarsening": (max(1, coarsening // 2), 2 * coarsening, 4 * coarsening),
-        "increments": (start.increments // 10, start.increments // 4, 2 * start.increments),
+        "increments": (*sorted({max(1, steps // 10), max(1, steps // 4), 2 * steps}),),
         "wear_scheme": ("implicit", "sdirk2"),
         "contact_tolerance": (
             float(f"{start.contact_tolerance / 30:.0e}"), start.contact_tolerance * 10
         ),
         "partition": () if unequal_bulks else ("uniform",),
-        "heat_tolerance": (start.heat_tolerance / 100, start.heat_tolerance * 100),
+        "heat_tolerance": (start.heat_tolerance / 100, min(0.1, start.heat_tolerance * 100)),
         "kernel": ("nearest-image",),
         "precision": ("single",),
     }  # fmt: skip

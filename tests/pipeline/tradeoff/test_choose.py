@@ -21,11 +21,18 @@ from pipeline.tradeoff.choose import (
 from pipeline.tradeoff.probe import some_places
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER, SCENES
-from tribo import PRESETS, Fidelity, Grid, InputError
+from tribo import PRESETS, Fidelity, Grid, InputError, SelfAffineRoughness
 
 # So many velocities that it pays to look for something cheaper than the reference.
 MANY = tuple(float(velocity) for velocity in np.geomspace(0.5, 8.0, 40))
-WORN, UNWORN = (SCENES[name].changed(velocities=MANY) for name in ("low loads", "no wear"))
+WORN, UNWORN = (
+    SCENES[name].changed(
+        velocities=MANY,
+        pixels=Grid((64, 32), (6e-6, 6e-6)),
+        roughness=SelfAffineRoughness(0.27e-6, 0.8, (12e-6, 12e-6), seed=0),
+    )
+    for name in ("low loads", "no wear")
+)
 
 
 def test_it_picks_the_first_that_is_good_enough_and_says_why():

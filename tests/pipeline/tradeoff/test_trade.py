@@ -8,15 +8,18 @@ from pipeline.figures.studies import draw_trade
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.trade import trade
 from tests.helpers.accuracy_scenes import PAPER
-from tribo import PRESETS, InputError
+from tribo import PRESETS, Grid, InputError, SelfAffineRoughness
 
-LOADS = (200.0, 750.0)
+SMALL = PAPER.changed(
+    pixels=Grid((64, 32), (6e-6, 6e-6)),
+    roughness=SelfAffineRoughness(0.27e-6, 0.8, (12e-6, 12e-6), seed=0),
+)
 
 
 @pytest.fixture(scope="module")
 def measured():
     said = []
-    table = trade(PAPER, loads=LOADS[1:], progress=said.append)
+    table = trade(SMALL, base="draft", loads=(200.0,), progress=said.append)
     assert said[0] == f"1 of {len(table.choices)}: reference"
     assert len(said) == len(table.choices)
     assert said[-1].startswith("{0} of {0}: ".format(len(table.choices)))
@@ -30,12 +33,12 @@ def named(table, name):
 def test_errors_and_costs_go_opposite_ways_from_draft_to_reference(measured):
     presets = [named(measured, name) for name in ("draft", "standard", "fine", "reference")]
     errors = [choice.velocity_error for choice in presets]
-    # This window is so small that its points take smaller elements than `draft` would.
     assert all(error < bound for error, bound in zip(errors[:3], (0.08, 0.03, 0.01), strict=True))
-    assert min(errors[:3]) > errors[3] == 0
-    draft, standard, fine, reference = (choice.work for choice in presets)
-    assert draft < min(standard, fine) < max(standard, fine) < reference
-    assert presets[0].saving > 30
+    assert errors == sorted(errors, reverse=True)
+    assert errors[3] == 0
+    works = [choice.work for choice in presets]
+    assert works == sorted(works)
+    assert presets[0].saving > 10
     assert presets[1].saving > 5
     assert presets[2].saving > 2
 
@@ -52,13 +55,15 @@ def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
     draft = named(measured, "draft")
     assert draft.velocity_error > draft.rise_error / 2 > 0
     assert 0 < draft.share_error < 1
-    assert draft.area_error > 0
-    assert named(measured, "as in the scene").fidelity == PAPER.scene.fidelity
+    coarsest = named(measured, "as in the scene")
+    assert coarsest.area_error > 0
+    assert coarsest.fidelity == SMALL.scene.fidelity
 
 
 def test_each_numerical_choice_is_varied_alone(measured):
     varied = {choice.varied for choice in measured.choices} - {None}
     assert varied == {
+        "averaging",
         "contact_tolerance",
         "heat_tolerance",
         "history_coarsening",
@@ -69,11 +74,11 @@ def test_each_numerical_choice_is_varied_alone(measured):
         "precision",
         "wear_scheme",
     }
-    fine = PRESETS["fine"]
+    draft = PRESETS["draft"]
     for choice in measured.choices:
         if choice.varied:
             value = getattr(choice.fidelity, choice.varied)
-            assert choice.fidelity == replace(fine, **{choice.varied: value}) != fine
+            assert choice.fidelity == replace(draft, **{choice.varied: value}) != draft
 
 
 def test_it_names_the_cheapest_within_an_error(measured):
