@@ -90,7 +90,7 @@ def test_searches_go_by_the_corrected_rise(tmp_path):
     (tmp_path / "plain.toml").write_text(SCENE)
     scene = tmp_path / "scene.toml"
     scene.write_text(BESIDE)
-    fewer = {"increments": 4, "sweep.loads": ["300 N", "600 N"]}
+    fewer = {"increments": 3, "sweep.loads": ["400 N"]}
     sweep = pipeline.load_scene(scene, overrides=fewer)
     pipeline.follow_boundary(sweep, tmp_path / "edge.zarr", workers=1)
     velocities = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
@@ -197,6 +197,7 @@ def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
     (tmp_path / "plain.toml").write_text(SCENE)
     command = ["vary", str(tmp_path / "plain.toml"), "--physics", "-q"]
     command += ["--set", 'pin.stem={resistance="8 K/W"}', "--set", 'sweep.loads=["400 N"]']
+    command += ["--set", "increments=3"]
     budget = irg(*command)
     table, counted = budget.split("counted:\n", 1)
     counted, could_be, not_sized = re.split("\n(?:could be counted|cannot be sized):\n", counted)
@@ -224,7 +225,8 @@ STEMS = '"pin.stem.length" = ["4 mm", "12 mm"]'
 @pytest.mark.parametrize(("over", "at"), [("", {}), (STEMS, {"pin.stem.length": "12 mm"})])
 def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path, over, at):
     """Each is the scene with its values by hand, whose table of friction its friction scales."""
-    (tmp_path / "plain.toml").write_text(SCENE.replace("fields = true", ""))
+    plain = SCENE.replace("fields = true", "").replace("increments = 10", "increments = 3")
+    (tmp_path / "plain.toml").write_text(plain)
     (tmp_path / "known.toml").write_text(BESIDE)
     asked = f'[sweep]\nsamples = 12\nloads = ["300 N", "600 N"]\nover = {{ {over} }}\n'
     (tmp_path / "scene.toml").write_text(f'extends = "known.toml"\n{UNKNOWN}{asked}')

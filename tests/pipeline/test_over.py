@@ -12,10 +12,11 @@ from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import PointRecord, chains, points
-from tests.helpers.scenes import SCENE
+from tests.helpers import scenes
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
+SCENE = scenes.SCENE.replace("increments = 10", "increments = 4")
 OVER = '{ "pin.radius" = ["4 mm", "2 mm"] }'
 RADII = ("2 mm", "4 mm")
 
@@ -210,11 +211,9 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
 
 
 def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
-    figure = pipeline.plot(swept, "diagram")
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels[:2] == list(RADII)
-    title = pipeline.plot(swept, "diagram", friction=0.12).legends[0].get_title().get_text()
-    assert "friction 0.12, bulk 25" in title
+    (legend,) = pipeline.plot(swept, "diagram", friction=0.12).legends
+    assert [text.get_text() for text in legend.get_texts()][:2] == list(RADII)
+    assert "friction 0.12, bulk 25" in legend.get_title().get_text()
     irg("report", swept, "-o", folder / "r.html")
     assert "Answer for pin.radius 4 mm: " in (folder / "r.html").read_text()
     for words in (

@@ -72,7 +72,7 @@ def test_commands_and_figures_answer_for_each_row(store, irg, tmp_path):
         assert all(case in said for case in CASES)
     assert "300 N, 1.2 m/s, oil thin, case slim" in said.split("not decided; next:")[1]
     assert "--set" not in said
-    irg("report", store, "-o", tmp_path / "rows.html")
+    irg("report", store, "--at", "oil=thin", "-o", tmp_path / "rows.html")
     assert "slim" in (tmp_path / "rows.html").read_text()
 
 

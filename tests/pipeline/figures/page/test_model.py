@@ -28,7 +28,7 @@ return argument.map((given) => {
 """
 
 
-def random_conditions(ds, count=12):
+def random_conditions(ds, count=6):
     """Conditions of all kinds, the first those of the sweep."""
     draw = np.random.default_rng(ds.sizes["velocity"])
     yield {}
@@ -78,7 +78,7 @@ def test_the_boundary_is_that_of_the_command(kind):
                 assert codes[:, 0].tolist() == expected[f"outcome_at_{axis}"].values.tolist()
                 same(bridged[:, 0], expected[f"bridged_at_{axis}"] > 0)
             crossings += int((codes == CROSSES).sum())
-    assert crossings > 40
+    assert crossings > 20
 
 
 @pytest.mark.parametrize("kind", ["one surface", "a hold", "two bulk temperatures", "a warm pin"])
