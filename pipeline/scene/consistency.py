@@ -65,10 +65,8 @@ def _check_pixels(
         return
     size = quoted(list(pixels))
     if sides:
-        try:
+        with faults.at("window.pixel_size"):
             tribo.Grid(pixels, sides)
-        except tribo.InputError as error:
-            faults.note("window.pixel_size", str(error))
     if any(n % block for n in pixels):
         faults.note(
             "window.pixels",
@@ -80,15 +78,11 @@ def _check_pixels(
         faults.note("window.pixels", problem)
     if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
         rows, columns = roughness.array.shape
-        turned = " or give disk.roughness.transpose = true, since its rows follow along x,"
-        ending = "or cut a patch out with disk.roughness.crop"
-        if rows < pixels[0] or columns < pixels[1]:
-            ending = 'or go on with it beyond its ends: disk.roughness.repeat = "mirror"'
         faults.note(
             "disk.roughness.file",
-            f"the surface has {rows} rows of {columns} heights, window.pixels is {size}; give a "
-            f"surface and a window of the same size,{turned if pixels == (columns, rows) else ''} "
-            f"{ending}",
+            f"the surface has {rows} rows of {columns} heights, which follow along x, and "
+            f"window.pixels is {size}; give both the same size: crop a patch, exchange x and y by "
+            'transpose = true, or go on beyond the ends by repeat = "mirror"',
         )
 
 
@@ -217,13 +211,6 @@ def _of_conditions(sound: Sound) -> Misfits:
         yield (
             "friction.coefficient",
             "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1",
-        )
-    measured, bulk = sound("friction.by_velocity", "temperature.bulk")
-    if measured and isinstance(bulk, dict):
-        yield (
-            "friction.by_velocity",
-            "pin and disk have bulk temperatures of their own, and then the rise is not "
-            "proportional to friction; give one temperature.bulk, or leave this out",
         )
 
 

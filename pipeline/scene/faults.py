@@ -5,12 +5,15 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.scene.shipped import name_of
-from tribo import TriboError
+from pipeline.scene.units import UnitError
+from pipeline.sweep.own_laws import OwnLawError
+from tribo import InputError, TriboError
 
 _SHOWN = 100  # faults, at most, where there are thousands
 
@@ -43,6 +46,16 @@ class Faults(list[Fault]):
     def note(self, key: str, problem: str, rival: str = "") -> None:
         """Add a fault of the entry at a key path."""
         self.append(Fault(key, problem, rival=rival))
+
+    @contextmanager
+    def at(self, key: str) -> Iterator[None]:
+        """Note an error as a fault of the entry at a key path."""
+        try:
+            yield
+        except OwnLawError:
+            raise  # alone, since nothing else of such a scene is worth a look
+        except (InputError, UnitError) as error:
+            self.note(key, " ".join(str(error).split()))
 
     def touch(self, path: str) -> bool:
         """True if the entry at a path, one within it, or a table around it is faulty."""

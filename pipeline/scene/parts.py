@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -11,32 +12,14 @@ import numpy as np
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
-from pipeline.scene.surfaces import PLAIN, filled, levelled, oriented, read_surface
+from pipeline.scene.surfaces import filled, levelled, oriented, read_surface
 from pipeline.scene.units import display
-from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own, OwnLawError
+from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own
 from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
-
-
-def own_of(
-    key: str,
-    kind: str,
-    reference: str,
-    laws: Laws,
-    faults: Faults,
-    parameters: Mapping[str, Any] | None = None,
-) -> Own | None:
-    """The code that the entry of a key names; `OwnLawError` if it may not run."""
-    try:
-        return laws.named(kind, reference, parameters)
-    except OwnLawError:
-        raise  # alone, since nothing else of such a scene is worth a look
-    except tribo.InputError as error:
-        faults.note(key, str(error))
-        return None
 
 
 def loading_of(
@@ -45,7 +28,7 @@ def loading_of(
     """The ramp or the recorded load; a note says by which line a record was fitted."""
     if table is None or faults.touch("loading"):
         return None
-    try:
+    with faults.at("loading.file" if "file" in table else "loading"):
         if "file" not in table:
             return tribo.Ramp(**table)
         folder = document.file_of("loading.file").parent
@@ -53,29 +36,27 @@ def loading_of(
         if not table["fit"]:
             return record
         rate, onset = record.linear_fit()
-    except tribo.InputError as error:
-        key = "loading.file" if "file" in table else "loading"
-        faults.note(key, " ".join(str(error).split()))
-        return None
-    faults.notes.append(f"loading.file: fitted by {rate:.4g} N/s from {round(onset, 3) + 0:g} s on")
-    return record.ramp()
+        line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
+        faults.notes.append(f"loading.file: fitted by {line}")
+        return record.ramp()
+    return None
 
 
 def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
     """Archard's wear, or a user's own law."""
     if table is None or faults.touch("wear"):
         return None
-    if "law" in table:
-        return own_of("wear.law", WEAR, table["law"], laws, faults, table["parameters"])
-    return tribo.Wear(**table)
+    if "law" not in table:
+        return tribo.Wear(**table)
+    with faults.at("wear.law"):
+        return laws.named(WEAR, table["law"], table["parameters"])
 
 
 def criterion_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Own | None:
     """A user's own criterion; None where it is one of ours."""
     name = (table or {}).get("criterion")
-    if name is None or ":" not in name:
-        return None
-    return own_of("temperature.criterion", CRITERION, name, laws, faults)
+    with faults.at("temperature.criterion"):
+        return laws.named(CRITERION, name) if name and ":" in name else None
 
 
 def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
@@ -90,16 +71,14 @@ def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
     kinematic, dynamic = table["kinematic_viscosity"], table["dynamic_viscosity"]
     coefficient = table["pressure_viscosity_coefficient"]
     pair = coefficient if isinstance(coefficient, tuple) else (coefficient, coefficient)
-    try:
+    with faults.at("oil"):
         return tribo.Oil(
             table["temperatures"],
             kinematic or tuple(value / _NOMINAL for value in dynamic),
             table["density"] if kinematic else _NOMINAL,
             None if coefficient is None else pair,
         )
-    except tribo.InputError as error:
-        faults.note("oil", str(error))
-        return None
+    return None
 
 
 def corrections_of(
@@ -204,35 +183,26 @@ def roughness_of(
             faults.note("disk.surface", "there is a [disk.roughness], too; leave out one of them")
         if faults.touch("disk.surface"):
             return None
-        own = own_of("disk.surface.law", SURFACE, law["law"], laws, faults, law["parameters"])
-        return cast(tribo.Surface | None, own)
+        with faults.at("disk.surface.law"):
+            return cast(tribo.Surface, laws.named(SURFACE, law["law"], law["parameters"]))
     if table is None or faults.touch("disk.roughness"):
         return None
     if "file" in table:
-        heights = _heights(table, tables["window"] or {}, document, faults)
-        return None if heights is None else tribo.MeasuredRoughness(heights)
+        folder = document.file_of("disk.roughness.file").parent
+        with faults.at("disk.roughness.file"):
+            heights = _heights(table, tables["window"] or {}, folder / table["file"], faults)
+            return None if heights is None else tribo.MeasuredRoughness(heights)
+        return None
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)
     return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
 
 
 def _heights(
-    table: Mapping[str, Any], window: Mapping[str, Any], document: Document, faults: Faults
+    table: Mapping[str, Any], window: Mapping[str, Any], file: Path, faults: Faults
 ) -> Array | None:
     """Heights of a measured surface as the window needs them; None if that is impossible."""
-    file, unit = (
-        document.file_of("disk.roughness.file").parent / table["file"],
-        table["height_unit"],
-    )
-    if unit is None and file.suffix.lower() in PLAIN:
-        problem = f'missing; {file.suffix} files need a unit of length, such as "um"'
-        faults.note("disk.roughness.height_unit", problem)
-        return None
-    try:
-        surface = oriented(read_surface(file, unit), table["transpose"], table["flip"])
-    except tribo.InputError as error:
-        faults.note("disk.roughness.file", " ".join(str(error).split()))
-        return None
+    surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
     pixels, sides = window.get("pixels"), window.get("pixel_size")
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
         size = " × ".join(display(side, "µm") for side in surface.pixel_size)

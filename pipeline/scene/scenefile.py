@@ -261,10 +261,8 @@ def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity,
     for key, value in table.items():
         if key == "preset" or value is None:
             continue
-        try:
+        with faults.at(f"fidelity.{key}"):
             fidelity = replace(fidelity, **{key: value})
-        except tribo.InputError as error:
-            faults.note(f"fidelity.{key}", str(error))
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 

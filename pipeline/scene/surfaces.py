@@ -22,8 +22,6 @@ from tribo import InputError, read_heights
 from tribo.errors import reason_of, require_file
 from tribo.types import Array
 
-PLAIN = (".npy",)
-"""Endings of plain arrays, which give neither a unit nor the size of a pixel."""
 _MOST_BYTES = 2**30  # that an archive may unpack to
 
 
@@ -49,7 +47,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     path = Path(path)
     if path.suffix.lower() in TEXT:
         return _of_text(path, height_unit)
-    if path.suffix.lower() not in PLAIN:
+    if path.suffix.lower() != ".npy":
         return _of_instrument(path, height_unit)
     if height_unit is None:
         raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")

@@ -106,22 +106,19 @@ def samples_of(
     """
     count, table = tables["sweep"]["samples"], tables["unknown"] or {}
     if count is not None and not set(table) - set(fixed):
-        faults.note(
-            "sweep.samples",
-            f"{count} does not fit a scene in which all is known; give [unknown], too, or leave it "
-            "out",
+        raise InputError(
+            f"sweep.samples: {count} does not fit a scene in which all is known; give [unknown], "
+            "too, or leave it out"
         )
-        return None
     if not table:
         return None
     before, notes = len(faults), faults.notes
     if sweep.scene.unequal_bulks:
-        faults.note(
-            "temperature.bulk",
-            "two temperatures do not go with [unknown], whose probabilities take friction to scale "
-            "the whole rise: give one for both bodies, or leave out [unknown] and use irg vary",
+        raise InputError(
+            "temperature.bulk: two temperatures do not go with [unknown], whose probabilities take "
+            "friction to scale the whole rise: give one for both bodies, or leave out [unknown] "
+            "and use irg vary"
         )
-        return None
     inputs, known = _inputs(tables, fixed, faults)
     notes.extend(f"unknown: {one}, as it is given beside its distribution" for one in known)
     if len(inputs) > MOST:
@@ -134,23 +131,19 @@ def samples_of(
         notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
         return None
     rates = tables["sweep"]["wear_rates"]
-    design = _design(inputs, layers, tables["sweep"]["sample_seed"], rates, sweep, faults)
-    if design is None:
-        return None
+    design = _design(inputs, layers, tables["sweep"]["sample_seed"], rates, sweep)
     if rates:  # the scene's own is one value of an input that all samples have
         (rate,) = (one for one in design.inputs if one.path == SPECIFIC_WEAR_RATE)
         known += (Fixed(rate, rate.parameters[0]),)
     if sweep.variants.columns:
-        faults.note(
-            "sweep.realizations",
-            "sweep.samples excludes them; make the surface an unknown input: "
-            '"disk.roughness.seed" = [0, 1, 2, 3]',
+        raise InputError(
+            "sweep.realizations: sweep.samples excludes them; make the surface an unknown input: "
+            '"disk.roughness.seed" = [0, 1, 2, 3]'
         )
-        return None
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         notes.append(f"sweep.samples: {count} are computed, as more would share their contacts")
-    return _drawn(Draw(inputs, design, known), count, sweep, over, make, faults)
+    return _drawn(Draw(inputs, design, known), count, sweep, over, make)
 
 
 def _inputs(
@@ -159,10 +152,8 @@ def _inputs(
     """Inputs that are unknown, and those that have the scene's value all the same."""
     table, inputs = tables["unknown"], []
     for path, shape in table.items():
-        try:
+        with faults.at(f"unknown.{quoted(path)}"):
             inputs.append(_input(path, shape.form, shape.parameters))
-        except (UnitError, InputError) as error:
-            faults.note(f"unknown.{quoted(path)}", str(error))
     joint = _with_correlations(inputs, table, faults)
     known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
     return without(joint, fixed), known
@@ -234,17 +225,17 @@ def _design(
     seed: int,
     rates: Mapping[str, float] | None,
     sweep: Sweep,
-    faults: Faults,
-) -> Design | None:
-    """Rule by which samples are drawn; None where the sweep has no range of velocities.
+) -> Design:
+    """Rule by which samples are drawn.
 
     Of a scene that is to answer for several wear rates they reach beyond the lowest and highest.
     """
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:
-        problem = "samples need friction, and two velocities above 0, between which each has one"
-        faults.note("sweep.velocities", f"{problem}; give them")
-        return None
+        raise InputError(
+            "sweep.velocities: samples need friction, and two velocities above 0, between which "
+            "each has one; give them"
+        )
     ends = moving[0], moving[-1]
     separable = inseparable(sweep.scene, ends) is None
     pairs = zip(inputs, layers, strict=True)
@@ -253,11 +244,10 @@ def _design(
     if rates:
         require_around(rates, sweep)
         if "wear rate" in layers:
-            problem = (
-                "the wear rate is unknown, and so its samples have it: leave out one or the other"
+            raise InputError(
+                "sweep.wear_rates: the wear rate is unknown, and so its samples have it: leave out "
+                "one or the other"
             )
-            faults.note("sweep.wear_rates", problem)
-            return None
     if (rates or separable) and rate and "wear rate" not in layers:
         # Both ends are two standard deviations from the scene's own at least.
         factor = math.sqrt(max(rates["to"] / rate, rate / rates["from"])) if rates else _FACTOR
@@ -284,10 +274,8 @@ def require_around(rates: Mapping[str, float], sweep: Sweep) -> None:
         )
 
 
-def _drawn(
-    draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make, faults: Faults
-) -> Variants | None:
-    """Table of samples, of each combination in `over`; None if one is not a sound scene."""
+def _drawn(draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make) -> Variants:
+    """Table of samples, of each combination in `over`; raises if one is not a sound scene."""
     table = over * drawn_rows(draw, count)
     values, _ = draw.design.draw(count)
     parts, wrong = list[Part](), Faults()
@@ -296,9 +284,10 @@ def _drawn(
         entries = {one.path: _entry(one, value) for one, value in pairs}
         other = make({**written_of(over, name), **entries}, wrong)
         if wrong or other is None:
-            reason = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
-            faults.note("unknown", f"{reason}; give narrower distributions")
-            return None
+            reason = f"{wrong[0].key}: {wrong[0].problem}"
+            raise InputError(
+                f"unknown: a sample is not a sound scene: {reason}; give narrower distributions"
+            )
         parts.append(tuple(differing_inputs(sweep, other)))
     return replace(table, parts=tuple(parts))
 

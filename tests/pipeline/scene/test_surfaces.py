@@ -191,7 +191,7 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library, how):
         ('file = "a.x3p"\ncrop = [-1, 0]\n', "disk.roughness.crop[0]", "at least 0"),
         ('file = "a.x3p"\nlevel = 1\n', "disk.roughness.level", "true or false"),
         ('file = "a.x3p"\nmissing = "fil"\n', "disk.roughness.missing", 'did you mean "fill"?'),
-        ('file = "a.npy"\n', "disk.roughness.height_unit", "missing"),
+        ('file = "a.npy"\n', "disk.roughness.file", "give height_unit"),
     ],
 )
 def test_a_fault_of_a_measured_surface_has_its_key(faults, library, table, key, said):
