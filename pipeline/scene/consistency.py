@@ -81,8 +81,9 @@ def _check_pixels(
         faults.note(
             "disk.roughness.file",
             f"the surface has {rows} rows of {columns} heights, which follow along x, and "
-            f"window.pixels is {size}; give both the same size: crop a patch, exchange x and y by "
-            'transpose = true, or go on beyond the ends by repeat = "mirror"',
+            f"window.pixels is {size}; give both the same size: cut out a patch "
+            "(disk.roughness.crop), exchange x and y (disk.roughness.transpose = true), or go on "
+            'beyond the ends (disk.roughness.repeat = "mirror")',
         )
 
 
