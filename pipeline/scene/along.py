@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
 from pipeline.scene.format import LOAD, SPEED
 from pipeline.scene.headings import UNITS, listed_faults, read_sheet, sheet_of, written
 from pipeline.scene.over import column_of, scene_with
@@ -29,7 +29,6 @@ from tribo import InputError
 _PLACE = Table({"load": Entry(LOAD), "velocity": Entry(SPEED)})
 _REACH = 2.0  # factor of load and velocity to which places about a row go
 _MOST = 10_000  # places, each of which is read as a scene
-_MOST_FAULTS = 20  # that are written out
 
 
 class Place(NamedTuple):
@@ -62,8 +61,6 @@ class OperatingPoints:
         """
         if isinstance(source, str | os.PathLike):
             name, sheet = str(source), read_sheet(Path(source), _PLACE.keys, _PLACE.keys)
-            if not sheet.headings:
-                raise InputError(f'{name} is empty; begin it with a line "load [N],velocity [m/s]"')
         else:
             name, sheet = "points", sheet_of(source, _PLACE.keys)
         heads = [heading.text for heading in sheet.headings]
@@ -71,14 +68,10 @@ class OperatingPoints:
         faults = [f'column "{head}" stands there twice; name each once' for head in twice]
         _, places, wrong = sheet.entries(_PLACE, {})
         faults += [*sheet.faults, *sheet.of_rows, *listed_faults(wrong)]
+        if not sheet.rows and not faults:
+            faults = ['there are no rows; begin with a line "load [N],velocity [m/s]"']
         if faults:
-            listed = [f"  {fault}" for fault in faults[:_MOST_FAULTS]]
-            if more := len(faults) - len(listed):
-                listed.append(f"  and {more} more")
-            count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-            raise InputError("\n".join([f"{name} has {count}:", *listed]))
-        if not sheet.rows:
-            raise InputError(f"{name} has no rows; give a load and a velocity in each")
+            raise InputError(in_lines(name, faults))
         others = {
             sheet.headings[place].label: [row.cells[place] for row in sheet.rows]
             for place in sheet.others

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -95,12 +95,17 @@ class SceneFileError(TriboError):
         name = name_of(self.path)
         if not name.isprintable():
             name = json.dumps(name)
-        if len(self.faults) == 1:
-            return f"{name}: {self.faults[0]}"
-        lines = [f"{name}: {len(self.faults)} faults", *self.faults[:_SHOWN]]
-        if (more := len(self.faults) - _SHOWN) > 0:
-            lines.append(f"and {more} more")
-        return "\n  ".join(lines)
+        return in_lines(name, self.faults)
+
+
+def in_lines(name: str, faults: Sequence[str]) -> str:
+    """Write the faults of a file: one on its line, several below each other."""
+    if len(faults) == 1:
+        return f"{name}: {faults[0]}"
+    lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]
+    if (more := len(faults) - _SHOWN) > 0:
+        lines.append(f"and {more} more")
+    return "\n  ".join(lines)
 
 
 def quoted(value: object) -> str:

@@ -9,6 +9,7 @@ import shutil
 import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -154,37 +155,6 @@ _HEAD = """\
 # A scene to start from. Its entries are those of a steel cylinder on a ground steel disk in white
 # oil: put your own in their place. An entry such as "#hold" is not used; take the # off to use it.
 """
-_SHORT = """\
-# A steel cylinder on a ground steel disk in white oil: put your own numbers in their place.
-#   irg check {name}.toml    what it means, and what it costs
-#   irg run {name}.toml      then irg plot results/{name}.zarr for the diagram
-# All entries with their meanings: irg help scene, or irg new FILE.toml --full.
-title = "My system"
-oil = {{ kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"], density = "866 kg/m^3", \
-pressure_viscosity_coefficient = "20 1/GPa" }}
-pin = {{ shape = "cylinder", radius = "2 mm", length = "3.4 mm", material = "steel" }}
-disk = {{ material = "steel", roughness = {{ ra = "0.27 um", hurst_exponent = 0.8, \
-correlation_length = "4 um", seed = 0 }} }}
-window = {{ pixels = [576, 480], pixel_size = ["0.816 um", "0.95 um"] }}   # along x, along y
-loading = {{ rate = "150 N/s", reference_load = "750 N" }}
-wear = {{ specific_wear_rate = "1.2e-6 mm^3/(N m)", pattern = "swept" }}
-friction = {{ coefficient = 0.1, band = [0.09, 0.103] }}
-temperature = {{ bulk = "25 degC", critical = "145 degC", failing_share = 0.1 }}
-fidelity = {{ preset = "standard" }}
-
-[materials.steel]
-elastic_modulus = "210 GPa"
-poisson_ratio = 0.3
-hardness = "6.6 GPa"                     # or a number such as "62 HRC"
-thermal_conductivity = "45 W/(m K)"
-density = "7800 kg/m^3"
-specific_heat = "470 J/(kg K)"
-
-[sweep]
-loads = ["200 N", "400 N", "600 N", "750 N"]
-velocities = {{ from = "1 m/s", to = "4 m/s", step = "0.6 m/s" }}
-fields = true
-"""
 _NEXT = """\
 #
 # Its meaning      irg check {name}.toml
@@ -242,7 +212,8 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
         head = "".join(itertools.takewhile(lambda line: line.startswith("#"), lines))
     text = "\n".join([head + _NEXT.format(name=path.stem).rstrip(), *_lines(entries), ""])
     if like is None and not full:
-        text = _SHORT.format(name=path.stem)
+        short = resources.files("pipeline.scene").joinpath("template.toml")
+        text = short.read_text(encoding="utf-8").replace("NAME", path.stem)
     beside = [str(name) for key in _FILES if (name := entry_at(entries, key))]
     copies = [(source.parent / name, path.parent / Path(name).name) for name in beside]
     for file in (path, *(copy for _, copy in copies)):

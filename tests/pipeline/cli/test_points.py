@@ -57,7 +57,7 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ir
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")
     said = irg("margin", "out.zarr", "--points", duty, code=2)
-    assert "has 3 faults" in said
+    assert "duty.csv: 3 faults" in said
     assert 'row 4, load: "-1 N" is out of range; give a load above 0' in said
     assert 'row 5, velocity: "fast m/s"' in said
     assert "row 6: 1 cells below 2 headings" in said
