@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import astuple
 from functools import partial
 from typing import Any, NamedTuple
@@ -54,7 +53,7 @@ def risk(options: argparse.Namespace) -> Result:
             *text,
             f"  emulated from {here.samples} samples: the rise errs by "
             f"{100 * here.rise_error:.2g} %, which the ± includes",
-            *_if_given(samples, here),
+            *_to_weigh(samples),
         ]
     warned = pipeline.warned(ds)
     if place and options.output is None:
@@ -89,16 +88,9 @@ def on_risk(here: Risk) -> str:
     )
 
 
-def _if_given(samples: Samples, here: Risk) -> Iterator[str]:
-    """Line on the probability that the scene's own tests would give."""
-    ensemble, weighed = samples
-    if weighed is not None or not ensemble.tests:
-        return
-    with suppress(InputError), working("weighing the inputs by the tests"):
-        after = pipeline.posterior(ensemble)
-        probability = pipeline.risk(ensemble, here.load, here.velocity, after.draws).probability
-        given_tests = f"given the scene's {after.evidence} it is {probability:.2g}"
-        yield f"next: {given_tests}: add --given-measured"
+def _to_weigh(samples: Samples) -> Iterator[str]:
+    if samples.ensemble.tests and samples.posterior is None:
+        yield "next: add --given-measured to weigh the inputs by the scene's tests"
 
 
 _ON_LINES = "velocity at which wear is severe with a probability of 5, 50 and 95 %"
@@ -116,12 +108,9 @@ def boundary_of_samples(
 ) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
     samples = samples_in(options, ds, **conditions)
-    ensemble, weighed = samples
     with working("finding probabilities at each load"):
-        lines = frame_of_lines(ensemble, samples.draws)
-    text = [_ON_LINES, lines, *samples.notes()]
-    if ensemble.tests and not (weighed or conditions):
-        text.append("next: add --given-measured to weigh the inputs by the scene's tests")
+        lines = frame_of_lines(samples.ensemble, samples.draws)
+    text = [_ON_LINES, lines, *samples.notes(), *(() if conditions else _to_weigh(samples))]
     return Result(samples.as_dict() | _velocities(lines), text, pipeline.warned(ds), [lines])
 
 
