@@ -25,7 +25,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - accuracy: `choose_fidelity`, `trade`
 - figures: `plot`, `draw_variations`, `draw_trade`, `draw_risk`, `draw_sensitivity`,
   `draw_posterior`, `draw_design`, `report`, `explore`
-- quantities: `surface_statistics`, `to_si`, `display`
+- quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 
 They stand in ``__init__.pyi``. Each is loaded when it is first used, so that importing

@@ -30,7 +30,6 @@ from .scene.scan import surface_statistics as surface_statistics
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import run_point as run_point
 from .scene.scenefile import scene_entry as scene_entry
-from .scene.units import display as display
 from .scene.units import to_si as to_si
 from .store.place import StoreError as StoreError
 from .store.place import StoreMismatchError as StoreMismatchError

@@ -19,6 +19,7 @@ from pipeline.cli.next_steps import lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
+from pipeline.scene.units import display
 from pipeline.store.attributes import root_attributes
 from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.model import Point, Sweep
@@ -107,7 +108,7 @@ def _on_point(
     )
     severe = ""
     if conditions.critical_temperature is not None:
-        critical = pipeline.display(conditions.critical_temperature, "°C")
+        critical = display(conditions.critical_temperature, "°C")
         severe = f"wear is severe with {decisive.severe} {critical}; "
     yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
@@ -183,7 +184,7 @@ def _of_scene(options: argparse.Namespace, sweep: Sweep) -> Result:
     text = [
         f"critical temperature from {measured}{several}: {inferred.criterion.temperature}",
         short(frame),
-        f"on average {pipeline.display(inferred.mean, '°C', 4)}{apart}",
+        f"on average {display(inferred.mean, '°C', 4)}{apart}",
     ]
     return Result(inferred.as_dict(), text, frames=[frame])
 
@@ -196,7 +197,7 @@ def _of_tests(at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.Dat
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
-    above, below = (end and pipeline.display(end, "°C", 4) for end in (low, high))
+    above, below = (end and display(end, "°C", 4) for end in (low, high))
     if low is None or high is None:
         said = f"the critical temperature is {'below' if low is None else 'above'} {above or below}"
     elif low < high:

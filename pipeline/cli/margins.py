@@ -27,6 +27,7 @@ from pipeline.cli.given import by_samples, conditions_in, dataset_in, operating_
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
+from pipeline.scene.units import display
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
@@ -182,7 +183,7 @@ def _judged_by(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str
     frictions = conditions.get("friction")
     each = [{"friction": one} for one in frictions] if isinstance(frictions, tuple) else [{}]
     several = (conditions_of(scene, **conditions | one) for one in each for scene in scenes(ds))
-    rate = options.wear_rate and f"; wear rate {pipeline.display(options.wear_rate, 'mm³/(N m)')}"
+    rate = options.wear_rate and f"; wear rate {display(options.wear_rate, 'mm³/(N m)')}"
     return f"{judged_by(several)}{rate or ''}"
 
 

@@ -22,7 +22,7 @@ from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, rounded, working
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.cli.values import share
-from pipeline.scene.units import difference_in_si
+from pipeline.scene.units import difference_in_si, display
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import MOST, Candidate, Programme, load_of_target, programme
@@ -185,7 +185,7 @@ def _place(weighed: Posterior, judged: Judged) -> str:
     sweep = f"{judged.sweep + 1}: " if len(weighed.ensembles) > 1 else ""
     bulk = ""
     if "bulk_temperature" in test:
-        bulk = f" and a bulk of {pipeline.display(test['bulk_temperature'], '°C')}"
+        bulk = f" and a bulk of {display(test['bulk_temperature'], '°C')}"
     found = f"{test['outcome']} at" if test.get("outcome") else "measured"
     return f"{sweep}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
 
