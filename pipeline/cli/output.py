@@ -34,7 +34,6 @@ QUIET = threading.Event()
 """Set if the user asked for no progress and no notes."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
-_TABLES = (".csv", ".md")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,19 +55,17 @@ def show(options: argparse.Namespace, result: Result) -> None:
     if result.warned is not None:
         document["warnings"] = result.warned.as_dict()
         text += result.warned.lines()
-    out = result.out
-    if result.frames or result.draw:
-        out = options.output or out
-    if out is not None and (result.draw is None or out.suffix.lower() in _TABLES):
-        from pipeline.analysis.tables import write_frames  # pandas takes its time
+    if (result.frames or result.draw) and (out := options.output or result.out):
+        from pipeline.analysis.tables import TABLES, write_frames  # pandas takes its time
 
-        document["table"] = str(write_frames(result.frames, out))
-        text.append(f"table: {out}")
-    elif out is not None and result.draw is not None:
-        from pipeline.figures.style import save_figure  # Matplotlib takes its time
+        if result.draw is None or out.suffix.lower() in TABLES:
+            document["table"] = str(write_frames(result.frames, out))
+            text.append(f"table: {out}")
+        else:
+            from pipeline.figures.style import save_figure  # Matplotlib takes its time
 
-        document["figure"] = str(save_figure(result.draw(), out))
-        text.append(str(out))
+            document["figure"] = str(save_figure(result.draw(), out))
+            text.append(str(out))
     if options.json:
         written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
         print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", written))
