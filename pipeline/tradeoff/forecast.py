@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -95,7 +95,7 @@ def estimate(
     scene = sweep.variant(given[len(given) // 2])
     shared = len(names) / len({lead.variant for lead in sweep.leads.values()})
     moving = sum(velocity != 0 for velocity in every) * sweep.scene.friction_heat
-    steps, timed = list(_steps_of_ramp(scene)), _timed(scene)
+    steps, (contact_time, heat_time, state) = list(_steps_of_ramp(scene)), _timed(scene)
     if boundary_only:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
         steps = [step for step in steps if step[0] <= np.median(sweep.plane.loads)]
@@ -106,9 +106,9 @@ def estimate(
     if not sweep.scene.remembers_steps:  # workers keep the contacts of the first velocity
         ramps = min(ramps, parallel * variants)
     turns = max(1.0, ramps / parallel) if sweep.plane.independent else math.ceil(ramps / parallel)
-    of_heat = math.ceil(velocities * variants / parallel) * heated * timed.heat
+    of_heat = math.ceil(velocities * variants / parallel) * heated * heat_time
     commits = loads * velocities * variants / parallel * _SECONDS_TO_COMMIT
-    alone = turns * len(steps) * timed.contact + of_heat + commits
+    alone = turns * len(steps) * contact_time + of_heat + commits
     return Estimate(
         points=points,
         steps=len(steps) * ramps,
@@ -117,7 +117,7 @@ def estimate(
         workers=workers,
         seconds=_SECONDS_TO_START + alone * max(1.0, parallel / cores),
         worker_bytes=max(worker_bytes(sweep.variant(name)) for name in given),
-        disk_bytes=_STORE_BYTES + points * _point_bytes(scene, timed.state),
+        disk_bytes=_STORE_BYTES + points * _point_bytes(scene, state),
     )
 
 
@@ -134,16 +134,11 @@ def machine_bytes() -> float:
         return math.inf
 
 
-class _Timed(NamedTuple):
-    """Processor times [s], and a state as high as they lead to."""
+def _timed(sweep: Sweep) -> tuple[float, float, State]:
+    """Compute a ramp here and now, as far as it is fast: a state as high as it leads to.
 
-    contact: float  # of a step
-    heat: float  # of the temperature of a contact
-    state: State
-
-
-def _timed(sweep: Sweep) -> _Timed:
-    """Compute a ramp here and now, as far as it is fast."""
+    The processor times [s] are of a step's contact, and of the temperature of a contact.
+    """
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat = list[float](), list[float]()
@@ -155,7 +150,7 @@ def _timed(sweep: Sweep) -> _Timed:
             of_heat.append(time.process_time() - began)
         if state.is_asked and sum(of_contacts) + sum(of_heat) > _PATIENCE:
             break
-    return _Timed(float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state)
+    return float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state
 
 
 def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:

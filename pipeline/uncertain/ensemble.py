@@ -209,9 +209,13 @@ class Ensemble:
         ds = ds.sortby("load").isel(variant=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
-        of_rows = _conditions_of_rows(conditions, about, numbers.tolist())
+        of_rows = [conditions] * len(numbers)
+        if corrections := about.get("sample_corrections"):
+            rows = numbers.tolist()
+            of_rows = [with_corrections_of_row(conditions, corrections, row) for row in rows]
         if SHARE in paths and "share" not in changed:
-            of_rows = _at_shares(of_rows, inputs[:, paths.index(SHARE)])
+            pairs = zip(of_rows, inputs[:, paths.index(SHARE)].tolist(), strict=True)
+            of_rows = [replace(one, failing_share=share) for one, share in pairs]
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = decisive_rises(columns, loads, of_rows)
         require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
@@ -383,19 +387,3 @@ class Ensemble:
                     f"{name} is {value:g} {unit}; the samples have {ends}: give one within, or "
                     "add to the sweep"
                 )
-
-
-def _conditions_of_rows(
-    conditions: Conditions, about: Mapping[str, Any], numbers: Sequence[int]
-) -> list[Conditions]:
-    """Conditions of each sample, with the corrections that follow from its own inputs."""
-    columns = about.get("sample_corrections")
-    if not columns:
-        return [conditions] * len(numbers)
-    return [with_corrections_of_row(conditions, columns, number) for number in numbers]
-
-
-def _at_shares(of_rows: Sequence[Conditions], shares: Array) -> list[Conditions]:
-    """Conditions of each sample, at the share of the contact that it has drawn."""
-    pairs = zip(of_rows, shares.tolist(), strict=True)
-    return [replace(one, failing_share=share) for one, share in pairs]

@@ -76,28 +76,19 @@ def with_rigs(
 
     A sweep has none where its friction is known exactly, or none of its tests has measured it.
     """
-    has_rig = [
-        any(one.path == FRICTION for one in ensemble.unknown)
-        and any(test.get("friction") is not None for test in ensemble.tests)
-        for ensemble in ensembles
-    ]
-    if not any(has_rig):
-        return unknown, (None,) * len(ensembles)
-    joint, columns_of_rigs = list(unknown), list[int | None]()
-    rows = zip(ensembles, columns, has_rig, strict=True)
-    for number, (ensemble, of_sweep, has) in enumerate(rows, 1):
-        if not has:
-            columns_of_rigs.append(None)
-            continue
-        own = [one.path for one in ensemble.unknown].index(FRICTION)
-        column = int(of_sweep[own])
-        if not ensemble.same_rig:
-            column, path = len(joint), f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
-            joint.append(replace(ensemble.unknown[own], path=path, correlated=()))
-        columns_of_rigs.append(column)
-    scatter = len(joint)
-    places = (None if one is None else Places(one, scatter) for one in columns_of_rigs)
-    return (*joint, SCATTER), tuple(places)
+    joint, frictions = list(unknown), list[int | None]()
+    for number, (ensemble, of_sweep) in enumerate(zip(ensembles, columns, strict=True), 1):
+        paths = [one.path for one in ensemble.unknown]
+        column = None
+        if FRICTION in paths and any(test.get("friction") is not None for test in ensemble.tests):
+            own = paths.index(FRICTION)
+            column = int(of_sweep[own])
+            if not ensemble.same_rig:
+                column, path = len(joint), f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
+                joint.append(replace(ensemble.unknown[own], path=path, correlated=()))
+        frictions.append(column)
+    places = tuple(None if one is None else Places(one, len(joint)) for one in frictions)
+    return (*joint, *([SCATTER] if any(places) else [])), places
 
 
 SLOPES = (

@@ -7,7 +7,7 @@ import pytest
 from pipeline.sweep import plan
 from pipeline.sweep.plan import chains, points, run_point
 from pipeline.tradeoff import forecast
-from pipeline.tradeoff.forecast import _Timed, estimate, savings
+from pipeline.tradeoff.forecast import estimate, savings
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tribo import PRESETS, Fidelity, Grid, Ramp, Wear, simulate
@@ -58,7 +58,7 @@ def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
 
 def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkeypatch):
     # On two cores, where a contact takes 1 s and its temperature 9 s.
-    timed = _Timed(1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0)))
+    timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
     monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
     sweep = SWEEP.changed(fidelity=Fidelity(increments=30))
