@@ -141,8 +141,10 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     dims = [*(str(name) for name in ds["status"].dims if name not in PLANE), *PLANE]
     is_done = values_of(ds, "status") == DONE
     rises = np.where(is_done, rises, np.nan)
-    limit = None if conditions.critical_temperature is None else rise_limit(conditions)
-    require_sound(ds, _deciding(is_done, rises, limit, *dims), *dims)
+    suspects = is_done & np.isnan(rises)
+    if conditions.critical_temperature is not None:
+        suspects |= beside_boundary(rises, rise_limit(conditions))
+    require_sound(ds, suspects, *dims)
     return xr.DataArray(
         rises,
         {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords},
@@ -189,16 +191,16 @@ def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
     reader.require_sound(indices)
 
 
-def _deciding(is_done: Mask, rises: Array, limit: float | None, *dims: str) -> Mask:
-    """Done points without a rise [K], and those beside which it crosses a limit [K]."""
-    mask = is_done & np.isnan(rises)
-    for axis, name in enumerate(dims):
-        if limit is not None and name in PLANE:
-            mask |= np.apply_along_axis(turns, axis, rises, limit)
-    return mask
+def beside_boundary(rises: Array, limit: float) -> Mask:
+    """Known points of planes of rises (..., n_load, n_velocity) [K] next to the other kind of wear.
+
+    Their next known neighbour in load or in velocity lies on the other side of the limit.
+    """
+    along_both = (np.apply_along_axis(_turns, axis, rises, limit) for axis in (-2, -1))
+    return np.logical_or(*along_both)
 
 
-def turns(rise: Array, limit: float) -> Mask:
+def _turns(rise: Array, limit: float) -> Mask:
     """Known points of a row with the other kind of wear at the next known one on either side."""
     (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
     turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])

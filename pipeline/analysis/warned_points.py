@@ -27,7 +27,7 @@ from pipeline.analysis.dataset import (
     has_one_scene,
     has_plane,
 )
-from pipeline.analysis.decisive import conditions_of, decisive_rise, turns
+from pipeline.analysis.decisive import beside_boundary, conditions_of, decisive_rise
 from pipeline.analysis.scenes import by_scene, planes, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -160,13 +160,11 @@ def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArr
         return None
 
     def of_scene(scene: xr.Dataset) -> xr.DataArray:
-        marks = []
-        for one in given:
-            judged = conditions_of(scene, **one)
-            rise, limit = decisive_rise(scene, judged), rise_limit(judged)
-            for axis in (-2, -1):  # along the load, and along the velocity
-                marks.append(np.apply_along_axis(turns, axis, rise.values, limit))
-        return rise.copy(data=np.logical_or.reduce(marks))
+        judged = [conditions_of(scene, **one) for one in given]
+        rises = [decisive_rise(scene, one) for one in judged]
+        pairs = zip(rises, map(rise_limit, judged), strict=True)
+        marks = [beside_boundary(rise.values, limit) for rise, limit in pairs]
+        return rises[0].copy(data=np.logical_or.reduce(marks))
 
     return by_scene(ds, of_scene)
 

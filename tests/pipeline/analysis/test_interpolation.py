@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.decisive import turns
+from pipeline.analysis.decisive import beside_boundary
 from pipeline.analysis.transition import certain, crossing, exponent, interpolated
 from pipeline.analysis.warned_points import exponents
 
@@ -90,5 +90,6 @@ def test_exponents_are_taken_between_neighbours_that_lie_far_enough_apart():
 
 
 def test_points_turn_where_the_next_known_one_has_the_other_wear():
-    marked = turns(np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0]), 4.0)
+    row = np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0])
+    marked, _ = beside_boundary(np.tile(row, (2, 1)), 4.0)
     assert marked.tolist() == [False, True, False, True, True, True]
