@@ -12,14 +12,13 @@ from dataclasses import replace
 from typing import Any, cast
 
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.faults import entry_at, quoted
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, display, si_unit, to_si
 from pipeline.scene.unknown import Make, differing_inputs, require_around
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column, Variants, combinations, wear_rates
 from tribo import InputError, Wear
-from tribo.simulation import inseparable
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = ("loads", "velocities", "variants", "unequal_bulks", "independent", "steps")
@@ -115,15 +114,10 @@ def _axis(path: str, values: tuple[Any, ...]) -> Column:
 def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) -> Sweep:
     """The scene with some values; raises if it is faulty, or has other axes."""
     place = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
-    faults = Faults()
     try:
-        scene = make(values, faults)
+        scene = make(values)
     except InputError as error:
         raise InputError(f"{key}: {place}: {error}") from error
-    if scene is None:
-        path, problem, *_ = faults[0]
-        problem = problem if path == next(iter(values)) else f"{path}: {problem}"
-        raise InputError(f"{key}: {place}: {problem}")
     settings = (f"--set={path}={value}" for path, value in values.items())
     scene = scene.changed(arguments=(*sweep.about.arguments, *settings))
     for name in _SAME:
@@ -148,8 +142,6 @@ def with_rates_of(asked: Mapping[str, float] | None, sweep: Sweep, notes: list[s
     """
     if not asked or sweep.variants.draw:  # whose inputs have it
         return sweep
-    if reason := inseparable(sweep.scene, ()) if sweep.scene.wear else None:
-        raise InputError(f"sweep.wear_rates: {reason}; or leave them out")
     require_around(asked, sweep)
     (low, high), wear = asked.values(), cast(Wear, sweep.scene.wear)
     own = wear.specific_wear_rate

@@ -97,12 +97,15 @@ def load_scene(
     entries = with_rows(entries, document, faults)
     reader = _Reader(document, arguments, Laws(path.parent, own_laws))
 
-    def variant(values: Mapping[str, Any], faults: Faults) -> Sweep | None:
-        """The sweep with other values of some entries."""
-        other = entries
+    def variant(values: Mapping[str, Any]) -> Sweep:
+        """The sweep with other values of some entries; raises its first fault."""
+        other, wrong = entries, Faults()
         for place, value in values.items():
             other = with_value(other, place, value)
-        return reader.sweep(other, faults)[0]
+        made, _ = reader.sweep(other, wrong)
+        if made is None or wrong:
+            raise tribo.InputError(f"{wrong[0].key}: {wrong[0].problem}")
+        return made
 
     try:
         sweep, tables = reader.sweep(entries, faults)

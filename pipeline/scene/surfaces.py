@@ -65,7 +65,8 @@ def _of_text(path: Path, height_unit: float | None) -> Surface:
     try:
         heights, pixel_size, said = read_text(path)
     except InputError:
-        if path.suffix.lower() not in (".csv", ".xyz") and _knows_more():
+        knows_more = importlib.util.find_spec("SurfaceTopography") is not None
+        if path.suffix.lower() not in (".csv", ".xyz") and knows_more:
             with suppress(InputError):  # an instrument's own text
                 return _of_instrument(path, height_unit)
         raise
@@ -81,11 +82,6 @@ def _of_text(path: Path, height_unit: float | None) -> Surface:
             "holes as NaN"
         )
     return Surface(heights, pixel_size)
-
-
-def _knows_more() -> bool:
-    """True where the library that reads formats of instruments is there."""
-    return importlib.util.find_spec("SurfaceTopography") is not None
 
 
 def _of_instrument(path: Path, height_unit: float | None) -> Surface:

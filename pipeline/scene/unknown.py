@@ -47,8 +47,8 @@ from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
 
-Make = Callable[[Mapping[str, Any], Faults], Sweep | None]
-"""Makes the sweep with other values of some entries, by their paths; notes faults."""
+Make = Callable[[Mapping[str, Any]], Sweep]
+"""Makes the sweep with other values of some entries, by their paths; raises their first fault."""
 _FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
@@ -278,16 +278,16 @@ def _drawn(draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make) -> 
     """Table of samples, of each combination in `over`; raises if one is not a sound scene."""
     table = over * drawn_rows(draw, count)
     values, _ = draw.design.draw(count)
-    parts, wrong = list[Part](), Faults()
+    parts = list[Part]()
     for name, row in itertools.product(over.names, values.tolist()):
         pairs = zip(draw.design.inputs, row, strict=True)
         entries = {one.path: _entry(one, value) for one, value in pairs}
-        other = make({**written_of(over, name), **entries}, wrong)
-        if wrong or other is None:
-            reason = f"{wrong[0].key}: {wrong[0].problem}"
+        try:
+            other = make({**written_of(over, name), **entries})
+        except InputError as error:
             raise InputError(
-                f"unknown: a sample is not a sound scene: {reason}; give narrower distributions"
-            )
+                f"unknown: a sample is not a sound scene: {error}; give narrower distributions"
+            ) from error
         parts.append(tuple(differing_inputs(sweep, other)))
     return replace(table, parts=tuple(parts))
 
@@ -335,11 +335,10 @@ def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
     changed: set[str] = set()
     is_heat_alone = True
     for value, where, instead in _tried(one):
-        wrong = Faults()
-        other = make({one.path: _entry(one, value)}, wrong)
-        if other is None:
-            why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
-            faults.note(key, f"{where}{why}{instead}")
+        try:
+            other = make({one.path: _entry(one, value)})
+        except InputError as error:
+            faults.note(key, f"{where}{error}{instead}")
             return "conditions"
         changed |= {name for name, _ in differing_inputs(sweep, other)} - {"sources"}
         alike = {name for name, _ in differing_inputs(sweep, _with_heat_of(other, sweep))}

@@ -157,7 +157,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     [
         (
             '{ "pin.radius" = ["1 mm", "2 s"] }',
-            '"2 s": "2 s" cannot be converted to mm; give ',
+            'pin.radius: "2 s" cannot be converted to mm; give ',
         ),
         ('{ "pin.radus" = ["1 mm"] }', 'radus: unknown key (did you mean "radius"?)'),
         ('{ "pin.radius" = ["1 mm", "0.1 cm"] }', "are the same; give each value once"),
