@@ -41,8 +41,8 @@ test: .venv/test      ## style, types, import rules and the test suite
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 3 --dist loadfile \
-	    --no-loadscope-reorder --durations=25
+	PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX=$(CURDIR)/.venv/bytecode OMP_NUM_THREADS=1 \
+	    $(BIN)/python -m pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder --durations=25
 
 javascript:           ## what checks the scripts of the page that irg explore writes; needs npm
 	mkdir -p .venv/javascript
