@@ -169,11 +169,11 @@ def as_title(words: str, letters: int = 80) -> str:
     return SOFT_BREAK.join(textwrap.wrap(as_text(words), letters))
 
 
-def entry_label(path: str, letters: int = 22) -> str:
-    """Entry of a scene in words, the table above the name."""
+def entry_label(path: str) -> str:
+    """Entry of a scene in words, in short lines, the table above the name."""
     *tables, name = (part.replace("_", " ") for part in path.split("."))
     words = f"{' '.join(tables)}: {name}" if tables else name
-    return textwrap.fill(as_text(words), letters)
+    return textwrap.fill(as_text(words), 22)
 
 
 def as_text(words: str) -> str:
