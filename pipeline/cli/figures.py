@@ -7,7 +7,8 @@ import argparse
 import pipeline
 from pipeline.cli import given
 from pipeline.cli.output import Result, tell, working
-from pipeline.figures.plot import watch
+from pipeline.figures.plot import options_of, watch
+from tribo import InputError
 
 _OF_KINDS = (*given.PLACE, "scatter", "log", "show", "against", "given_measured")
 """Options that only some kinds of figures have, beside the conditions."""
@@ -17,6 +18,10 @@ def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store, or draw it again and again as points come."""
     kind, conditions = options.kind, given.conditions_in(options)
     look = given.values_in(options, *_OF_KINDS) | conditions
+    allowed = [name for name in options_of(kind) if name in (*_OF_KINDS, *given.CONDITIONS)]
+    if others := [name for name in look if name not in (*allowed, "own_laws")]:
+        flag, flags = given.flags_of(others[:1]), given.flags_of(allowed)
+        raise InputError(f"--kind {kind} takes no {flag}; it takes {flags}")
     look |= given.values_in(options, "width") | {"with_title": not options.no_title}
     if not options.watch:
         ds = given.dataset_in(options)

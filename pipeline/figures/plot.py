@@ -95,8 +95,7 @@ def plot(
     """
     if kind not in KINDS:
         raise InputError(f"kind is {kind!r}; allowed are {', '.join(KINDS)}")
-    _, *names, _ = inspect.signature(KINDS[kind]).parameters  # between the dataset and **changed
-    allowed = list(dict.fromkeys((*CONDITIONS, *names)))
+    allowed = options_of(kind)
     for name in options:
         if name not in allowed:
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
@@ -111,6 +110,12 @@ def plot(
         return drawn
     fitted(drawn, metres, with_title)
     return drawn if path is None else save_figure(drawn, path)
+
+
+def options_of(kind: str) -> list[str]:
+    """Names of the options that a kind of figure has."""
+    _, *names, _ = inspect.signature(KINDS[kind]).parameters  # between the dataset and **changed
+    return list(dict.fromkeys((*CONDITIONS, *names)))
 
 
 _INTERVAL = 1.0  # [s] between two drawings at least
