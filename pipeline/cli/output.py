@@ -148,56 +148,55 @@ _ENDING = 10.0  # [s] that it may take to say the last word
 _SOON = 2.0  # [s], before which a command that just works says nothing
 
 
-class _Line:
-    """A line that changes: in place on a terminal, else printed anew every few seconds."""
+@contextmanager
+def _line() -> Iterator[Callable[..., None]]:
+    """Yield a function that shows a text: in place on a terminal, else anew every few seconds.
 
-    def __init__(self) -> None:
-        self._bar: Any = None
-        self._printed, self._printed_at = "", -math.inf
+    On a terminal it stands beside a bar if there is a total; if quiet, nothing is shown.
+    """
+    bar: Any = None
+    printed, printed_at = "", -math.inf
 
-    def show(self, text: str, done: int = 0, total: int = 0, is_last: bool = False) -> None:
-        """Show a text, on a terminal beside a bar if it has a total; if quiet, nothing."""
+    def show(text: str, done: int = 0, total: int = 0, is_last: bool = False) -> None:
+        nonlocal bar, printed, printed_at
         if QUIET.is_set():
             return
         if sys.stderr.isatty():
-            self._draw(text, done, total)
-        elif is_last or time.monotonic() - self._printed_at >= _BETWEEN_LINES:
-            if text != self._printed:
+            if bar is None:
+                from tqdm import tqdm
+
+                form = "{desc} |{bar:20}|" if total else "{desc}"
+                bar = tqdm(total=total or None, bar_format=form, leave=bool(total))
+            bar.n, bar.total = done, total or None
+            bar.set_description_str(text, refresh=False)
+            bar.update(0)
+        elif is_last or time.monotonic() - printed_at >= _BETWEEN_LINES:
+            if text != printed:
                 tell(text)
-            self._printed, self._printed_at = text, time.monotonic()
+            printed, printed_at = text, time.monotonic()
 
-    def _draw(self, text: str, done: int, total: int) -> None:
-        if self._bar is None:
-            from tqdm import tqdm
-
-            form = "{desc} |{bar:20}|" if total else "{desc}"
-            self._bar = tqdm(total=total or None, bar_format=form, leave=bool(total))
-        self._bar.n, self._bar.total = done, total or None
-        self._bar.set_description_str(text, refresh=False)
-        self._bar.update(0)
-
-    def close(self) -> None:
-        """Leave a bar as it is, or clear the line without one."""
-        if self._bar is not None:
-            self._bar.close()
+    try:
+        yield show
+    finally:
+        if bar is not None:
+            bar.close()
 
 
 @contextmanager
 def run_line() -> Iterator[Callable[[Progress], None]]:
     """Yield a function that shows a state of the run, and show the last one again at the end."""
-    line = _Line()
     latest: list[Progress] = []
 
     def show(progress: Progress) -> None:
         latest[:] = [progress]
-        line.show(str(progress), progress.done, progress.total)
+        line(str(progress), progress.done, progress.total)
 
-    try:
-        yield show
-    finally:
-        for progress in latest:
-            line.show(str(progress), progress.done, progress.total, is_last=True)
-        line.close()
+    with _line() as line:
+        try:
+            yield show
+        finally:
+            for progress in latest:
+                line(str(progress), progress.done, progress.total, is_last=True)
 
 
 @contextmanager
@@ -214,12 +213,11 @@ def working(task: str) -> Iterator[Callable[[int, int], None]]:
 
     def say() -> None:
         if is_over.wait(_SOON):
-            return None
-        line = _Line()
-        while True:
-            line.show(state_of_task(task, time.monotonic() - began, *latest))
-            if is_over.wait(_BETWEEN_LOOKS):
-                return line.close()
+            return
+        with _line() as line:
+            line(state_of_task(task, time.monotonic() - began, *latest))
+            while not is_over.wait(_BETWEEN_LOOKS):
+                line(state_of_task(task, time.monotonic() - began, *latest))
 
     thread = threading.Thread(target=say, name="progress", daemon=True)
     thread.start()
