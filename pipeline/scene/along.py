@@ -116,7 +116,7 @@ def with_first_row(document: Document, pairs: list[dict[str, Any]]) -> Document:
 
 def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make: Make) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
-    if sweep.variants.sets_velocities:
+    if sweep.variants.wear_rates or sweep.variants.velocities:
         raise InputError(
             "sweep.along: its rows have places of their own, as samples have, and wear_rates have "
             "a plane; leave out one or the other"

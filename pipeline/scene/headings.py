@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -186,7 +186,7 @@ def _words(heading: Heading) -> str:
     return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
 
 
-def with_units_below(headings: list[Heading], rows: list[Row]) -> tuple[list[Heading], list[Row]]:
+def _with_units_below(headings: list[Heading], rows: list[Row]) -> tuple[list[Heading], list[Row]]:
     """Headings with the units of a first row that holds nothing else, and the other rows."""
     first = rows[0].cells if rows else []
     units = [heading_of(f"x [{cell.strip('[]()')}]").unit for cell in first]
@@ -299,15 +299,19 @@ def read_sheet(
     needed: Collection[str],
     named: Mapping[str, str] | None = None,
     decimal: str | None = None,
+    is_log: Callable[[Collection[str]], bool] = {"load", "velocity"}.issubset,
 ) -> Sheet:
-    """Read the rows of a file below headings of a load and a velocity; see `columns_for`."""
+    """Read the rows of a file below headings, those of a load and a velocity or others.
+
+    `columns_for` has the meaning of the arguments.
+    """
 
     def is_heading(cells: list[str]) -> bool:
         places, faults = columns_for([*map(heading_of, cells)], wanted, named)
-        return not faults and {"load", "velocity"} <= places.keys()
+        return is_log(places) and not (named and faults)
 
     read = read_rows(path, is_heading, decimal)
-    headings, rows = with_units_below([*map(heading_of, read.heads)], read.rows)
+    headings, rows = _with_units_below([*map(heading_of, read.heads)], read.rows)
     sheet = Sheet(headings, rows, {}, [], [*read.faults], read.decimal, read.form)
     _take_velocity_of_turns(sheet)
     return _with_places(sheet, wanted, needed, named)

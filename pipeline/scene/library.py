@@ -14,7 +14,7 @@ import tomllib
 from importlib import resources
 from typing import Any
 
-from pipeline.scene.faults import Fault, Faults, joined, quoted
+from pipeline.scene.faults import Fault, Faults, entry_at, joined, quoted
 from pipeline.sweep.about import FromLibrary
 
 _WHOLE = {
@@ -48,8 +48,7 @@ def with_library(
     if not isinstance(tables, dict):
         return entries, tuple(taken)
     for body in ("pin", "disk"):
-        table = entries.get(body)
-        name = table.get("material") if isinstance(table, dict) else None
+        name = entry_at(entries, f"{body}.material")
         if isinstance(name, str) and name in library()["materials"] and name not in tables:
             tables = {name: dict[str, Any](), **tables}
     if tables:

@@ -8,7 +8,7 @@ not used. What was not named exactly is noted.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,18 +19,7 @@ import numpy as np
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOG, OUTCOMES, TEST, TRANSITION
-from pipeline.scene.headings import (
-    UNITS,
-    CellFault,
-    Sheet,
-    columns_for,
-    heading_of,
-    listed_faults,
-    numbered,
-    read_sheet,
-    with_units_below,
-)
-from pipeline.scene.rows import read_rows
+from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, numbered, read_sheet
 from pipeline.scene.schema import Table
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
@@ -233,20 +222,23 @@ class Trace:
 def read_trace(path: Path) -> Trace | None:
     """Read a trace of friction over time; None from a file of another kind."""
 
-    def is_heading(cells: list[str]) -> bool:
-        found = columns_for([*map(heading_of, cells)], _OF_TRACE)[0].keys()
-        return {"time", "friction"} <= found or {"time", "friction_force", "load"} <= found
+    def is_trace(found: Collection[str]) -> bool:
+        return {"time", "friction"} <= {*found} or {"time", "friction_force", "load"} <= {*found}
 
-    read = read_rows(path, is_heading)
-    if not is_heading(read.heads) or len(read.rows) < _LEAST_ROWS:
+    sheet = read_sheet(path, _OF_TRACE, (), is_log=is_trace)
+    if not is_trace(sheet.places) or len(sheet.rows) < _LEAST_ROWS:
         return None
-    headings, rows = with_units_below([*map(heading_of, read.heads)], read.rows)
     columns = {}
-    for name, place in columns_for([*map(heading_of, read.heads)], _OF_TRACE)[0].items():
-        unit, usual = headings[place].unit or UNITS[name], UNITS[name]
+    for name, place in sheet.places.items():
+        unit, usual = sheet.headings[place].unit or UNITS[name], UNITS[name]
         try:
             factor = to_si(f"1 {unit}", f"1 {usual}") if usual else 1.0
-            columns[name] = factor * np.array([float(row.cells[place] or "nan") for row in rows])
+            columns[name] = factor * np.array(
+                [
+                    to_si(cell, "1 m/s") if "rpm" in cell else float(cell or "nan")
+                    for cell in (row.cells[place] for row in sheet.rows)
+                ]
+            )
         except (UnitError, ValueError):
             return None
     force = columns.pop("friction_force", None)

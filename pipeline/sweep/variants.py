@@ -162,11 +162,6 @@ class Variants:
         return self.velocities is None and self._places("load") is None
 
     @property
-    def sets_velocities(self) -> bool:
-        """True if rows slide at other velocities than those of the plane."""
-        return bool(self.wear_rates) or self.velocities is not None
-
-    @property
     def answers(self) -> tuple[str, ...]:
         """Commands that answer first: by probabilities, by a boundary, or at the rows' places."""
         if self.draw:

@@ -1,5 +1,7 @@
 """Tests of a laboratory: tables of the scene, or rows of a log in CSV."""
 
+import math
+
 import pytest
 
 import pipeline
@@ -126,6 +128,13 @@ def test_a_trace_of_forces_and_a_speed_in_rpm_are_understood(tmp_path):
     assert trace.load[trace.row] == 300.0
     (fault,) = read_log_faults(path, "load [N],speed [rpm],outcome\n400,300,mild\n")
     assert "give its track, too" in fault
+
+
+def test_a_trace_of_rotations_has_velocities_where_a_column_has_the_radius(tmp_path):
+    path = tmp_path / "trace.csv"
+    rows = "".join(f"{t},0.1,300,30\n" for t in range(30))
+    path.write_text(f"time [s],COF,speed [rpm],radius [mm]\n{rows}")
+    assert read_trace(path).velocity == pytest.approx(math.tau * 300 / 60 * 0.03)
 
 
 def read_log_faults(path, log):
