@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import pydoc
 import re
 import sys
@@ -18,6 +17,7 @@ import pipeline
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import COMMANDS, parse
+from pipeline.scene.document import as_toml
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.logs import Log, Trace, read_log, read_trace
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
@@ -178,18 +178,12 @@ def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
 def _toml(log: Log, decimal: str | None, is_tests: bool) -> Iterable[str]:
     """Lines of a scene that name the log, and say what is not said by its own words."""
     yield "[[tested]]" if is_tests else "[[measured]]"
-    yield f"file = {_quoted(log.path.name)}"
-    sheet, named = log.sheet, _columns(log).items()
-    columns = {name: head for name, head in named if sheet.heading(name).name != name}
+    yield f"file = {as_toml(log.path.name)}"
+    headings = {name: log.sheet.heading(name) for name in log.sheet.places}
+    columns = {name: one.text for name, one in headings.items() if one.name != name}
     if columns:
-        pairs = ", ".join(f"{name} = {_quoted(head)}" for name, head in columns.items())
-        yield f"columns = {{ {pairs} }}"
+        yield f"columns = {as_toml(columns)}"
     if log.words:
-        pairs = ", ".join(f'{_quoted(word)} = "{it}"' for word, it in log.words.items())
-        yield f"words = {{ {pairs} }}"
+        yield f"words = {as_toml(log.words)}"
     if decimal:
-        yield f'decimal = "{decimal}"'
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
+        yield f"decimal = {as_toml(decimal)}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -13,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.scene.faults import Faults, did_you_mean
+from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.rows import Row, may_be_thousands, read_rows
 from pipeline.scene.schema import Table
@@ -389,4 +388,4 @@ def _take_velocity_of_turns(sheet: Sheet) -> None:
 
 
 def _listed(texts: Iterable[str]) -> str:
-    return ", ".join(json.dumps(text, ensure_ascii=False) for text in texts)
+    return ", ".join(map(quoted, texts))
