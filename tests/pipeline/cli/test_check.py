@@ -54,6 +54,7 @@ def test_a_check_takes_what_a_run_takes(check, tmp_path):
     subjects = {line.partition(",")[0] for line in out.read_text(encoding="utf-8").splitlines()}
     assert {"subject", "contact", "points"} <= subjects
     small = ["--set", "window.pixels=[288, 60]", "--set", 'sweep.loads=["200 N"]']
+    small += ["--set", 'sweep.velocities=["1 m/s", "4 m/s"]']
     document = check(*small, "--accuracy", "5%", "--json")
     assert document["selection"]["accuracy"] == 0.05
     assert document["seconds"] > 0

@@ -35,6 +35,7 @@ def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
         [
             Path(sys.executable).with_name("irg"),
             *("run", "scene.toml", "-o", "out.zarr", "--set", 'sweep.loads=["200 N"]'),
+            *("--set", "increments=1"),
         ],
         cwd=tmp_path,
         capture_output=True,

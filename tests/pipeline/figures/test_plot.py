@@ -312,7 +312,8 @@ def unknown():
     return samples.dataset(samples.ensemble(tests=measured))
 
 
-def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown):
+def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown, monkeypatch):
+    samples.fewer_draws(monkeypatch)
     axes = diagram(unknown, given_measured=True, scatter=0.1, log=True).axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert axes.get_title().endswith("given 2 measured transitions")

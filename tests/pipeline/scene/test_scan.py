@@ -11,7 +11,7 @@ from pipeline.scene.faults import SceneFileError
 from pipeline.scene.units import to_si
 from tribo import Grid, InputError, self_affine
 
-GRID = Grid((320, 256), (0.8e-6, 0.9e-6))
+GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
 
 
 @pytest.fixture(scope="module")
@@ -79,14 +79,14 @@ def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
         "without": "disk.roughness",
         "disk.roughness.file": str(scan),
         "disk.roughness.height_unit": "um",
-        "window.pixels": [256, 320],
+        "window.pixels": [192, 240],
     }
     turned = {"disk.roughness.transpose": True, "disk.roughness.flip": "x"}
     sweep = load_scene("first_try", overrides=surface | turned)
     assert np.array_equal(sweep.scene.roughness.array, 1e-6 * np.load(scan).T[::-1])
     with pytest.raises(SceneFileError, match=r"disk\.roughness\.transpose = true"):
         load_scene("first_try", overrides=surface)
-    wide = surface | {"window.pixels": [640, 256]}
+    wide = surface | {"window.pixels": [480, 192]}
     with pytest.raises(SceneFileError, match=r'disk\.roughness\.repeat = "mirror"'):
         load_scene("first_try", overrides=wide)
     load_scene("first_try", overrides=wide | {"disk.roughness.repeat": "mirror"})

@@ -13,7 +13,9 @@ from tests.helpers.accuracy_scenes import PAPER
 from tribo import PRESETS, Fidelity, Grid, Ramp, Wear, simulate
 from tribo.simulation import contacts
 
-SWEEP = PAPER.changed(loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
+SWEEP = PAPER.changed(
+    loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0), pixels=Grid((64, 32), (6e-6, 6e-6))
+)
 
 
 def counted(sweep, monkeypatch):

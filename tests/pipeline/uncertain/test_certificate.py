@@ -54,7 +54,7 @@ def test_bands_hold_nine_of_ten_runs_at_the_loads_and_between_them_and_of_places
 
 def test_bands_of_few_contacts_hold_waves_between_them_and_are_not_said_to_suffice():
     unknown, held = ALL[:3], []
-    inputs, velocities = drawn(unknown, 7, 60), np.geomspace(0.6, 5.0, 60)
+    inputs, velocities = drawn(unknown, 7, 40), np.geomspace(0.6, 5.0, 40)
     for phase in range(5):
 
         def wave(rate, velocity, phase=phase):

@@ -73,9 +73,9 @@ def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
     assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
 
 
-def test_90_percent_intervals_hold_most_of_8_hidden_truths():
+def test_90_percent_intervals_hold_most_of_5_hidden_truths():
     """Of 200 in `tests.promises.laboratories`."""
-    truths = drawn(ALL, 7, 8)
+    truths = drawn(ALL, 7, 8)[:5]
     held = []
     for number, truth in enumerate(truths):
         measured = transitions(truth, seed=number)
@@ -442,7 +442,7 @@ def searched(place, kelvins, seed, scatter_is_said):
 
 @pytest.mark.parametrize(
     ("bulk", "most_beyond", "scatter_is_said"),
-    [("25 degC", 0, False), ("110 degC", 10, True)],
+    [("25 degC", 0, False), ("110 degC", 6, True)],
 )
 def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond, scatter_is_said):
     log = OBVIOUS | ({"velocity_scatter": 0.025} if scatter_is_said else {})
@@ -452,7 +452,7 @@ def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond,
     place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
     tests = [
         searched(place, kelvins, seed, scatter_is_said)
-        for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 12)[:, 0])
+        for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 8)[:, 0])
     ]
     after = (pipeline.posterior(ensemble((CRITICAL,), tests=[test])) for test in tests)
     had = [next(outcome.summary())["posterior"]["sd"] for outcome in after]
@@ -467,9 +467,9 @@ def test_many_planned_tests_promise_the_spread_that_is_had():
     idle = OBVIOUS | {"friction_scatter": 0.002}
     samples = ensemble((WIDE, RATE, FRICTION, LENGTH), tests=[idle])
     before = pipeline.posterior(samples)
-    batch = pipeline.plan_tests(before, 20, CRITICAL.path, ["25 degC", "60 degC"])
+    batch = pipeline.plan_tests(before, 12, CRITICAL.path, ["25 degC", "60 degC"])
     had = []
-    for number, truth in enumerate(drawn((WIDE, RATE, FRICTION, LENGTH), 7, 8)[:5]):
+    for number, truth in enumerate(drawn((WIDE, RATE, FRICTION, LENGTH), 7, 8)[:4]):
         chance = np.random.default_rng(number)
         tests = []
         for planned in batch:

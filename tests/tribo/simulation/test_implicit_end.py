@@ -24,7 +24,7 @@ def worn_scene(specific_wear_rate=2e-14, **changes):
     choices = {"wear_scheme": "sdirk2", "increments": 10} | changes
     return replace(
         small_scene(roughness=False, **choices),
-        pixels=Grid((128, 16), (8e-6, 8e-6), (False, True)),
+        pixels=Grid((128, 2), (8e-6, 64e-6), (False, True)),
         wear=Wear(specific_wear_rate, "swept"),
     )
 

@@ -14,7 +14,7 @@ from tribo.thermal import rise_exceeded
 
 # Neither width nor shape of the contact are in the closed form.
 WITHIN = pytest.approx(1.0, abs=0.2)
-WORN = small_scene(increments=40, contact_tolerance=1e-4)
+WORN = small_scene(increments=20, contact_tolerance=1e-4)
 BALL = replace(
     WORN,
     pin=Ball(8e-3, STEEL),
@@ -44,7 +44,7 @@ def true_excess(scene, load, velocity):
 @pytest.mark.parametrize(
     ("scene", "load"),
     [
-        (small_scene(roughness=False, increments=40), 600.0),
+        (small_scene(roughness=False, increments=20), 600.0),
         (WORN, 600.0),
         (with_(WORN, heat_kernel="endless"), 300.0),
         (with_(WORN, heat_kernel="nearest-image"), 600.0),

@@ -13,16 +13,16 @@ from tribo import Grid, InputError, fit_self_affine, self_affine
 )
 def test_known_parameters_are_found_within_their_errors(hurst, lengths, spacing):
     deviations = []
-    for seed in range(6):
-        whole = self_affine(Grid((400, 400), spacing), 0.3e-6, hurst, lengths, seed)
-        patch = whole[:250, :200]  # which does not repeat
+    for seed in range(4):
+        whole = self_affine(Grid((300, 300), spacing), 0.3e-6, hurst, lengths, seed)
+        patch = whole[:200, :160]  # which does not repeat
         fit = fit_self_affine(patch - patch.mean(), spacing)
         errors = [fit.hurst_error, *fit.length_error]
         values = [fit.hurst_exponent, *fit.correlation_length]
         deviations.append((np.array(values) - [hurst, *lengths]) / errors)
         assert fit.misfit < 1.6
     rms = np.sqrt(np.mean(np.square(deviations), axis=0))
-    assert ((rms > 0.2) & (rms < 2.2)).all()  # 18 values of a normal distribution
+    assert ((rms > 0.2) & (rms < 2.2)).all()  # 12 values of a normal distribution
     assert abs(np.mean(deviations)) < 1.0
 
 
