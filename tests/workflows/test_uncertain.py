@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pipeline
 from pipeline.cli import main
-from pipeline.uncertain import next_tests, sensitivity
+from pipeline.uncertain import design, next_tests, sensitivity
 from tests.helpers.samples import fewer_draws
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -20,6 +20,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
     assert len(commands) == 15
     fewer_draws(monkeypatch)
+    monkeypatch.setattr(design, "_MOST", 24)
     monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     monkeypatch.chdir(tmp_path)
