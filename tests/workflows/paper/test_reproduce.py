@@ -4,6 +4,8 @@ import functools
 import json
 import math
 import re
+import sys
+from contextlib import ExitStack
 from unittest import mock
 
 import matplotlib as mpl
@@ -15,7 +17,7 @@ from pipeline.analysis.tables import markdown_of
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
-from workflows.paper import inference, surface_band, transitions
+from workflows.paper import inference
 from workflows.paper.__main__ import main
 from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.report import Finding, line
@@ -67,12 +69,19 @@ def small(folder, scenes):
     """Reports of small versions, each made once."""
     made = {}
     held = inference._held
-    fewer_steps = {
-        "_DURATIONS": (6.0, 8.0),
-        "_CHOSEN": 1,
-        "_held": lambda *test, steps: held(*test, steps=steps // 5),
+    fewer = {
+        "inference": {
+            "_DURATIONS": (6.0, 8.0),
+            "_CHOSEN": 1,
+            "_FRICTIONS": (0.1, 0.2),
+            "_held": lambda *test, steps: held(*test, steps=steps // 5),
+        },
+        "resolution": {"_INCREMENTS": (20, 50)},
+        "sensitivity": {"_LENGTHS": (2.0, 4.0, 8.0), "_HURST": (0.5, 1.0)},
+        "steel": {"_CONDUCTIVITIES": (15.0, 21.0, 45.0, 70.0)},
+        "surface_band": {"_LOADS": (200.0, 400.0, 600.0, 750.0), "_VELOCITIES": (0.8, 2.0, 4.8)},
+        "transitions": {"simulate": simulate_once},
     }
-    fewer_places = {"_LOADS": (200.0, 400.0, 600.0, 750.0), "_VELOCITIES": (0.8, 2.0, 4.8)}
 
     def report(name):
         if name not in made:
@@ -80,12 +89,11 @@ def small(folder, scenes):
             options = {} if name == "fig4" else SMALL
             if name in ("steel", "fig6", "inverse", "sensitivity"):
                 options = SMALL | {"surfaces": 1}
-            with (
-                np.errstate(all="raise", under="ignore"),
-                mock.patch.multiple(inference, **fewer_steps),
-                mock.patch.multiple(surface_band, **fewer_places),
-                mock.patch.object(transitions, "simulate", simulate_once),
-            ):
+            with ExitStack() as stack:
+                stack.enter_context(np.errstate(all="raise", under="ignore"))
+                for module, names in fewer.items():
+                    module = sys.modules[f"workflows.paper.{module}"]  # some hide behind functions
+                    stack.enter_context(mock.patch.multiple(module, **names))
                 made[name] = paper.reproduce(
                     name, folder / f"{name}.png", scenes=scenes, results=folder, **options
                 )
