@@ -84,7 +84,7 @@ def test_a_fifo_in_place_of_a_chunk_of_pending_points_keeps_nobody_waiting(tmp_p
     assert open_sweep(tmp_path / "a.zarr")["max_rise"].isnull().all()
 
 
-TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless": "long " * 10**6}
+TITLES = {"formula": "$\\frac$ and $x \x1b[31mred\x9b0m", "endless": "long " * 10**6}
 
 
 @pytest.mark.parametrize("title", TITLES.values(), ids=TITLES.keys())
@@ -103,7 +103,7 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys, title):
 
 def test_a_scene_is_checked_without_a_word_to_the_terminal(tmp_path, capsys):
     scene = tmp_path / "a.toml"
-    title = "\\u001b[31m red" + "A" * 5_000_000
+    title = "\\u001b[31m red" + "A" * 500_000
     scene.write_text(f'extends = "{ROOT}/workflows/first_try.toml"\ntitle = "{title}"\n')
     assert main(["check", str(scene)]) == 0
     output = capsys.readouterr().out
@@ -162,11 +162,10 @@ def test_the_root_of_all_files_is_no_store(capsys):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
-@pytest.mark.parametrize("options", [[], ["--json"]])
-def test_results_that_find_no_room_are_an_error_in_a_line(alone, options):
+def test_results_that_find_no_room_are_an_error_in_a_line(alone):
     with open("/dev/full", "w") as full:  # noqa: PTH123
         streams = {"stdout": full, "stderr": subprocess.PIPE, "capture_output": False}
-        done = python("-m", "pipeline", "status", alone, *options, **streams)
+        done = python("-m", "pipeline", "status", alone, **streams)
     assert done.returncode == 2
     assert done.stderr.startswith("irg: cannot go on: [Errno 28] No space left")
     assert done.stderr.count("\n") == 1

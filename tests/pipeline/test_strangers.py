@@ -57,7 +57,7 @@ AT = ["--load", "400 N", "--velocity", "2 m/s"]
 def done(tmp_path_factory):
     """Folder with a store of a small sweep, and one of samples, which are sound."""
     folder = tmp_path_factory.mktemp("done")
-    (folder / "small.toml").write_text(SCENE)
+    (folder / "small.toml").write_text(SCENE.replace("increments = 10", "increments = 5"))
     commit_all(folder / "small.zarr", pipeline.load_scene(folder / "small.toml"))
     unknown = {
         "friction.coefficient": {"mean": 0.1, "sd": 0.005},
@@ -65,7 +65,7 @@ def done(tmp_path_factory):
     }
     drawn = {
         "unknown": unknown,
-        "sweep.samples": 16,
+        "sweep.samples": 12,
         "measured": [{"load": "400 N", "velocity": "2 m/s"}],
     }
     commit_all(folder / "samples.zarr", pipeline.load_scene(folder / "small.toml", overrides=drawn))
@@ -339,7 +339,9 @@ def test_no_function_runs_what_a_store_names(strangers, done, ran):
     assert not ran()
 
 
-@pytest.mark.parametrize("command", READING[:-1], ids=" ".join)
+@pytest.mark.parametrize(
+    "command", [READING[number] for number in (0, 3, 4, 8, 9, 10)], ids=" ".join
+)
 def test_the_user_s_own_word_judges_a_store(strangers, done, ran, irg, command):
     (strangers / "duty.csv").write_text("load [N],velocity [m/s]\n400,2\n")
     store = forged(done, strangers, "small.zarr", "os:_exit")

@@ -35,7 +35,7 @@ HARMS = {
 }
 
 
-PLACES = [("flip", 0.1), ("flip", 0.4), ("flip", 0.6), ("flip", 0.9), ("cut", 0.1), ("cut", 0.9)]
+PLACES = [("flip", 0.1), ("flip", 0.6), ("cut", 0.9)]
 
 
 @pytest.mark.parametrize(("harm", "place"), [*PLACES, ("empty", 0.0), ("delete", 0.0)])
@@ -144,8 +144,14 @@ def older(file):
     assert file.stat().st_size == len(content)
 
 
-@pytest.mark.parametrize("harm", [older, lambda file: flip(file, 0.5), lambda file: file.unlink()])
-@pytest.mark.parametrize("name", ["time/c.0.0.0", "rise/c.1.1.0.0"])
+@pytest.mark.parametrize(
+    ("name", "harm"),
+    [
+        ("time/c.0.0.0", older),
+        ("rise/c.1.1.0.0", lambda file: flip(file, 0.5)),
+        ("rise/c.1.1.0.0", lambda file: file.unlink()),
+    ],
+)
 def test_a_file_that_differs_in_name_size_or_time_is_read_again(copy, harm, name):
     noted(copy)
     harm(copy / name)
@@ -165,26 +171,28 @@ def swapped(path, name, rng):
     other.write_bytes(mine)
 
 
-@pytest.mark.parametrize("harm", [*HARMS, "swap", "older"])
-def test_after_any_mutation_of_a_file_a_run_ends_with_the_same_bits(alone, tmp_path, harm):
+@pytest.mark.parametrize(
+    ("harm", "names"),
+    [
+        *((harm, "*/c.*") for harm in (*HARMS, "swap", "older")),
+        *((harm, "status/c.0.0") for harm in ("flip", "older")),
+    ],
+)
+def test_after_any_mutation_of_a_file_a_run_ends_with_the_same_bits(alone, tmp_path, harm, names):
     rng = np.random.default_rng(len(harm))
     with writing(half := tmp_path / "half.zarr", SWEEP) as store:
         store.commit([record(point) for point in points(SWEEP)[:4]])
-    whole = shutil.copytree(alone, tmp_path / "whole.zarr")
-    noted(whole)
-    chunks = sorted(name for name in contents(whole) if "/c." in name)
-    for name in (str(rng.choice(chunks)), "status/c.0.0"):
-        path = tmp_path / "out.zarr"
-        shutil.copytree(whole, path)
-        if harm == "swap":
-            swapped(path, name, rng)
-        elif harm == "older" and (half / name).exists():
-            shutil.copy2(half / name, path / name)
-        else:
-            HARMS.get(harm, HARMS["delete"])(path / name, rng.uniform())
-        with computing({point: record(point) for point in points(SWEEP)}, pace=0.0):
-            outcome = run_sweep(SWEEP, path, workers=1)
-        assert outcome.done == len(points(SWEEP)), name
-        assert_is_as_computed(path, points(SWEEP))
-        assert verify_store(path).is_clean, name
-        shutil.rmtree(path)
+    path = shutil.copytree(alone, tmp_path / "out.zarr")
+    noted(path)
+    name = str(rng.choice(sorted(file.relative_to(path) for file in path.glob(names))))
+    if harm == "swap":
+        swapped(path, name, rng)
+    elif harm == "older" and (half / name).exists():
+        shutil.copy2(half / name, path / name)
+    else:
+        HARMS.get(harm, HARMS["delete"])(path / name, rng.uniform())
+    with computing({point: record(point) for point in points(SWEEP)}, pace=0.0):
+        outcome = run_sweep(SWEEP, path, workers=1)
+    assert outcome.done == len(points(SWEEP)), name
+    assert_is_as_computed(path, points(SWEEP))
+    assert verify_store(path).is_clean, name
