@@ -10,7 +10,7 @@ from pipeline.uncertain import design, next_tests, sensitivity
 from tests.helpers.samples import fewer_draws
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
-FEW = ["--set", "sweep.samples=16", "--set", 'sweep.loads=["200 N", "400 N", "750 N"]', "-q"]
+FEW = ["--set", "sweep.samples=32", "--set", 'sweep.loads=["200 N", "400 N", "750 N"]', "-q"]
 
 
 def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
@@ -42,10 +42,13 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
         r"cannot be told apart by these tests \(correlation −0\.[5-9]", "".join(printed)
     )
     assert re.search(r"effective sample size \d+ of \d+", "".join(printed))
-    assert re.search(r"velocity factor +0\.\d+ +1\.\d+ +1\.\d+", printed[2])
+    (row,) = re.findall(r"velocity factor(.*)", printed[2])
+    factors = list(map(float, re.findall(r"\d\.\d+", row)))
+    assert factors == sorted(factors)  # the lowest is not known from so few
+    assert 1 < factors[-1] < 3
     assert len(list((tmp_path / "results").glob("*.png"))) == 5
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
     near = pipeline.risk(ensemble, 400.0, 2.0).probability
     (probability,) = re.findall(r"probability of (\d\.\d+) ± 0\.\d+ there", page)
-    # As far as 16 samples tell.
+    # As far as 32 samples tell.
     assert abs(near - float(probability)) < 0.15
