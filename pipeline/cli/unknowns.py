@@ -89,7 +89,8 @@ def on_risk(here: Risk) -> str:
 
 
 def _to_weigh(samples: Samples) -> Iterator[str]:
-    if samples.ensemble.tests and samples.posterior is None:
+    ensemble, weighed = samples
+    if ensemble.tests and weighed is None:
         yield "next: add --given-measured to weigh the inputs by the scene's tests"
 
 

@@ -44,6 +44,10 @@ Part: TypeAlias = str | pd.DataFrame | Figure
 Sections: TypeAlias = dict[str, Iterable[Part]]
 """Parts of each section by its heading; those that compute do so as they are read."""
 
+_QUESTION = (
+    "At which load and sliding velocity does wear of this lubricated contact turn from mild to "
+    "severe adhesive wear (scuffing)"
+)
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
     "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
@@ -201,10 +205,7 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     attributes = dataset.attributes_of(ds)
     loads, velocities = (attributes.get(name) or [] for name in ("loads", "velocities"))
     plane = on_plane(loads, velocities)[1] if loads and velocities else "the points computed"
-    yield (
-        "At which load and sliding velocity does wear of this lubricated contact turn from mild "
-        f"to severe adhesive wear (scuffing)? Examined: {plane}."
-    )
+    yield f"{_QUESTION}? Examined: {plane}"
     total = int(dataset.asked(ds).sum())
     done, failed = (
         int((dataset.asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED)
@@ -389,9 +390,8 @@ def _question_of_samples(ensemble: Ensemble, lines: pd.DataFrame) -> Iterator[Pa
     """Question that samples answer, and the answer in a sentence."""
     slowest, fastest = ensemble.velocities
     yield (
-        "At which load and sliding velocity does wear of this lubricated contact turn from "
-        "mild to severe adhesive wear (scuffing), with inputs that are not known exactly? "
-        f"{len(ensemble.inputs)} samples of them were simulated"
+        f"{_QUESTION}, with inputs that are not known exactly? {len(ensemble.inputs)} samples of "
+        "them were simulated"
     )
     yield f"Not known exactly: {'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}"
     words = []
