@@ -23,38 +23,18 @@ _DEGREES = 10.0  # of a lay from an axis, beyond which the fit along the axes is
 
 @dataclass(frozen=True, slots=True)
 class SurfaceStatistics:
-    """Roughness of a scan, above its least-squares plane.
+    """Roughness of a scan, above its least-squares plane."""
 
-    Attributes
-    ----------
-    file : str
-        File of the scan.
-    shape : tuple of int
-        Numbers of heights along x and y.
-    pixel_size : tuple of float
-        Sides of a pixel along x and y [m].
-    missing : int
-        Heights that the instrument has not, filled smoothly from around them.
-    ra, rq : float
-        Average and root mean square roughness [m].
-    skewness, kurtosis : float
-        Of the heights; 0 and 3 on a random surface.
-    tilt : tuple of float
-        Slopes of the plane along x and y that were taken off.
-    fit : tribo.surface.SelfAffineFit
-        Correlation lengths, Hurst exponent and lay, with their standard errors.
-    """
-
-    file: str
-    shape: tuple[int, int]
-    pixel_size: tuple[float, float]
-    missing: int
-    ra: float
-    rq: float
-    skewness: float
-    kurtosis: float
-    tilt: tuple[float, float]
-    fit: SelfAffineFit
+    file: str  #: File of the scan.
+    shape: tuple[int, int]  #: Numbers of heights along x and y.
+    pixel_size: tuple[float, float]  #: Sides of a pixel along x and y [m].
+    missing: int  #: Heights that the instrument has not, filled smoothly from around them.
+    ra: float  #: Average roughness [m].
+    rq: float  #: Root mean square roughness [m].
+    skewness: float  #: Of the heights; 0 on a random surface.
+    kurtosis: float  #: Of the heights; 3 on a random surface.
+    tilt: tuple[float, float]  #: Slopes of the plane along x and y that were taken off.
+    fit: SelfAffineFit  #: Correlation lengths, Hurst exponent and lay, with standard errors.
 
     @property
     def has_lay(self) -> bool:

@@ -312,11 +312,5 @@ def is_shown_unit(unit: str) -> bool:
 
 
 def display(value: float, unit: str, digits: int = 6) -> str:
-    """Write an SI value as text in a unit such as °C, N, m/s, µm or GPa.
-
-    Examples
-    --------
-    >>> display(298.15, "°C"), display(1.25, "m/s"), display(2.7e-7, "µm")
-    ('25 °C', '1.25 m/s', '0.27 µm')
-    """
+    """Write an SI value as text in a unit such as °C, N, m/s, µm or GPa."""
     return f"{shown_in(value, unit):.{digits}g} {unit}"
