@@ -119,28 +119,29 @@ def facts_of(sweep: Sweep) -> Facts:
 def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
     """Raise `InputError`, which names the key, if the window cannot carry a load."""
     greatest, hardness = sweep.scene.greatest_load, sweep.scene.hardness
-    if load > greatest:
-        pixel = min(sweep.scene.pixels.spacing)
-        if pixel < _SMALLEST_PIXEL:
-            raise InputError(
-                f"window.pixel_size is {1e9 * pixel:.3g} nm: check its unit; most are of 0.5 to "
-                f"2 µm, and with it the window carries {greatest:.4g} N, less than the {load:g} N "
-                f"of {key}"
-            )
-        bodies = sweep.scene.pin.material, sweep.scene.disk
-        share = hardness / min(bodies, key=lambda body: body.hardness).elastic_modulus
-        if share < USUAL_HARDNESS[0]:
-            raise InputError(
-                f"the softer body's hardness is {1e-9 * hardness:g} GPa, {share:.2g} times its "
-                f"elastic modulus, where at least {USUAL_HARDNESS[0]:g} is usual: check its unit; "
-                f"with it the window carries {greatest:.4g} N, less than the {load:g} N of {key}"
-            )
-        nx, ny = (1e6 * side for side in sweep.scene.grid.size)
-        raise InputError(
-            f"{key}: {load:g} N is more than the window carries: its {nx:.4g} × {ny:.4g} µm, "
-            f"all at the hardness of the softer body, {1e-9 * hardness:g} GPa, stand "
-            f"for {greatest:.4g} N on the pin; stay below that, or give more window.pixels"
+    if load <= greatest:
+        return
+    pixel, slip = min(sweep.scene.pixels.spacing), ""
+    softer = min(sweep.scene.pin.material, sweep.scene.disk, key=lambda body: body.hardness)
+    share, least = hardness / softer.elastic_modulus, USUAL_HARDNESS[0]
+    if pixel < _SMALLEST_PIXEL:
+        slip = f"window.pixel_size is {1e9 * pixel:.3g} nm, and most are of 0.5 to 2 µm"
+    elif share < least:
+        slip = (
+            f"the softer body's hardness is {1e-9 * hardness:g} GPa, {share:.2g} times its elastic "
+            f"modulus, where at least {least:g} is usual"
         )
+    if slip:
+        raise InputError(
+            f"{slip}: check its unit; with it the window carries {greatest:.4g} N, less than the "
+            f"{load:g} N of {key}"
+        )
+    nx, ny = (1e6 * side for side in sweep.scene.grid.size)
+    raise InputError(
+        f"{key}: {load:g} N is more than the window carries: its {nx:.4g} × {ny:.4g} µm, all at "
+        f"the hardness of the softer body, {1e-9 * hardness:g} GPa, stand for {greatest:.4g} N on "
+        "the pin; stay below that, or give more window.pixels"
+    )
 
 
 def tracks_of(sweep: Sweep) -> dict[str, Track]:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 from pipeline.sweep.about import About, as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.variants import WEAR_RATE, Part, Variant, Variants
-from tribo import InputError, MeasuredLoad, Ramp, Scene, SelfAffineRoughness, Wear
+from tribo import InputError, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import inseparable, mechanics, wear_number
 
 _DIGITS = 12  # of a wear number: two that ought to be the same differ by rounding
@@ -152,19 +152,15 @@ class Sweep:
         object.__setattr__(self, "conditions", self.conditions.under(self.scene.loading))
         if self.variants.columns:
             self.variant(self.variants.names[0])  # refuses what the scene does not have
-        if self.record.steps == "loads" and (fault := self._fault_of_loads()):
+        hold = self.scene.loading.hold if isinstance(self.scene.loading, Ramp) else None
+        if self.record.steps == "loads" and hold != 0:
             raise InputError(
-                f'sweep.steps is "loads", and {fault}: a higher load does not pass through the end '
-                'of a lower one; give a number, "all" or "end"'
+                f'sweep.steps is "loads", and the load is {"held" if hold else "a record"}: a '
+                "higher load does not pass through the end of a lower one; give a number, "
+                '"all" or "end"'
             )
         if self.variants.wear_rates and (fault := self._fault_of_wear_rates()):
             raise InputError(f"sweep.wear_rates: {fault}")
-
-    def _fault_of_loads(self) -> str | None:
-        """Reason why the ends of lower loads are no stations of higher ones."""
-        if isinstance(self.scene.loading, MeasuredLoad):
-            return "the load is a record"
-        return "the load is held" if self.scene.loading.hold else None
 
     def _fault_of_wear_rates(self) -> str | None:
         """Reason why rows at several wear rates have not one contact, and what to do."""
