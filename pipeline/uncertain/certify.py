@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.model import Sweep
@@ -24,9 +25,8 @@ from tribo.types import Array
 _DRAWS = 256  # of which those count whose boundary lies within the sweep
 _SEED = 31415
 _OUTER = 0.05  # share of the velocities at either end, in which runs are at the end
-_CLOSE = 2e-3  # of ln(rise), to which a boundary is sought
-_STEPS = 20
-_LEAST_SLOPE, _MOST_SLOPE = 0.2, 2.0  # of ln(rise) over ln(velocity), between which steps are taken
+_CLOSE = 1e-3  # of ln(velocity), to which a boundary is sought
+_STEP = 0.03  # of ln(velocity), twice as far each time, until a boundary lies between
 
 SceneWith = Callable[[Mapping[str, Any]], Sweep]
 """Gives the scene of the samples with entries by their paths, as a scene file has them."""
@@ -83,7 +83,7 @@ def certify(
             progress(len(rows), count)
         sweep = scene_with(as_in_a_scene(ensemble, row))
         limit = float(ensemble.log_limit(row[None])[0])
-        found = _boundary(partial(log_rise, sweep, load), limit, place, (low, high))
+        found = boundary_near(partial(_log_excess, sweep, load, limit), place, (low, high))
         if found is None:
             continue
         amid, outer = chance.uniform(END, 1 - END, 2), _OUTER * chance.uniform()
@@ -102,6 +102,10 @@ def certify(
     return certificate
 
 
+def _log_excess(sweep: Sweep, load: float, limit: float, log_velocity: float) -> float:
+    return log_rise(sweep, load, math.exp(log_velocity)) - limit
+
+
 def _score(ensemble: Ensemble, row: Array, sweep: Sweep, load: float, velocity: float) -> float:
     """Difference of an emulated rise from a simulated one, over its stated error."""
     excess = ensemble.excess(row[None], load, velocity)
@@ -109,21 +113,20 @@ def _score(ensemble: Ensemble, row: Array, sweep: Sweep, load: float, velocity: 
     return float((emulated - log_rise(sweep, load, velocity)) / excess.error[0])
 
 
-def _boundary(
-    rise: Callable[[float], float], limit: float, place: float, ends: tuple[float, float]
+def boundary_near(
+    excess: Callable[[float], float], place: float, ends: tuple[float, float]
 ) -> float | None:
-    """Logarithm of the velocity at which a rise reaches its limit; None if beyond the ends.
+    """Place near another one beyond which an excess is positive; None if that is beyond the ends.
 
-    The rise is a function of the velocity, the place and the ends are logarithms of velocities.
+    Places are logarithms of velocities. The excess may jump there, as a rise does from one number
+    of steps to another.
     """
-    excess, slope = rise(math.exp(place)) - limit, 0.7
-    for _ in range(_STEPS):
-        if abs(excess) < _CLOSE:
-            break
-        following = min(max(place - excess / slope, ends[0]), ends[1])
-        if following == place:
+    excess = cache(excess)
+    step = _STEP if excess(place) < 0 else -_STEP
+    near = far = place
+    while excess(far) * excess(place) > 0:
+        near, far = far, min(max(far + step, ends[0]), ends[1])
+        if far == near:
             return None
-        other = rise(math.exp(following)) - limit
-        slope = min(max((other - excess) / (following - place), _LEAST_SLOPE), _MOST_SLOPE)
-        place, excess = following, other
-    return place - excess / slope
+        step *= 2
+    return float(brentq(excess, near, far, xtol=_CLOSE))

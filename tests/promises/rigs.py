@@ -17,6 +17,7 @@ from pipeline.sweep.unknown import at_scores
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
+from pipeline.uncertain.certify import boundary_near
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, FRICTION
 from tests.promises.risk import entries_of
@@ -24,7 +25,6 @@ from tests.promises.risk import entries_of
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
 _SEED = 2718  # of the truths
 _FIRST = 2**15  # draws of the prior; with four times the usual ones few truths need others
-_CLOSE = 2e-3  # of ln(rise), to which a transition is sought
 
 # A critical temperature of which little is known; a steel and a wear rate that were measured, with
 # tests at one bulk temperature, or neither of them, with tests at three.
@@ -109,7 +109,7 @@ class Rig:
 
     def tried(self, load, velocity, bulk, scatter=SCATTER):
         """A test at a place, as a log has it."""
-        is_severe = self._excess(load, math.log(velocity) + scatter * self._noise(), bulk) > 0
+        is_severe = self._excess(load, bulk, math.log(velocity) + scatter * self._noise()) > 0
         outcome = "severe" if is_severe else "mild"
         return self._logged(load, velocity, bulk) | {"outcome": outcome}
 
@@ -133,21 +133,13 @@ class Rig:
         at_bulk = replace(self.ensemble, conditions=conditions)
         vars(at_bulk)["_rise"] = self.ensemble._rise
         guess = at_bulk.excess(self.truth[None], load, nodes, with_error=False)
-        low, high = np.log(self.ensemble.velocities)
+        low, high = np.log(self.ensemble.velocities).tolist()
         place = float(np.clip(log_crossings(nodes, guess.values)[0][0], low, high))
-        excess, slope = self._excess(load, place, bulk), 0.7
-        for _ in range(20):
-            if abs(excess) < _CLOSE:
-                return place
-            following = min(max(place - excess / slope, low), high)
-            if following == place:
-                return math.copysign(math.inf, -excess)
-            other = self._excess(load, following, bulk)
-            slope = min(max((other - excess) / (following - place), 0.2), 2.0)
-            place, excess = following, other
-        raise AssertionError(f"no transition of truth {self.seed} at {load:g} N")
+        excess = functools.partial(self._excess, load, bulk)
+        found = boundary_near(excess, place, (low, high))
+        return math.copysign(math.inf, -excess(place)) if found is None else found
 
-    def _excess(self, load, log_velocity, bulk):
+    def _excess(self, load, bulk, log_velocity):
         if bulk >= self._scene.conditions.critical_temperature:
             return math.inf
         conditions = replace(self._scene.conditions, bulk_temperature=bulk)

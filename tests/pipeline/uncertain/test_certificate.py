@@ -83,3 +83,13 @@ def test_the_constants_of_an_emulator_are_found_once(samples, monkeypatch):
     samples.keeper[name] = samples.keeper[name].replace(b"1", b"2", 1)  # as a bit flips
     with pytest.raises(TypeError):
         dataclasses.replace(samples).excess(np.array([draws]), 400.0, 2.0)
+
+
+@pytest.mark.parametrize("place", [-0.4, 0.299, 0.31, 0.9])
+def test_a_boundary_is_found_where_the_rise_jumps(place):
+    def excess(log_velocity):
+        return 0.7 * (log_velocity - 0.3) + math.copysign(0.005, log_velocity - 0.3)
+
+    assert certify.boundary_near(excess, place, (-1.0, 1.0)) == pytest.approx(0.3, abs=2e-3)
+    assert certify.boundary_near(excess, -0.4, (-1.0, 0.2)) is None
+    assert certify.boundary_near(excess, 0.9, (0.4, 1.0)) is None
