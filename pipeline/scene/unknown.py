@@ -39,13 +39,13 @@ from pipeline.sweep.unknown import (
     Unit,
     Unknown,
     allowed,
-    correlations,
     first_unfit,
     without,
 )
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
+from tribo.types import Array
 
 Make = Callable[[Mapping[str, Any]], Sweep]
 """Makes the sweep with other values of some entries, by their paths; raises their first fault."""
@@ -164,13 +164,10 @@ def _with_correlations(
 ) -> tuple[Unknown, ...]:
     """Unknown inputs, each with its correlations with those that stand before it in the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
-    pairs: dict[tuple[int, int], tuple[str, float]] = {}
-    stated = [
-        (f"unknown.{quoted(path)}.correlated.{quoted(other)}", path, other, correlation)
-        for path, shape in table.items()
-        for other, correlation in shape.correlated.items()
-    ]
-    for key, path, other, correlation in stated:
+    matrix, keys = np.eye(len(unknown)), dict[tuple[int, int], str]()
+    stated = [(path, *pair) for path, shape in table.items() for pair in shape.correlated.items()]
+    for path, other, correlation in stated:
+        key = f"unknown.{quoted(path)}.correlated.{quoted(other)}"
         if other not in table or other == path:
             hint = did_you_mean(other, [name for name in table if name != path])
             faults.note(key, f"this is not another input of [unknown]{hint}")
@@ -180,41 +177,38 @@ def _with_correlations(
             problem = "each value of a list is as likely, whatever else is; give a distribution"
             faults.note(key, problem)
         else:
-            pair = max(order[path], order[other]), min(order[path], order[other])
-            _, before = pairs.setdefault(pair, (key, correlation))
-            if before != correlation:
+            earlier, later = sorted((order[path], order[other]))
+            is_new = keys.setdefault((later, earlier), key) == key
+            if is_new:
+                matrix[later, earlier] = matrix[earlier, later] = correlation
+            elif (before := matrix[later, earlier]) != correlation:
                 faults.note(key, f"{correlation:g} is {before:g} elsewhere; give it once")
-    joint = [list[tuple[str, float]]() for _ in unknown]
-    for (later, earlier), (_, correlation) in sorted(pairs.items()):
-        if correlation:
-            joint[later].append((unknown[earlier].path, correlation))
-    inputs = tuple(
-        replace(one, correlated=tuple(others)) for one, others in zip(unknown, joint, strict=True)
+    _note_misfit(matrix, keys, faults)
+    paths = [one.path for one in unknown]
+    return tuple(
+        replace(
+            one, correlated=tuple(pair for pair in zip(paths[:i], row, strict=False) if pair[1])
+        )
+        for i, (one, row) in enumerate(zip(unknown, matrix.tolist(), strict=True))
     )
-    _note_misfit(inputs, pairs, faults)
-    return inputs
 
 
-def _note_misfit(
-    unknown: tuple[Unknown, ...], pairs: Mapping[tuple[int, int], tuple[str, float]], faults: Faults
-) -> None:
+def _note_misfit(matrix: Array, keys: Mapping[tuple[int, int], str], faults: Faults) -> None:
     """Note the correlation that the others do not allow, if there is one."""
-    matrix = correlations(unknown)
     if (i := first_unfit(matrix)) is None:
         return
-    concerned = [pair for pair in pairs if pair[0] == i]
+    concerned = [pair for pair in keys if pair[0] == i]
     for pair in reversed(concerned):
         if ends := allowed(matrix, *pair):
-            key, correlation = pairs[pair]
             low, high = math.ceil(1000 * ends[0]) / 1000, math.floor(1000 * ends[1]) / 1000
             faults.note(
-                key,
-                f"{correlation:g} cannot be, beside what else is correlated; give {low:g} to "
+                keys[pair],
+                f"{matrix[pair]:g} cannot be, beside what else is correlated; give {low:g} to "
                 f"{high:g}, or other correlations",
             )
             return
     faults.note(
-        pairs[concerned[-1]][0],
+        keys[concerned[-1]],
         "the correlations of this input cannot all be; give smaller ones, or leave one out",
     )
 
