@@ -215,7 +215,7 @@ def warnings_of_growth():
 
 def test_a_point_that_is_read_beside_a_writer_is_whole(growing):
     reads, has_grown = 0, False
-    while reads < 60 or not has_grown:
+    while reads < 30 or not has_grown:
         assert summary(growing).running  # or there is no more to wait for
         with warnings_of_growth() as grew:
             ds = open_sweep(growing).load()

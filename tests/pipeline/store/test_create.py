@@ -199,12 +199,12 @@ def test_points_of_earlier_runs_are_counted_apart(path):
     assert (now.total, now.done, now.pending, now.earlier) == (3, 1, 2, 2)
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(
     rounds=st.lists(
         st.tuples(
-            st.sets(st.sampled_from([100.0, 250.0, 600.0, 900.0, 1500.0]), min_size=1),
-            st.sets(st.sampled_from([0.25, 0.5, 1.0]), min_size=1),
+            st.sets(st.sampled_from([100.0, 250.0, 600.0, 900.0]), min_size=1),
+            st.sets(st.sampled_from([0.25, 0.5]), min_size=1),
         ),
         min_size=2,
         max_size=3,

@@ -54,7 +54,7 @@ def forged(alone, tmp_path_factory):
     return shutil.copytree(alone, tmp_path_factory.mktemp("forged") / "tiny.zarr")
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
     text = (alone / ROOT).read_text()
@@ -71,7 +71,7 @@ def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
     assert (forged / ROOT).read_text() == json.dumps(document)
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, data):
     """They are read from the root, and restored from it."""
