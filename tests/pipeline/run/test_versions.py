@@ -15,7 +15,7 @@ from tests.pipeline.run.test_cluster import ROOT, Cluster
 
 def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothing(tmp_path):
     for package in "tribo", "pipeline":
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.pyc"))
+        shutil.copytree(ROOT / package, tmp_path / package)
     shutil.copytree(ROOT / "tests" / "helpers", tmp_path / "tests" / "helpers")
     code = tmp_path / "tribo" / "thermal" / "factors.py"
     code.write_text(code.read_text().replace("0.5", "0.51"))
