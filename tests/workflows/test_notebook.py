@@ -14,13 +14,26 @@ WORKFLOWS = Path(__file__).parents[2] / "workflows"
 UNCERTAIN = "uncertain.ipynb"
 SHORT = ["first_diagram.ipynb", "stations.ipynb"]
 NAMES = [UNCERTAIN, *SHORT]
-FEWER = f"""
-import sys
+SMALLER = {
+    UNCERTAIN: ("SAMPLES = 128", "SAMPLES = 16"),
+    "stations.ipynb": (
+        '"sweep.fields": True',
+        '"sweep.fields": True, "sweep.loads": ["600 N", "750 N"], "sweep.velocities": ["1.6 m/s"]',
+    ),
+}
+FIRST = f"""
+import atexit, sys
 sys.path.insert(0, {str(WORKFLOWS.parent)!r})
 import pytest
+import pipeline.run.sweep
 from tests.helpers.samples import fewer_draws
+from tests.helpers.workers import Workers
 fewer_draws(pytest.MonkeyPatch())
+workers = Workers()
+pipeline.run.sweep.connected = workers.connected
+atexit.register(workers.end)
 """
+"""What notebooks share as tests do: draws and workers."""
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -35,11 +48,13 @@ def test_a_notebook_is_kept_without_what_it_printed(name):
 def executed(tmp_path_factory):
     """The folder in which they ran, of all the same, and the outputs of each: in one kernel."""
     read = {name: nbformat.read(WORKFLOWS / name, as_version=4) for name in NAMES}
-    first = next(cell for cell in read[UNCERTAIN].cells if cell.cell_type == "code")
-    assert "SAMPLES = 128" in first.source
-    first.source = f"{FEWER}\n{first.source}".replace("SAMPLES = 128", "SAMPLES = 16")
+    for name, (large, small) in SMALLER.items():
+        first = next(cell for cell in read[name].cells if cell.cell_type == "code")
+        assert large in first.source
+        first.source = first.source.replace(large, small)
     together = read[UNCERTAIN].copy()
     together.cells = [cell for name in (*SHORT, UNCERTAIN) for cell in read[name].cells]
+    together.cells.insert(0, nbformat.v4.new_code_cell(FIRST))
     folder = tmp_path_factory.mktemp("notebooks")  # without the scenes
     resources = {"metadata": {"path": str(folder)}}
     nbclient.NotebookClient(
