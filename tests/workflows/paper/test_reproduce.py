@@ -74,7 +74,7 @@ def small(folder, scenes):
             "_DURATIONS": (6.0, 8.0),
             "_CHOSEN": 1,
             "_FRICTIONS": (0.1, 0.2),
-            "_held": lambda *test, steps: held(*test, steps=steps // 5),
+            "_held": lambda *test, steps: held(*test, steps=steps // 10),
         },
         "resolution": {"_INCREMENTS": (20, 50)},
         "sensitivity": {"_LENGTHS": (2.0, 4.0, 8.0), "_HURST": (0.5, 1.0)},
