@@ -178,13 +178,12 @@ def test_given_the_measurements_the_risk_is_sharper():
     posterior = pipeline.posterior(
         ensemble(tests=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6]), friction=None))
     )
-    before, after = (
-        risk_lines(pipeline.probabilities(posterior.ensemble, draws, loads=LOADS))[1]
+    planes = [
+        pipeline.probabilities(posterior.ensemble, draws, loads=LOADS)
         for draws in (prior(posterior.ensemble.unknown, 1), posterior.draws)
-    )
-    assert float(
-        pipeline.probabilities(posterior.ensemble, posterior.draws).max()
-    ) == pytest.approx(1.0)
+    ]
+    assert float(planes[1].max()) == pytest.approx(1.0)
+    before, after = (risk_lines(plane)[1] for plane in planes)
     assert (np.diff(np.log(after[1]))).sum() < 0.8 * np.diff(np.log(before[1])).sum()
     indices = pipeline.sensitivity(posterior.ensemble, posterior.draws)
     assert np.isnan(indices.total).all()
