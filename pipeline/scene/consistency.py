@@ -80,10 +80,10 @@ def _check_pixels(
         rows, columns = roughness.array.shape
         faults.note(
             "disk.roughness.file",
-            f"the surface has {rows} rows of {columns} heights, which follow along x, and "
-            f"window.pixels is {size}; give both the same size: cut out a patch "
-            "(disk.roughness.crop), exchange x and y (disk.roughness.transpose = true), or go on "
-            'beyond the ends (disk.roughness.repeat = "mirror")',
+            f"the surface has {rows} rows of {columns} heights, window.pixels is {size}; give both "
+            "the same size: cut out a patch (disk.roughness.crop), exchange x and y "
+            "(disk.roughness.transpose = true, since rows follow along x), or go on beyond the "
+            'ends (disk.roughness.repeat = "mirror")',
         )
 
 
