@@ -1,5 +1,6 @@
 """Stores in an object store, on a server of this machine."""
 
+import functools
 import os
 import time
 
@@ -56,20 +57,25 @@ def made(server):
     return address
 
 
+@functools.cache
+def client():
+    return boto3.client("s3")
+
+
 def put(address, content):
     bucket, key = address.removeprefix("s3://").split("/", 1)
-    boto3.client("s3").put_object(Bucket=bucket, Key=key, Body=content)
+    client().put_object(Bucket=bucket, Key=key, Body=content)
 
 
 def keys(address):
     bucket, key = address.removeprefix("s3://").split("/", 1)
-    listed = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix=key)
+    listed = client().list_objects_v2(Bucket=bucket, Prefix=key)
     return [entry["Key"] for entry in listed.get("Contents", [])]
 
 
 def delete(address):
     bucket, key = address.removeprefix("s3://").split("/", 1)
-    boto3.client("s3").delete_object(Bucket=bucket, Key=key)
+    client().delete_object(Bucket=bucket, Key=key)
 
 
 def test_a_sweep_runs_resumes_and_grows(address):
