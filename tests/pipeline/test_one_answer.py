@@ -256,7 +256,10 @@ def assert_documents_say(crossings):
             assert [text.split(" (")[0] for text in table["outcome"]] == worded
 
 
-@pytest.mark.parametrize(("name", "changes"), asked_of_each_case(CONDITIONS[1::4]))
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [*asked_of_each_case(CONDITIONS[5:]), *asked_of_each_case(CONDITIONS[1:2])[::3]],
+)
 def test_a_diagram_draws_no_boundary_that_was_not_found(name, changes):
     ds, _ = sweeps_of(name)
     crossings = crossings_of(name, changes)
