@@ -35,7 +35,7 @@ from tribo.types import Array
 WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
-_TRUTHS = 128
+_TRUTHS = 256
 _LEAST_FRICTION = 1e-3
 _SCORES_APART = 2 * OF_90  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
