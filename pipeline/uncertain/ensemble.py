@@ -209,13 +209,9 @@ class Ensemble:
         ds = ds.sortby("load").isel(variant=slice(0, about["samples"]))
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
-        of_rows = [conditions] * len(numbers)
-        if corrections := about.get("sample_corrections"):
-            rows = numbers.tolist()
-            of_rows = [with_corrections_of_row(conditions, corrections, row) for row in rows]
-        if SHARE in paths and "share" not in changed:
-            pairs = zip(of_rows, inputs[:, paths.index(SHARE)].tolist(), strict=True)
-            of_rows = [replace(one, failing_share=share) for one, share in pairs]
+        is_drawn = SHARE in paths and "share" not in changed
+        shares = inputs[:, paths.index(SHARE)].tolist() if is_drawn else None
+        of_rows = _conditions_of_rows(conditions, about, numbers.tolist(), shares)
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = decisive_rises(columns, loads, of_rows)
         require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
@@ -387,3 +383,19 @@ class Ensemble:
                     f"{name} is {value:g} {unit}; the samples have {ends}: give one within, or "
                     "add to the sweep"
                 )
+
+
+def _conditions_of_rows(
+    conditions: Conditions,
+    about: Mapping[str, Any],
+    numbers: Sequence[int],
+    shares: Sequence[float] | None,
+) -> list[Conditions]:
+    """Conditions of samples by their numbers, with corrections and shares that each has drawn."""
+    of_rows = [conditions] * len(numbers)
+    if corrections := about.get("sample_corrections"):
+        of_rows = [with_corrections_of_row(conditions, corrections, number) for number in numbers]
+    if shares is not None:
+        pairs = zip(of_rows, shares, strict=True)
+        of_rows = [replace(one, failing_share=share) for one, share in pairs]
+    return of_rows
