@@ -37,7 +37,6 @@ def main():
     parser.add_argument("campaigns", nargs="*", metavar="CAMPAIGN", help=", ".join(CAMPAIGNS))
     parser.add_argument("--trials", type=int, help="of each")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--ways", nargs="*", help="ways to run sweeps on workers, for kills")
     parser.add_argument("--mistake", action="store_true", help="break the rule that is tested")
     options = parser.parse_args()
     keep_one_thread()
@@ -54,8 +53,7 @@ def main():
                 report,
                 module.MISTAKE if options.mistake else None,
             )
-            further = [options.ways] if name == "kills" and options.ways is not None else []
-            module.campaign(run, *further)
+            module.campaign(run)
         report.counts["seconds"] = round(time.monotonic() - began)
         document[name] = report.as_dict()
         print(f"{name}: {json.dumps(document[name])[:300]}", file=sys.stderr)

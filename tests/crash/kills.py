@@ -43,7 +43,6 @@ _COMMANDS = {
     ),
     "samples": (["uncertain"], [[f"sweep.samples={count}"] for count in (8, 16, 24)]),
 }
-WAYS = ("sweep", *_COMMANDS)
 
 
 class _AsStored:
@@ -149,11 +148,11 @@ def _entry(text):
     return name, {"true": True}.get(value) or int(value)
 
 
-def campaign(run, ways=WAYS):
+def campaign(run):
     """Disturb so many sweeps, every fourth of them with workers."""
-    following = itertools.cycle(ways)
+    following = itertools.cycle(("sweep", *_COMMANDS))
     for number, trial in enumerate(run.trials()):
-        if number % 4 == 3 and ways:
+        if number % 4 == 3:
             way = next(following)
             run.report.counts[f"by {way}"] += 1
             _with_workers(trial, way)

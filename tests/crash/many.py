@@ -6,7 +6,6 @@ files, and what it takes to run, open, go on with and verify them. Prints a JSON
 """
 
 import argparse
-import itertools
 import json
 import os
 import random
@@ -17,7 +16,6 @@ import sys
 import tempfile
 import time
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,14 +23,12 @@ import numpy as np
 import pipeline
 from pipeline.cli import main as irg
 from pipeline.run.sweep import run_sweep
-from pipeline.store.create import writing
 from pipeline.store.place import ROOT
-from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_point
 from tests.crash.loop import code_of, differing, places
 from tests.crash.sweeps import Expected, keep_one_thread
 from tests.helpers import tiny
 
+FEWER, MANY = 10_000, 100_000
 LOADS = 10
 COMPARED = 40  # points
 MOST = {"files": 3000, "opened": 0.3, "resumed": 15.0}
@@ -40,7 +36,6 @@ MOST = {"files": 3000, "opened": 0.3, "resumed": 15.0}
 _STEPS = 12  # of the points of the first sweep, which takes minutes
 _OFF = 1 / 3  # of the time to go
 _NEAR = 0.02  # of the boundary that is seen early, which is interpolated between few velocities
-_AT_ONCE = 400  # velocities in a commit, if the store is filled
 _PATIENCE = 3600.0  # [s] for a run
 
 
@@ -159,27 +154,10 @@ def timed(function, *arguments):
     return result, [round(b - a, 2) for a, b in zip(began, ended, strict=True)]
 
 
-def filled(path, points):
-    """Write the sweep with the data of few points at all of them, in place of computing it."""
-    sweep = sweep_of(points)
-    records = {
-        load: run_point(sweep, load, 1.0).record(with_fields=False) for load in sweep.plane.loads
-    }
-    with writing(path, sweep) as store:
-        for begin in range(0, len(sweep.plane.velocities), _AT_ONCE):
-            some = itertools.product(
-                sweep.plane.velocities[begin : begin + _AT_ONCE], sweep.plane.loads
-            )
-            store.commit(replace(records[load], point=Point(load, v)) for v, load in some)
-
-
-def large(folder, points, limits, fill):
+def large(folder, points):
     """Run, open, go on with and verify a large sweep; the faults of that, too."""
     path, report = folder / "many.zarr", {}
-    if fill:
-        _, report["filled"] = timed(filled, path, points)
-    else:
-        report["run"] = driven(path, points)
+    report["run"] = driven(path, points)
     report["files"] = sum(len(names) for _, _, names in os.walk(path))
     report["resumed"] = driven(path, points)
     pipeline.open_sweep(path)  # so that what is imported for it does not count
@@ -190,8 +168,7 @@ def large(folder, points, limits, fill):
     if not (summary.done == checked.done == ds["status"].size and checked.is_clean):
         yield f"{summary.done} points are done, {checked.done} of them intact"
     expected, arrays = Expected(sweep_of(points)), {name: ds[name].values for name in ds.data_vars}
-    compared = 0 if fill else min(COMPARED, summary.total)
-    for index, point in random.sample(list(places(ds)), compared):
+    for index, point in random.sample(list(places(ds)), COMPARED):
         for name in differing(arrays, index, expected(point)):
             yield f"{point}: {name} differs"
     took = {
@@ -199,19 +176,16 @@ def large(folder, points, limits, fill):
         "opened": min(report["open"]),
         "resumed": report["resumed"]["wall"],
     }
-    for name in limits:
-        if took[name] > limits[name]:
-            yield f"{name}: {took[name]}, and at most {limits[name]} was promised"
+    for name, most in MOST.items():
+        if took[name] > most:
+            yield f"{name}: {took[name]}, and at most {most} was promised"
     yield report
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, help="of one sweep alone, without limits")
-    parser.add_argument("--early", type=int, default=10_000, help="points of the first sweep")
-    parser.add_argument("--fill", action="store_true", help="the store, rather than to compute")
-    parser.add_argument("--increments", type=int, default=3, help=argparse.SUPPRESS)
-    parser.add_argument("--drive", metavar="OUT.zarr", type=Path, help=argparse.SUPPRESS)
+    for name, kind in (("--drive", Path), ("--points", int), ("--increments", int)):
+        parser.add_argument(name, type=kind, help=argparse.SUPPRESS)
     options = parser.parse_args()
     keep_one_thread()
     if options.drive:
@@ -220,12 +194,8 @@ def main():
     np.seterr(all="raise", under="ignore")
     with tempfile.TemporaryDirectory() as temporary:
         folder, document = Path(temporary), {}
-        if options.early:
-            *faults, document["early"] = early(folder, options.early)
-        else:
-            faults = []
-        limits = {} if options.points else MOST
-        *further, document["large"] = large(folder, options.points or 100_000, limits, options.fill)
+        *faults, document["early"] = early(folder, FEWER)
+        *further, document["large"] = large(folder, MANY)
     print(json.dumps(document | {"faults": faults + further}, indent=1))
     return 1 if faults + further else 0
 
