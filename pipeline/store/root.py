@@ -31,6 +31,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.schema import FORMAT, is_coordinate
 from pipeline.sweep.about import Measurement
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.stations import Stations
@@ -38,68 +39,58 @@ from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.unknown import Unknown
 from tribo import Fidelity
 from tribo.errors import near_path
-from tribo.simulation.corrections import Corrections
 
 _GREATEST = {float: sys.float_info.max, int: 2**63 - 1}
 
 
-def misfits(value: Any, kind: Any, path: str = "") -> Iterator[str]:
-    """Paths of the values within plain data that are not of their kind.
+def _fits(value: Any, kind: Any) -> bool:
+    """True if plain data are of a kind, with finite numbers.
 
-    A kind is a type, a tuple of kinds that a value may have, a list of the kind of its entries, or
-    a record of kinds by name: a name that ends in "?" may be missing, and with an ellipsis there
-    may be others. Numbers are finite, and a whole one is a real one, too.
+    A kind is a type or a dataclass, a tuple of kinds that a value may have, a list of the kind of
+    its entries, or a record of kinds by name: a name that ends in "?" may be missing, and with an
+    ellipsis there may be others.
     """
     origin, inner = get_origin(kind), get_args(kind)
-    if isinstance(kind, list | tuple):
-        origin, inner = (list if isinstance(kind, list) else Union), tuple(kind)
-    if is_dataclass(kind):
-        kind = _record_of(kind)
-    if kind is Any or (origin is Literal and value in inner):
-        return
-    if origin in (Union, UnionType):
-        found = [[*misfits(value, one, path)] for one in inner]
-        if all(found):
-            yield max((paths[0] for paths in found), key=len)
-    elif origin in (list, tuple) and isinstance(value, list):
-        kinds = inner if origin is tuple and ... not in inner else inner[:1] * len(value)
-        if len(kinds) != len(value):
-            yield path
-        for number, (entry, one) in enumerate(zip(value, kinds, strict=False)):
-            yield from misfits(entry, one, f"{path}.{number}")
-    elif (isinstance(kind, dict) or origin is dict) and isinstance(value, dict):
-        record = dict.fromkeys(value, inner[1]) if origin is dict else kind
-        yield from _misfits_of_record(value, record, path)
-    elif not _is_one(value, kind):
-        yield path
+    if isinstance(kind, tuple) or origin in (Union, UnionType):
+        return any(_fits(value, one) for one in inner or kind)
+    if kind is Any or origin is Literal:
+        return kind is Any or value in inner
+    if isinstance(kind, list) or origin in (list, tuple):
+        if not isinstance(value, list):
+            return False
+        is_long = origin is not tuple or ... in inner
+        kinds = list(inner or kind)[: 1 if is_long else None] * (len(value) if is_long else 1)
+        return len(value) == len(kinds) and all(map(_fits, value, kinds))
+    if origin is dict:
+        return isinstance(value, dict) and all(_fits(one, inner[1]) for one in value.values())
+    if isinstance(kind, dict) or is_dataclass(kind):
+        return isinstance(value, dict) and not any(_misfits(value, _record_of(kind)))
+    kinds = [int, float] if kind is float else [kind]
+    return type(value) in kinds and (kind not in _GREATEST or abs(value) <= _GREATEST[kind])
+
+
+def _misfits(value: Mapping[str, Any], record: Mapping[Any, Any]) -> Iterator[str]:
+    """Names in plain data that are not those of a record, or not of its kinds."""
+    names = {name.removesuffix("?"): name for name in record if name is not ...}
+    for name in dict.fromkeys([*names, *value]):
+        if name not in value:
+            is_fit = names[name].endswith("?")
+        else:
+            is_fit = _fits(value[name], record[names[name]]) if name in names else ... in record
+        if not is_fit:
+            yield name
 
 
 def _record_of(kind: Any) -> dict[Any, Any]:
-    """What a dataclass is made from, as a record."""
+    """A record, or what a dataclass is made from as one."""
+    if isinstance(kind, dict):
+        return kind
     hints = get_type_hints(kind)
     return {
         field.name + "?" * (field.default is not MISSING): hints[field.name]
         for field in fields(kind)
         if field.init
     }
-
-
-def _misfits_of_record(
-    value: Mapping[str, Any], record: Mapping[Any, Any], path: str
-) -> Iterator[str]:
-    names = {name.removesuffix("?"): name for name in record if name is not ...}
-    if ... not in record:
-        yield from (f"{path}.{name}" for name in value if name not in names)
-    for name, noted in names.items():
-        if name in value:
-            yield from misfits(value[name], record[noted], f"{path}.{name}")
-        elif name == noted:
-            yield f"{path}.{name}"
-
-
-def _is_one(value: Any, kind: Any) -> bool:
-    kinds = (int, float) if kind is float else (kind,)
-    return type(value) in kinds and (kind not in _GREATEST or abs(value) <= _GREATEST[kind])
 
 
 _VERSIONS = {"tribo": str, "numpy": str, "scipy": str, "zarr": str}
@@ -111,16 +102,8 @@ _OF_SCENE = {
     "samples?": {**_record_of(Design), "inputs": dict[str, Unknown]},
     ...: Any,
 }
-_CONDITIONS = {
-    "friction": float | None,
-    "bulk_temperature": float | None,
-    "critical_temperature": float | None,
-    "failing_share": float | None,
-    "criterion": str,
-    "disk_temperature?": float | None,
-    "corrections?": Corrections | None,
-    "criterion_hash?": str,
-}
+_CONDITIONS = {**_record_of(Conditions), "criterion_hash?": str}
+del _CONDITIONS["own_criterion?"]
 _FOLLOWING = {
     "selection": {**_record_of(Selection), "points": [{"load": float, "velocity": float}]},
     "lubrication": Lubrication,
@@ -325,6 +308,7 @@ def _fault(root: Root) -> str:
             and {codec["name"] for codec in array["codecs"]} <= _CODECS
             and (name not in sizes if not is_coordinate(name) else [sizes[name]] == array["shape"])
             and 0 not in array["chunk_grid"]["configuration"]["chunk_shape"]
+            and array["attributes"].keys() >= {"long_name"}
             and "/" not in name
             for name, array in root.arrays.items()
         )
@@ -337,9 +321,9 @@ def _fault(root: Root) -> str:
             "its axes"
         )
     kinds = ATTRIBUTES | {"axes": {n: AXES.get(str(root.arrays[n]["data_type"])) for n in sizes}}
-    if wrong := next(misfits(root.attributes, kinds), None):
+    if wrong := next(_misfits(root.attributes, kinds), None):
         kind = "is missing, or not of the kind that a run writes"
-        return f"is damaged: its attribute {wrong[1:]} {kind}"
+        return f"is damaged: its attribute {wrong} {kind}"
     if not _are_rows(root):
         return "is damaged: its attributes over and scenes are not those of its axes"
     if points > MOST_POINTS:
