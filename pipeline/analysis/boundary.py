@@ -1,13 +1,7 @@
 """The boundary between mild and severe wear, from a stored sweep and without a new simulation.
 
-Friction, bulk temperature, critical temperature and failing share enter only here, by
-`pipeline.sweep.criterion`.
-
-Over several random surfaces it has a band. A surface may have no transition within the sweep. If
-wear is mild throughout, its transition lies above all velocities (or loads); if severe throughout,
-below. Quantiles count it there. They are known where they fall within the sweep and do not depend
-on where such transitions lie. A mean is given only if every surface has a transition: else it would
-be biased towards the sweep's middle.
+Over several surfaces it has a band. Quantiles count a surface without a transition beyond all that
+was computed; a mean, which this would bias, is given only if every surface has one.
 """
 
 from __future__ import annotations
@@ -320,10 +314,7 @@ def _band_of(
 
 
 def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Array, Array]:
-    """Least and greatest place that each transition may have, of those of which any is known.
-
-    One above what was computed may lie anywhere there, and one below likewise.
-    """
+    """Least and greatest place that each transition may have, of those of which any is known."""
     is_kind = [outcomes == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
     low = np.select(is_kind, [places, np.inf, -np.inf, last, -np.inf], math.nan)
     high = np.select(is_kind, [places, np.inf, -np.inf, np.inf, first], math.nan)
@@ -332,11 +323,7 @@ def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Ar
 
 
 def quantile(low: Array, high: Array, share: float) -> float:
-    """Quantile of values that are known to lie from `low` to `high`, linear between ranks.
-
-    A bound is infinite where a value lies beyond the sweep. NaN where the quantile is not finite,
-    or depends on where between its bounds a value lies.
-    """
+    """Quantile of values from `low` to `high`, linear between ranks; NaN if it is not known."""
     place = share * (len(low) - 1)
     below, above = math.floor(place), math.ceil(place)
     ranked, greatest = np.sort(low), np.sort(high)

@@ -26,10 +26,7 @@ _INTERNAL = ("axes", "root_hash", "points_per_chunk", "generation")
 
 
 def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Write a store's attributes so that netCDF holds them, and say what computed the data.
-
-    What is neither text nor a number becomes JSON; `attributes_of` reads it again.
-    """
+    """Attributes of a store as netCDF holds them, others as JSON, and what computed the data."""
     kept = {k: v for k, v in attributes.items() if v is not None and k not in _INTERNAL}
     plain = (name for name, value in kept.items() if type(value) in (str, int, float))
     encoded = sorted(kept.keys() - set(plain))
@@ -50,10 +47,7 @@ def with_changes(attributes: Mapping[Any, Any], changes: Mapping[str, Any]) -> d
 
 
 def attributes_of(ds: xr.Dataset | xr.DataArray) -> dict[Any, Any]:
-    """Attributes of a sweep as plain data, with JSON text read.
-
-    The result is cached for the next call: do not change it.
-    """
+    """Attributes of a sweep as plain data, with JSON read; cached, so do not change them."""
     attributes = dict(ds.attrs)
     for name in str(attributes.get(_ENCODED, "")).split():
         if isinstance(attributes.get(name), str):
@@ -287,19 +281,12 @@ def drawn_row(ds: xr.Dataset) -> Variant:
 
 
 def asked(ds: xr.Dataset) -> xr.DataArray:
-    """Points that the last run asked for: all of its scene, or those it chose.
-
-    The other points in the store were asked for by an earlier run.
-    """
+    """Points that the last run asked for: all of its scene, or those it chose."""
     return ds["asked"] != 0 if "asked" in ds else xr.ones_like(ds["status"], bool)
 
 
 def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """Take the rises of a sweep at the bulk temperatures of some conditions.
-
-    They count from the colder body, for each unit of `Conditions.rise_factor`; fields stay as they
-    are. Bulk temperatures that differ are refused where the sweep was computed for equal ones.
-    """
+    """Take rises of a sweep at the bulk temperatures of conditions, above the colder body."""
     if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds
     return _with_rises(ds, conditions, at_bulks)

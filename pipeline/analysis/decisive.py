@@ -121,12 +121,7 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
 
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
-    """Rise, at friction 1, that decides at each point [K]; NaN where pending or failed.
-
-    It is the highest one from when the load of a point is reached on: at the end of the ramp or,
-    where the load is held, at any later step at which the temperature was asked for. Dimensions
-    are (load, velocity), after those in front such as ``realization``, all ascending.
-    """
+    """Rise at friction 1 that decides at each point [K], dims (..., load, velocity), or NaN."""
     ds = _about_quantile(dataset_of(ds), conditions.decisive.quantile)
     for name in ("load", "velocity"):
         if name not in ds.dims:
@@ -164,10 +159,7 @@ def _about_quantile(ds: xr.Dataset, level: float | None) -> xr.Dataset:
 
 
 def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
-    """Compare the data of some points, by the given dimensions, with their checksums, each once.
-
-    Datasets of no store are left alone.
-    """
+    """Compare points of a store, by the given dimensions, with their checksums, each once."""
     reader = ds["status"].encoding.get("reader")
     if reader is None:
         return
@@ -192,10 +184,7 @@ def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
 
 
 def beside_boundary(rises: Array, limit: float) -> Mask:
-    """Known points of planes of rises (..., n_load, n_velocity) [K] next to the other kind of wear.
-
-    Their next known neighbour in load or in velocity lies on the other side of the limit.
-    """
+    """Points of rises (..., n_load, n_velocity) [K] whose next known one is across the limit."""
     along_both = (np.apply_along_axis(_turns, axis, rises, limit) for axis in (-2, -1))
     return np.logical_or(*along_both)
 
@@ -212,9 +201,8 @@ def _turns(rise: Array, limit: float) -> Mask:
 def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> xr.DataArray:
     """Interpolate a decisive rise [K] onto so many loads and velocities, evenly spaced.
 
-    The surface passes through the boundary that `boundary` finds for each load and each velocity.
-    It is NaN beyond the outermost points that are done. With a limit, above which wear is severe
-    [K], it is extrapolated as a power of velocity: below mild points and above severe ones.
+    With a limit [K] it is extrapolated below mild points and above severe ones, as a power of
+    velocity; else it is NaN beyond the outermost points that are done.
     """
     x = {name: rise[name].values for name in PLANE}
     axes = {name: np.linspace(values[0], values[-1], resolution) for name, values in x.items()}

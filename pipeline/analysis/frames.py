@@ -35,11 +35,7 @@ JUDGED = {
 
 
 def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
-    """Frames of `pipeline.boundary`: critical velocities by load, and critical loads by velocity.
-
-    A row is for one load or velocity at one friction, with the conditions that it was judged by.
-    Over several surfaces it has the median, the band, and how many of them cross.
-    """
+    """Frames of `pipeline.boundary`: critical velocities by load, critical loads by velocity."""
     return tuple(_along(boundaries, *ends) for ends in BOUNDARIES)
 
 
@@ -157,12 +153,7 @@ def own_conditions(conditions: Conditions, test: Mapping[str, Any]) -> Condition
 
 
 def compared(ds: xr.Dataset, **conditions: Any) -> pd.DataFrame | None:
-    """Frame of tests beside what is computed at their own friction and bulk temperature.
-
-    A test agrees if its outcome is the computed one beyond the error of the temperature. A
-    transition agrees if the computed one lies within two standard deviations of its velocity, 5 %
-    each where the test gives none, or if the place is not decided. None if the scene has no tests.
-    """
+    """Frame of tests beside what is computed at their own conditions; None if there are none."""
     tests = laboratory_tests(ds)
     if not (tests and planes(ds)):
         return None

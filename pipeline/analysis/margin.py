@@ -167,10 +167,9 @@ class JudgedRow:
         return np.array([_at(x, row, velocity, continued) for row in rows])
 
     def along(self, axis: str, load: float, velocity: float, rise: float) -> Crossing:
-        """Transition along an axis through a place, and through the rise there if that is finite.
+        """Transition along an axis through a place, and the rise there if that is finite.
 
-        At a load or velocity of the sweep it is that of `boundary`. Between them rises go on
-        beyond those computed where wear is certainly mild or severe.
+        Between those of the sweep, rises go on where wear is certainly mild or severe.
         """
         x, other, place, along = self.grid.velocities, self.grid.loads, load, velocity
         rises, limit, ends = self.grid.rises, rise_limit(self.conditions), self.ends[axis]

@@ -104,10 +104,7 @@ class RisePlane:
         return whole
 
     def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
-        """Rows that the rise at a place is taken from, and the points of each.
-
-        The point itself where it is done; else the nearest done ones on either side.
-        """
+        """Rows that the rise at a place is taken from: the point itself, or those beside it."""
         own = self.loads == load
         reached = np.isfinite(self.rises).sum(axis=1) >= 2  # which go on beyond their ends
         reached |= np.isfinite(self.rises[:, self.velocities == velocity]).any(axis=1)
@@ -129,10 +126,7 @@ def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
 
 
 def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
-    """Relative error of the rise on and midway between the loads and the velocities of a sweep.
-
-    Its shape is (n_surface, 2 n_load − 1, 2 n_velocity − 1); NaN where it is not known.
-    """
+    """Relative error of the rise on and midway between loads and velocities, by surface."""
     promised = velocity_error(attributes_of(ds))
     twice = (np.repeat(rise[name].values, 2) for name in ("load", "velocity"))
     loads, velocities = (((x[1:] + x[:-1]) / 2).tolist() for x in twice)
@@ -162,18 +156,12 @@ def rise_error(
 
 
 def error_of_point(flags: int, duration: float, velocity_error: float | None) -> RiseError:
-    """Relative error of the rise of a point that was computed by itself, by its warnings.
-
-    The error of its preset in velocity counts in full: no rise grows faster than with exponent 1.
-    """
+    """Relative error of the rise of a point by itself, which grows with exponent 1 at most."""
     return RiseError(0.0, velocity_error, warned_error([(flags, duration)]))
 
 
 def _beside(x: Array, is_done: Array, place: float) -> Indices:
-    """Indices of the done abscissa at a place, or of the nearest on either side.
-
-    Beyond the outermost of them the last two, through which a power law goes on.
-    """
+    """Indices of the done abscissa at a place, of both beside it, or of the last two."""
     (done,) = np.nonzero(is_done)
     same: Indices = done[x[done] == place]
     if same.size:
@@ -203,11 +191,7 @@ def _interpolation(
 
 
 def _left_out(grid: RisePlane, axis: str, place: float, gap: float) -> float | None:
-    """Error of interpolation along an axis, by that at done points when they are left out.
-
-    It grows as the square of the distance of the points: where they leave a wider gap about the
-    place than about those left out, each miss counts so much more.
-    """
+    """Error along an axis, as that of done points left out, by the squares of the gaps."""
     x = grid.loads if axis == "load" else grid.velocities
     missed, widths = _misses(grid, axis, int(np.searchsorted(x, place)), bool((x == place).any()))
     errors = missed * np.maximum(1.0, gap / widths) ** 2
@@ -260,11 +244,7 @@ def _beyond(grid: RisePlane, velocity: float) -> float | None:
 def _preset(
     grid: RisePlane, rows: list[tuple[int, Indices]], velocity: float, velocity_error: float | None
 ) -> float | None:
-    """Error of the rise that an error of the boundary velocity is; None if that is unknown.
-
-    Exponents count from `SLOWEST`, down to which the promise was tried, to 1, which no contact
-    exceeds, and which is taken where there is one velocity alone.
-    """
+    """Error of the rise by that of velocity, with exponents from `SLOWEST`, as tried, to 1."""
     if velocity_error is None or not rows:
         return None
     exponents = [_exponent(grid.velocities, grid.rises[row], velocity) for row, _ in rows]

@@ -93,10 +93,7 @@ def margins(
 def margins_at(
     ds: xr.Dataset, places: Iterable[tuple[float, float]] | None, **conditions: Any
 ) -> Iterator[Margin]:
-    """Margins at loads [N] and velocities [m/s], or at places of the rows' own if none are given.
-
-    None where the sweep does not tell.
-    """
+    """Margins at places, or the rows' own if none are given, where the sweep tells."""
     listed = None if places is None else list(places)
     for row in rows_of(ds, **conditions):
         for place in [row.place] if listed is None else listed:
@@ -221,11 +218,7 @@ def frame_of_points(
     heads: Sequence[str],
     answer: Callable[[float, float], Sequence[Any]],
 ) -> pd.DataFrame:
-    """Frame with the further columns of each operating point, its place, an answer, and a note.
-
-    The answer ends with the note. Where a point raises an `InputError`, that is the note, and its
-    verdict is not known.
-    """
+    """Frame of operating points with an answer that ends with a note; an error is the note."""
     results = _results(heads, points.places, [partial(answer, *place) for place in points.places])
     others = {
         f"{head} (given)" if head in {*results, *as_dict(results)} else head: values

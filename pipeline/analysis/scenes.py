@@ -216,10 +216,7 @@ def with_all_wear_rates(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
 
 
 def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:
-    """Answers on each scene of a sweep, side by side.
-
-    Attributes that all answers have alike are those of the whole, others become coordinates.
-    """
+    """Answers on each scene side by side; attributes in which they differ become coordinates."""
     ds = dataset_of(ds)
     results, axes = [answer(scene) for scene in scenes(ds)], [ds[name] for name in entry_dims(ds)]
     rows = [result.attrs for result in results]

@@ -37,10 +37,7 @@ def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFram
 
 
 def as_dict(frame: pd.DataFrame) -> dict[str, list[Any]]:
-    """Values in SI, by the heads without units and blanks, as JSON documents have them.
-
-    A head with a unit that is none of ours stays as it is, with its values.
-    """
+    """Values in SI by heads without units and blanks, for JSON; other heads as they are."""
     held = {}
     for head in frame:
         name, unit = _parts(str(head))

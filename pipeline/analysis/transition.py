@@ -1,13 +1,9 @@
 """The transition to severe wear along a line of points, and as much of it as was computed.
 
-Wear is mild (or severe) throughout only if the outermost points of the sweep's own range are. If
-these are not done, or were never asked for, the transition lies beyond what was computed.
-
 Between points the logarithm of the rise is interpolated over that of the velocity or the load by a
-monotone cubic (PCHIP). It is exact for a power law, and adds no crossings. Its error was measured
-on ramps of the IRG scene, every 0.25 m/s from 0.5 to 4 m/s. A velocity halfway between two points
-is found to 0.11 % (root mean square). Below 1 m/s it is 0.16 %, against 0.23 % of the same cubic in
-y over x, and 0.76 % of straight lines.
+monotone cubic (PCHIP). It is exact for a power law, and adds no crossings. On ramps of the IRG
+scene, every 0.25 m/s from 0.5 to 4 m/s, it found a velocity halfway between to 0.11 % (root mean
+square), below 1 m/s to 0.16 %; the same cubic in y over x to 0.23 %, straight lines to 0.76 %.
 """
 
 from __future__ import annotations
@@ -70,8 +66,7 @@ class Crossing:
         """Find the transition along velocities [m/s] or loads [N], which ascend.
 
         Rises [K] are NaN where they are not known; they are done there, or go on where that leaves
-        wear as it is. Points that are missing were asked for, and are not done. Wear is severe
-        above the limit [K]. The ends are those of the sweep's own range.
+        wear as it is. Ends are those of the sweep's own range.
         """
         is_done = np.isfinite(rise) if is_done is None else is_done
         done = x[is_done]
@@ -107,10 +102,7 @@ def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:
 
 
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
-    """Lowest and highest velocity [m/s] or load [N] of the scene that a sweep is of.
-
-    Velocity 0 is left out where the sweep has no point at it, such as in a search of the boundary.
-    """
+    """Lowest and highest velocity [m/s] or load [N] of a scene, without a 0 that has no point."""
     present = ds[axis].values.tolist()
     of_scene = attributes_of(ds).get({"load": "loads", "velocity": "velocities"}[axis]) or present
     asked = [value for value in of_scene if value or 0.0 in present] or present
@@ -132,10 +124,7 @@ _FLAT = 0.25  # least exponent of a power law that is continued down to 0
 
 
 def crossing(x: Array, y: Array, limit: float) -> float:
-    """Place at which y first rises above a limit; NaN if it does not.
-
-    Abscissae ascend, and points where y is NaN are skipped.
-    """
+    """Place at which y first rises above a limit along ascending x; NaN if it does not."""
     is_finite = np.isfinite(y)
     x, y = x[is_finite], y[is_finite]
     reached = np.flatnonzero(y >= limit)
@@ -176,10 +165,7 @@ def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> 
 
 
 def certain(x: Array, y: Array, places: Array, limit: float) -> Array:
-    """Interpolate y, and extrapolate it by a power law where that cannot cross a limit.
-
-    It is extrapolated below points that do not exceed the limit, and above points that do.
-    """
+    """Interpolate y, and extrapolate it by a power law where that cannot cross a limit."""
     within, finite = interpolated(x, y, places), np.flatnonzero(np.isfinite(y))
     if len(finite) < 2:
         return within

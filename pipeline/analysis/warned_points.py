@@ -1,12 +1,8 @@
 """Points of a sweep that carry a warning, and whether the boundary rests on any of them.
 
-Two warnings follow from a whole sweep alone. Where the rise grows slowly with the velocity, its
-errors count severalfold: the error of a boundary velocity is that of the rise over the exponent n
-of rise ∝ Vⁿ. Presets were tried down to n = 0.3. Below it, as under smooth and heavily worn balls,
-`standard` was 5 to 8 % off in velocity, beyond its 3 %, and `draft` 11 to 21 %, beyond its 8 %. A
-single point tells n only under a ball, where wear widens the contact at a higher velocity; its
-neighbours tell n in every scene. The other warning is of bodies that roll as if each turn met a
-cold track.
+Two warnings follow from a whole sweep alone: that bodies roll as if each turn met a cold track, and
+that the rise grows slowly with the velocity. The error of a boundary velocity is that of the rise
+over the exponent n of rise ∝ Vⁿ. Below n = 0.3 `standard` was 5 to 8 % off, `draft` 11 to 21 %.
 """
 
 from __future__ import annotations
@@ -145,10 +141,7 @@ def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.Da
 
 
 def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
-    """Points with a neighbour with the other kind of wear, at any of the frictions.
-
-    None where no critical temperature tells the kind of wear, or a criterion that is not run.
-    """
+    """Points beside the other kind of wear, at any friction; None where that is not known."""
     frictions = conditions.get("friction")
     several = frictions if isinstance(frictions, Iterable) else [frictions]
     given = [conditions | {"friction": friction} for friction in several]
@@ -187,10 +180,7 @@ _APART = 1.1  # least ratio of velocities over which an exponent is taken
 
 
 def slow_rise(ds: xr.Dataset) -> xr.DataArray:
-    """Points of a sweep whose rise grows slowly with the velocity; none where that is not known.
-
-    It is the rise by friction, between bodies of equal temperature.
-    """
+    """Points at which the rise by friction, between equal bulks, grows slowly with velocity."""
 
     def of_scene(scene: xr.Dataset) -> xr.DataArray:
         stored = attributes_of(scene).get("conditions") or {}
@@ -205,10 +195,7 @@ def slow_rise(ds: xr.Dataset) -> xr.DataArray:
 
 
 def exponents(x: Array, y: Array) -> Array:
-    """Exponent d ln(y)/d ln(x) at each point, between neighbours that lie far enough apart.
-
-    NaN where y is not known, or where there are no such neighbours.
-    """
+    """Exponent d ln(y)/d ln(x) at each point, between neighbours far enough apart; or NaN."""
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])
@@ -222,10 +209,7 @@ def exponents(x: Array, y: Array) -> Array:
 
 
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> str | None:
-    """Say that bodies roll as if each turn met a cold track; None where none does.
-
-    The crossings are the boundary of a sweep under conditions that replace the sweep's own.
-    """
+    """Say that bodies roll as if each turn met a cold track; None where none does."""
     scene = attributes_of(ds).get("scene", {})
     if not (scene.get("motion") and has_one_scene(ds)) or np.ndim(conditions.get("friction", 0.0)):
         return None

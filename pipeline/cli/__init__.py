@@ -103,10 +103,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
 
 
 def _too_little_memory() -> str | None:
-    """Reason not to begin; None with enough memory.
-
-    With less, OpenBLAS tries for ever to get some when it is loaded.
-    """
+    """Reason not to begin: with so little memory OpenBLAS would try for ever to be loaded."""
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     if limit == resource.RLIM_INFINITY or limit >= _LEAST_MEMORY:
         return None

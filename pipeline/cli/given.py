@@ -108,11 +108,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
 def scene_in(
     options: argparse.Namespace, points: Sequence[Point] | None = None, store: Path | None = None
 ) -> Sweep:
-    """The scene with the fidelity and the conditions that the user asked for.
-
-    An accuracy is to hold at the points, or at some near the boundary; the fidelity of the store
-    is kept if it is accurate enough.
-    """
+    """The scene with the fidelity and conditions asked for, accurate at points if given."""
     settings = settings_in(options)
     sweep: Sweep = pipeline.load_scene(
         options.scene, options.preset, settings, own_laws=options.own_laws

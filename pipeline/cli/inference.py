@@ -190,10 +190,7 @@ def _of_scene(options: argparse.Namespace, sweep: Sweep) -> Result:
 
 
 def _of_tests(at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame) -> Result:
-    """Bounds of the critical temperature from tests.
-
-    A test that stayed mild was colder than the critical temperature, one that turned severe hotter.
-    """
+    """Bounds of the critical temperature: hotter than mild tests, colder than severe ones."""
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)

@@ -154,10 +154,7 @@ def _settings(attributes: Mapping[str, Any], conditions: Mapping[str, Any]) -> l
 
 
 def _accuracy_for(bound: float | None, distance: float, error: float | None) -> float | None:
-    """Accuracy that decides at a distance from severe wear [K]; None if none is better.
-
-    By the error that the bound of the boundary velocity makes of the temperature [K].
-    """
+    """Accuracy that decides at a distance [K], by the error [K] of the bound; None if none."""
     if bound is None or error is None:
         return _ACCURACIES[1]
     enough = bound * abs(distance) / error if error else bound

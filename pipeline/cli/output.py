@@ -150,10 +150,7 @@ _SOON = 2.0  # [s], before which a command that just works says nothing
 
 @contextmanager
 def _line() -> Iterator[Callable[..., None]]:
-    """Yield a function that shows a text: in place on a terminal, else anew every few seconds.
-
-    On a terminal it stands beside a bar if there is a total; if quiet, nothing is shown.
-    """
+    """Yield a function that shows a text, in place on a terminal, else every few seconds."""
     bar: Any = None
     printed, printed_at = "", -math.inf
 
@@ -201,11 +198,7 @@ def run_line() -> Iterator[Callable[[Progress], None]]:
 
 @contextmanager
 def working(task: str) -> Iterator[Callable[[int, int], None]]:
-    """Say that a command still works at a task, such as "reading points", after two seconds.
-
-    Yields a function to call with the number that is done and the number there is, where the
-    command counts.
-    """
+    """Say after two seconds that a task goes on; yield a function that takes done and total."""
     latest, began, is_over = [0, 0], time.monotonic(), threading.Event()
 
     def count(done: int, total: int) -> None:

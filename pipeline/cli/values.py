@@ -23,10 +23,7 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
-    """Reader of quantities with a unit, such as `like`, above 0 unless they are signed.
-
-    Those in K are differences of temperatures.
-    """
+    """Reader of quantities with units, above 0 unless signed; those in K are differences."""
     in_si = difference_in_si if like.endswith(" K") else pipeline.to_si
 
     def read(text: str) -> float:

@@ -81,12 +81,8 @@ def diagram(
 ) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear; of rows, margins.
 
-    Over several surfaces the boundary is that of the median surface, and a band holds what lies
-    between the tenth and the ninetieth of a hundred. The boundary is drawn on the plane
-    interpolated between the computed points, on which `pipeline.boundary` lies for each load and
-    each velocity. Where the sweep has a band of friction coefficients, the boundaries at its ends
-    enclose a shaded area; where it has measured transitions or tests, they are marked; where its
-    scene gives an oil, lines show where mixed lubrication and the full film begin.
+    Over several surfaces the boundary is that of the median one, in a band from the tenth to the
+    ninetieth of a hundred. It lies on the plane interpolated between the computed points.
     """
     if is_emulated(ds) or given_measured or scatter is not None:
         judged = {k: changed.pop(k) for k in ("criterion", "own_laws") if k in changed}
@@ -325,10 +321,7 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
 
 
 def _far_from_others(hot: Mask, cold: Mask) -> Mask:
-    """Points whose neighbours all have their own kind of wear, which tell nothing of the boundary.
-
-    None where there is but one kind.
-    """
+    """Points whose neighbours all have their own kind of wear; none where there is but one."""
     if not (hot.any() and cold.any()):
         return np.zeros_like(hot)
     kind = np.where(hot, 1, 0) - np.where(cold, 1, 0)

@@ -102,10 +102,7 @@ def in_reach(
 def at_own_conditions(
     axes: Axes, plane: xr.DataArray, tests: Sequence[Mapping[str, Any]], conditions: Conditions
 ) -> list[Artist]:
-    """Mark the transition computed at each test's own friction and bulk temperature; join both.
-
-    One at about the conditions of the diagram lies beside its line anyway, and is left out.
-    """
+    """Mark the transition computed at each test's own conditions, if others, and join both."""
     places = []
     loads, velocities = plane["load"].values, plane["velocity"].values
     limit = rise_limit(conditions)
@@ -154,10 +151,7 @@ def name_regions(
     loads: Array,
     measured: Sequence[Mapping[str, Any]],
 ) -> None:
-    """Name mild and severe wear where each has most room, between two rows of points.
-
-    A name that finds no room in a line is broken into two.
-    """
+    """Name mild and severe wear where each has most room between two rows of points."""
     scale = np.log if axes.get_xscale() == "log" else np.asarray
     (left, right), (bottom, top) = scale(axes.get_xlim()), scale(axes.get_ylim())
 

@@ -130,11 +130,7 @@ def watch(
     progress: Callable[[Summary], None],
     **options: Any,
 ) -> Summary:
-    """Draw a figure into a file as the points of a store come, until its run in a process ends.
-
-    The file is replaced whole each time. `read` gives the dataset to draw, `progress` is called
-    after each drawing, and `options` are those of `pipeline.plot`. Returns the state at the end.
-    """
+    """Draw a figure of a store again, replaced whole, until its run ends; its state then."""
     path, drawn = figure_path(out), None
     beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     while True:

@@ -38,12 +38,7 @@ def ramp(
     show: str | None = None,
     **changed: Any,
 ) -> Figure:
-    """Draw what happens while the load grows.
-
-    All is known at the stations of each point. The ends of lower loads at the same velocity that
-    lie on the same ramp are drawn too. With `show` any stored variable at each station is drawn in
-    place of contact and wear.
-    """
+    """Draw contact, wear and temperature, or one variable, at stations while the load grows."""
     conditions = conditions_of(ds, **changed)
     ds = one_row(ds, realization)
     points = chosen_points(ds, load, velocity, conditions)

@@ -41,11 +41,7 @@ _ASIDE = 5  # [pt] of the mark of either factor from its row
 def draw_rows(
     ds: xr.Dataset, against: str | None = None, ax: Axes | None = None, **conditions: Any
 ) -> Figure:
-    """Draw the margin of each row in K, over the rows in their order or against a column.
-
-    Where places about the rows were simulated, a second panel has the factors of velocity and load
-    at which each row turns severe.
-    """
+    """Draw the margin of each row [K], and its factors where places about it were simulated."""
     rows = rows_of(ds, **conditions)
     frame = frame_of_rows(ds, rows)
     columns = labels_of_rows(frame)

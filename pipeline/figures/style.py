@@ -270,10 +270,7 @@ def _wrap_labels(figure: Figure) -> None:
 
 
 def _narrow(figure: Figure, legend: Legend) -> None:
-    """Give the legend below a figure fewer columns, until it is no wider than the figure.
-
-    The figure gets higher by as much as the legend does.
-    """
+    """Give the legend below a figure fewer columns until it fits, and the figure its height."""
     figure.draw_without_rendering()
     usual_height = legend.get_window_extent().height
     for columns in range(legend._ncols - 1, 0, -1):  # type: ignore[attr-defined]

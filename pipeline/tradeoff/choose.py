@@ -72,11 +72,7 @@ def at_accuracy(
     progress: Callable[[str], None] | None = None,
     own_laws: bool = False,
 ) -> Sweep:
-    """Give a sweep the cheapest fidelity within an accuracy, and the reasons for it.
-
-    A store that goes on with the sweep keeps the fidelity that was picked for it, without another
-    probe, if that keeps the accuracy; see `choose_fidelity`.
-    """
+    """Give a sweep the cheapest fidelity within an accuracy, or keep that of its store."""
     sweep, accuracy = sweep_of(sweep, own_laws), share_of(accuracy)
     selection = None if store is None else stored_selection(store)
     if selection is None:

@@ -135,10 +135,7 @@ def machine_bytes() -> float:
 
 
 def _timed(sweep: Sweep) -> tuple[float, float, State]:
-    """Compute a ramp here and now, as far as it is fast: a state as high as it leads to.
-
-    The processor times [s] are of a step's contact, and of the temperature of a contact.
-    """
+    """Times of a contact and of a temperature on a ramp [s], and the state as far as it is fast."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat = list[float](), list[float]()

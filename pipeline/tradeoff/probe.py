@@ -68,10 +68,7 @@ class Probe:
 def probe(
     sweep: Sweep, fidelity: Fidelity, points: Sequence[Point], with_memory: bool = False
 ) -> Probe:
-    """Simulate points of a scene with another fidelity; those at one velocity share their ramp.
-
-    The memory is measured at one more, cheaper point.
-    """
+    """Simulate points with another fidelity; those at one velocity share their ramp."""
     scene = sweep.changed(fidelity=fidelity, steps="end")
     peak = _peak_bytes(scene, points) if with_memory else None
     if with_memory:  # and the time, without surface and kernels that a whole sweep makes once
@@ -154,10 +151,7 @@ def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
 
 
 def on_pixels(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """A fidelity whose elements divide the scene's pixels: as large as asked for, or less.
-
-    The kernel of the heat is the scene's own.
-    """
+    """A fidelity whose elements divide the scene's pixels, with the scene's kernel of heat."""
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
     kernel = sweep.scene.fidelity.heat_kernel
@@ -178,9 +172,7 @@ def near_the_boundary(
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
     """Points near which wear turns severe at ``standard``, and d ln(rise)/d ln(velocity) there.
 
-    Where there is no transition between half the scene's lowest and twice its highest velocity, it
-    is the end that comes nearest. An error of the rise divided by the exponent is that of the
-    boundary velocity.
+    Without a transition from half the lowest to twice the highest velocity, the nearer end.
     """
     scene = sweep.changed(fidelity=on_pixels(sweep, PRESETS["standard"]))
     points, exponents = [], []
@@ -208,11 +200,9 @@ def near_the_boundary(
 def critical_velocity(
     rise: Callable[[float], float], limit: float, lowest: float, highest: float
 ) -> float:
-    """Velocity at which a growing rise reaches a limit, within a range [m/s].
+    """Velocity at which a growing rise reaches a limit, or the nearer end of a range [m/s].
 
-    By secants of the logarithms, kept inside what is known to enclose it; by halving that where a
-    secant leads back to one of its ends, as beside a jump. Without a crossing it is the nearer end
-    of the range.
+    By secants of the logarithms, or by halving where one leads back, as beside a jump.
     """
     low, high = math.log(lowest), math.log(highest)
     if not math.isfinite(limit):

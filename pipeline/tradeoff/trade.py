@@ -1,9 +1,7 @@
-"""Speed against accuracy, measured on a scene.
+"""Speed against accuracy, measured on a scene at a few points on the boundary.
 
-The presets, and every numerical choice of one of them varied alone, are compared with the
-reference at a few points on the boundary, each simulated from the start. What counts is the error
-of the boundary velocity: that of the logarithm of the rise, divided by the exponent with which the
-rise grows with velocity.
+What counts is the error of the boundary velocity: that of the logarithm of the rise, divided by the
+exponent with which the rise grows with velocity.
 """
 
 from __future__ import annotations

@@ -21,10 +21,7 @@ LEAST_SLOPE = 0.05
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """The draws given, or else draws from the prior.
-
-    Draws of a posterior also have inputs of the rig, which stand last; these are left out.
-    """
+    """The draws given, without those of the rig, which stand last; else draws of the prior."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
     return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights)
@@ -33,8 +30,7 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 def probability_of(excess: Excess, draws: Draws) -> tuple[float, float]:
     """Probability that the excess of draws (n,) is above 0, and its standard error.
 
-    The error is from the numbers of draws and of samples. What neighbours share is taken as shared
-    by all draws, which errs to the safe side.
+    What neighbours share is taken as shared by all draws, which errs to the safe side.
     """
     by_draw = excess.probability
     probability = float(np.clip(draws.mean(by_draw), 0.0, 1.0))
@@ -91,10 +87,7 @@ def probabilities(
 
 
 def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
-    """Probabilities, and the velocities (n_load, n_share) at which wear is severe with them [m/s].
-
-    They are 0 where they lie below those of the plane of `probabilities`, infinite above them.
-    """
+    """Probabilities, and velocities (n_load, n_share) of them [m/s]; 0 or infinite beyond."""
     velocities = plane["velocity"].values
     rows = np.maximum.accumulate(plane.values, axis=1)
     lines = [np.interp(QUANTILES, row, velocities, 0.0, math.inf) for row in rows]
@@ -102,10 +95,7 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
 
 
 def frame_of_lines(ensemble: Ensemble, draws: Draws | None = None) -> pd.DataFrame:
-    """Velocities of some probabilities at the loads of the sweep, which every answer prints.
-
-    They are negatively or positively infinite below or above the velocities of the sweep.
-    """
+    """Velocities of some probabilities at the loads of the sweep, infinite where beyond it."""
     velocities = np.geomspace(*ensemble.velocities, 4 * (STEPS - 1) + 1)
     shares, lines = risk_lines(probabilities(ensemble, draws, ensemble.loads, velocities))
     rows = np.column_stack([ensemble.loads, np.where(lines > 0, lines, -math.inf)]).tolist()

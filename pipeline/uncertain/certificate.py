@@ -1,8 +1,7 @@
 """A certificate of samples: how far the emulator is off from direct simulations.
 
-Boundaries of random inputs are sought by simulations alone, each at a load of its own anywhere
-between the ends of the sweep. Further runs tell by how much the emulator's band is too narrow: at
-the loads of the samples, between them, and at the ends of the velocities.
+Boundaries of random inputs are sought by simulations at loads anywhere in the sweep; further runs
+at its loads, between them and at the ends of the velocities tell whether bands are too narrow.
 """
 
 from __future__ import annotations
@@ -57,10 +56,7 @@ class Certificate:
         return int(np.sum(np.abs(self.off) <= OF_90 * np.array(self.errors)))
 
     def factors(self, along: Array) -> Array:
-        """Factors on the emulator's errors by velocity, with which 90 % bands hold 90 % of runs.
-
-        Velocities are shares of the way between the ends, by the logarithm.
-        """
+        """Factors on errors, by share of the way between the ends of ln(velocity)."""
         amid, ends = (
             factor(np.array(scores), len(scores))
             for scores in (self.at_loads + self.between_loads, self.at_ends)

@@ -39,11 +39,7 @@ def log_rise(sweep: Sweep, load: float, velocity: float) -> float:
 
 
 def as_in_a_scene(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
-    """Inputs of a draw, and those that are fixed, as entries of a scene file by their paths.
-
-    The friction is left out: rises are those at friction 1, and a table of friction by velocity
-    would not be scaled with it.
-    """
+    """Inputs drawn and fixed as entries of a scene, without friction: rises are at friction 1."""
     pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
     pairs += [(one.unknown, one.value) for one in ensemble.fixed]
     return {one.path: _entry(one, value) for one, value in pairs if one.path != FRICTION}
@@ -62,11 +58,7 @@ def certify(
     count: int = COUNT,
     progress: Callable[[int, int], None] | None = None,
 ) -> Certificate:
-    """Find boundaries of random inputs by simulations, and keep the errors of the emulator there.
-
-    There are ``count`` boundaries, and as many runs of each kind. ``progress`` is called with the
-    boundaries found and their number.
-    """
+    """Find boundaries of random inputs by simulations, and keep the emulator's errors there."""
     inputs = prior(ensemble.unknown, ensemble.design.seed + _SEED, _DRAWS).inputs
     chance = np.random.default_rng([ensemble.design.seed, _SEED])
     ends = np.log(ensemble.loads[[0, -1]]).tolist()
@@ -116,11 +108,7 @@ def _score(ensemble: Ensemble, row: Array, sweep: Sweep, load: float, velocity: 
 def boundary_near(
     excess: Callable[[float], float], place: float, ends: tuple[float, float]
 ) -> float | None:
-    """Place near another one beyond which an excess is positive; None if that is beyond the ends.
-
-    Places are logarithms of velocities. The excess may jump there, as a rise does from one number
-    of steps to another.
-    """
+    """Place near another beyond which an excess, which may jump, is positive; None if beyond."""
     excess = cache(excess)
     step = _STEP if excess(place) < 0 else -_STEP
     near = far = place

@@ -35,67 +35,34 @@ _AGREES = 2.0  # standard errors of the direct check
 class Goal:
     """What a design is to reach.
 
-    Attributes
-    ----------
-    places : tuple of Place
-        Operating points, at each of which it is to be reached.
-    risk : float
-        Highest probability.
-    margin : float
-        Distance below the critical temperature [K]. The probability is that of a smaller distance;
-        at 0 it is that of severe wear.
-
     Examples
     --------
     >>> Goal((Place(300.0, 1.74),), risk=0.01).margin
     0.0
     """
 
-    places: tuple[Place, ...]
-    risk: float
-    margin: float = 0.0
+    places: tuple[Place, ...]  #: Operating points, at each of which it is to be reached.
+    risk: float  #: Highest probability of severe wear, or of a smaller distance than the margin.
+    margin: float = 0.0  #: Distance below the critical temperature [K].
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limit:
-    """Values of an input with which a goal is reached.
+    """Values of an input with which a goal is reached."""
 
-    Attributes
-    ----------
-    entry : Unknown
-        The input.
-    goal : Goal
-        What is to be reached.
-    side : {"at most", "at least", "between", "any", "none"}
-        Values that reach it: up to the limit, from it on, between two limits, all, or none.
-    value : float or None
-        The limit [SI]; the upper one of two.
-    interval : tuple of float or None
-        Ends between which it lies with 90 % probability, as far as samples and draws tell [SI].
-    safe : tuple of float or None
-        Lowest and highest value that reach the goal [SI].
-    best : tuple of float
-        Value of the lowest probability, and that probability.
-    binding : Place
-        Operating point that decides.
-    values, probabilities : tuple of float
-        Values of the input [SI], and the highest probability over the operating points at each.
-
-    Examples
-    --------
-    See `design`.
-    """
-
-    entry: Unknown
-    goal: Goal
+    entry: Unknown  #: The input.
+    goal: Goal  #: What is to be reached.
+    #: Values that reach it: ``"at most"`` or ``"at least"`` the limit, ``"between"`` two of them,
+    #: ``"any"`` or ``"none"``.
     side: str
-    value: float | None
+    value: float | None  #: The limit [SI]; the upper one of two.
+    #: Ends between which it lies with 90 % probability, as far as samples and draws tell [SI].
     interval: tuple[float, float] | None
-    safe: tuple[float, float] | None
-    best: tuple[float, float]
-    binding: Place
-    values: tuple[float, ...]
-    probabilities: tuple[float, ...]
+    safe: tuple[float, float] | None  #: Lowest and highest value that reach the goal [SI].
+    best: tuple[float, float]  #: Value of the lowest probability, and that probability.
+    binding: Place  #: Operating point that decides.
+    values: tuple[float, ...]  #: Values of the input [SI].
+    probabilities: tuple[float, ...]  #: Highest probability over the operating points at each.
 
     def as_dict(self) -> dict[str, Any]:
         """Return all results as plain data, in SI."""
@@ -253,18 +220,13 @@ def _run(fits: Mask, place: int) -> tuple[int, int]:
 
 @dataclass(frozen=True, slots=True)
 class Direct:
-    """Probability by direct simulations of the draws that are near the limit, with its error.
-
-    Of new draws 64 to 400 that are nearest to the limit are simulated; the emulator judges the
-    others.
-    ``shift`` is the mean logarithm of the simulated rises over those that the samples tell.
-    """
+    """Probability of new draws, of which the 64 to 400 nearest to the limit were simulated."""
 
     probability: float
     error: float
     draws: int
     simulated: int
-    shift: float
+    shift: float  # mean logarithm of the simulated rises over those that the samples tell
 
     def agrees_with(self, risk: float) -> bool:
         """True if it is no higher than a probability, within its error."""
@@ -287,11 +249,7 @@ def directly(
     shift: float = 0.0,
     seed: int = 0,
 ) -> Direct:
-    """Find a probability anew, with direct simulations where the emulator is not sure.
-
-    The designed inputs have ``values`` by their paths [SI]. ``progress`` is called with the
-    simulations done and their number. Draws of another ``seed`` are others.
-    """
+    """Find the probability at ``values`` [SI] by simulations where the emulator is not sure."""
     if draws is None:
         inputs = prior(ensemble.unknown, ensemble.design.seed + 2718 + seed, _FRESH).inputs
     else:

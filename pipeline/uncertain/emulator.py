@@ -134,10 +134,7 @@ def fitted(
     outputs: Array,
     keeper: Keeper | None = None,
 ) -> Emulator:
-    """Fit a Gaussian process to outputs (n, n_output) of rows, some of which share a contact.
-
-    The constants of its kernel are kept in a store, and taken from there.
-    """
+    """Fit a Gaussian process to outputs (n, n_output) of rows, with constants kept in a store."""
     mean = outputs.mean(axis=0)
     groups, parts = _parts(features[:, 0], contacts)
     part = slice(0, _MOST_TO_FIT)
@@ -168,11 +165,7 @@ def _solved(
 def features_of(
     design: Design, columns: Sequence[Array] | Array, velocities: Array
 ) -> tuple[Array, Groups]:
-    """Features of an emulator, each with a spread of about 1, and the input of each.
-
-    An input out of a list has one for each of its values. In place of the wear rate k stands the
-    wear number kV, which contacts depend on.
-    """
+    """Features with a spread of about 1, and the input of each; kV stands for the wear rate k."""
     low, high = np.log(design.velocities)
     spread = (high - low) / math.sqrt(12)
     along = (np.log(velocities) - (low + high) / 2) / spread
@@ -269,11 +262,7 @@ def outer(along: Array) -> Array:
 
 
 def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
-    """Groups of rows to leave out in turn, and the rows without which constants are found.
-
-    These are folds of the groups, and the rows at either end of the velocities, whose feature is
-    given.
-    """
+    """Groups of rows to leave out in turn; folds of them, and either end of the velocities."""
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
     folds = groups % _FOLDS

@@ -97,43 +97,6 @@ class Excess(NamedTuple):
 class Ensemble:
     """Samples of a sweep.
 
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    unknown : tuple of Unknown
-        Inputs that are not known exactly.
-    design : Design
-        Rule by which the samples follow, and the inputs that rises depend on.
-    conditions : Conditions
-        Friction, temperatures and failing share, as far as they are known.
-    inputs : ndarray, shape (n_sample, n_input)
-        Inputs of the samples, by those of the design [SI].
-    sample_velocities : ndarray, shape (n_sample,)
-        Velocity of each sample [m/s].
-    contacts : ndarray of int, shape (n_sample,)
-        Number of the contact that each sample shares with others.
-    loads : ndarray, shape (n_load,)
-        Normal loads on the whole pin [N].
-    rises, widths : ndarray, shape (n_sample, n_load)
-        Rise that decides at friction 1 [K], and width of the contact at the end [m].
-    tests : tuple of dict
-        Transitions that were measured, and tests with their outcome, mild or severe.
-    hold : float
-        Duration at the full load [s].
-    rises_by_hold : mapping of float to ndarray
-        Rises at the shorter holds of tests, where the samples have them.
-    fixed : tuple of Fixed
-        Inputs that have one value in place of their distribution.
-    missing : int
-        Samples left out, since some of their loads are not done.
-    same_rig : bool
-        True if the friction of tests is that of the scene, False if it is another machine's.
-    velocity_error : float or None
-        Error of boundary velocities by the fidelity of the samples, relative; None if not known.
-    keeper : Keeper or None
-        Store in which fits are kept.
-
     Examples
     --------
     >>> import pipeline
@@ -142,24 +105,26 @@ class Ensemble:
     ['friction.coefficient', 'temperature.critical']
     """
 
-    title: str
-    unknown: tuple[Unknown, ...]
-    design: Design
-    conditions: Conditions
-    inputs: Array
-    sample_velocities: Array
-    contacts: Groups
-    loads: Array
-    rises: Array
-    widths: Array
-    tests: tuple[dict[str, Any], ...] = ()
-    hold: float = 0.0
+    title: str  #: Title of the scene.
+    unknown: tuple[Unknown, ...]  #: Inputs that are not known exactly.
+    design: Design  #: Rule by which the samples follow, and the inputs that rises depend on.
+    conditions: Conditions  #: Friction, temperatures and failing share, as far as they are known.
+    inputs: Array  #: Inputs of the samples, by those of the design [SI], shape (n_sample, n_input).
+    sample_velocities: Array  #: Velocity of each sample [m/s].
+    contacts: Groups  #: Number of the contact that each sample shares with others.
+    loads: Array  #: Normal loads on the whole pin [N].
+    rises: Array  #: Rises that decide at friction 1 [K], shape (n_sample, n_load).
+    widths: Array  #: Widths of the contact at the end [m], likewise.
+    tests: tuple[dict[str, Any], ...] = ()  #: Measured transitions, and tests with their outcome.
+    hold: float = 0.0  #: Duration at the full load [s].
+    #: Rises at the shorter holds of tests, where the samples have them.
     rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
-    fixed: tuple[Fixed, ...] = ()
-    missing: int = 0
-    same_rig: bool = True
+    fixed: tuple[Fixed, ...] = ()  #: Inputs with one value in place of their distribution.
+    missing: int = 0  #: Samples left out, since some of their loads are not done.
+    same_rig: bool = True  #: The friction of tests is that of the scene, not another machine's.
+    #: Relative error of boundary velocities by the fidelity of the samples; None if not known.
     velocity_error: float | None = None
-    keeper: Keeper | None = None
+    keeper: Keeper | None = None  #: Store in which fits are kept.
 
     @classmethod
     def of(

@@ -76,11 +76,7 @@ def distances_of(
     rig: Rig | None = None,
     slopes: Slopes | None = None,
 ) -> Distances:
-    """Distances of draws of an ensemble's inputs, shape (n, n_unknown), from tests.
-
-    Without a rig the friction of a test is what was measured, or that of the draws; without slopes
-    the model has no discrepancy.
-    """
+    """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given."""
     values, variance, told = np.empty((3, len(tests), len(inputs)))
     for hold, held in ensemble.by_hold.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
@@ -153,11 +149,7 @@ def _around(test: Test, ends: Array) -> tuple[float, ...]:
 def log_likelihoods(
     tests: Sequence[Test], distances: Distances, scatters: Sequence[float] | Array
 ) -> tuple[Array, Array]:
-    """Distances over their standard deviation, and logarithms of their likelihood.
-
-    Both by test, draw and scatter, shape (n_test, n, n_scatter). Scatters are the relative standard
-    deviations of velocities of tests that do not give their own.
-    """
+    """Distances over standard deviations, and log likelihoods, each (n_test, n, n_scatter)."""
     by_test = np.tile(scatters, (len(tests), 1, 1))
     for scatter, test in zip(by_test, tests, strict=True):
         if "velocity_scatter" in test:
@@ -180,10 +172,7 @@ _FAR = 2.0  # largest standard deviations of a test from the best draw, root mea
 
 
 class Judgement(NamedTuple):
-    """Tests beside draws: distances, the results of `log_likelihoods`, and the sum of all of them.
-
-    ``joint``, shape (n, n_scatter), includes the prior of the scatters.
-    """
+    """Tests beside draws: `log_likelihoods`, and their sum with the prior, (n, n_scatter)."""
 
     distances: Distances
     z: Array

@@ -107,10 +107,7 @@ def fixed_at(
     changed: Mapping[str, Any],
     conditions: Conditions,
 ) -> tuple[Fixed, ...]:
-    """Unknown inputs that a condition or a value fixes, besides what the samples have fixed.
-
-    Of these, an input that the samples have may be fixed at another value.
-    """
+    """Inputs that a condition or a value fixes, also in place of what samples have fixed."""
     by_path = {one.path: one for one in (*(one.unknown for one in stored), *unknown)}
     for path in at:
         if path not in by_path and path not in _NAMES:

@@ -73,10 +73,7 @@ class Features:
         return slice(begin, begin + sizes[number])
 
     def of_input(self, number: int) -> Array:
-        """Slopes of an input, which is no list, by the coordinates, shape (n, n_feature).
-
-        Of an input whose ratios count they are those of its logarithm.
-        """
+        """Slopes of an input, or its logarithm if relative, by coordinates (n, n_feature)."""
         slopes, origin = np.zeros_like(self.of_truths), self._origins[number]
         away = np.ones(len(self.truths))
         if origin is not None and not self._unknown[number].is_relative:

@@ -1,12 +1,8 @@
 """The next test: candidates, ranked by the spread of a target that each is expected to leave.
 
-A programme is tests in their order until a target is known well enough, or they help no more; then
-it looks for other measurements that help.
-
-A candidate is tried on truths drawn from the posterior. A test at each truth has a result, with
-scatter and measured friction, which updates a filter (`pipeline.uncertain.learning`); the spread
-that is left is averaged over the truths. No truth is among the draws that it is compared with, so
-the promise also holds for many tests.
+A test at each of the truths that are drawn from the posterior updates a filter
+(`pipeline.uncertain.learning`); the spread that is left is averaged over them. No truth is among
+the draws that it is compared with, so the promise also holds for many tests.
 """
 
 from __future__ import annotations
@@ -172,10 +168,7 @@ def programme(
     bulk_temperatures: Sequence[float | str] = (),
     most: int = MOST,
 ) -> Programme:
-    """Plan tests until the target has a given spread, or further tests help little.
-
-    The arguments are those of `candidates`, and the most tests.
-    """
+    """Plan tests until the target has a given spread, or further tests help little."""
     if not until > 0:
         raise InputError(f"until is {until:g}; give a spread above 0, such as 0.05")
     plan = _Plan(posterior, target, bulk_temperatures)

@@ -173,11 +173,7 @@ _EXPLAINED = 1.25  # median scatter over the one said, without a test that expla
 def faults(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> tuple[str, ...]:
-    """Reasons why the model does not fit, in words; none if nothing speaks against it.
-
-    Velocities are said to have a relative standard deviation of ``scatter``; 5, 50 and 95 % of the
-    probability stay below the ``inferred`` ones, given the tests.
-    """
+    """Reasons why the model does not fit, by a stated scatter and quantiles of the inferred."""
     words = []
     if inferred[0] > scatter:
         words.append(
@@ -235,10 +231,7 @@ class Contrast(NamedTuple):
 
 
 def differences(posterior: Posterior) -> Iterator[Contrast]:
-    """Differences of the critical temperature and velocity of two sweeps; none of any other number.
-
-    The velocity is that at a load in the middle of those that both sweeps have.
-    """
+    """Differences of critical temperature, and of velocity at a middle load, of two sweeps."""
     if len(posterior.ensembles) != 2:
         return
     inputs = [posterior.of_sweep(number).inputs for number in range(2)]

@@ -72,10 +72,7 @@ class Places(NamedTuple):
 def with_rigs(
     ensembles: Sequence[Ensemble], unknown: tuple[Unknown, ...], columns: Sequence[Any]
 ) -> tuple[tuple[Unknown, ...], tuple[Places | None, ...]]:
-    """Inputs with those of the rigs after them, and the places of each sweep's rig.
-
-    A sweep has none where its friction is known exactly, or none of its tests has measured it.
-    """
+    """Inputs with those of rigs that tests have measured, and the places of each sweep's."""
     joint, frictions = list(unknown), list[int | None]()
     for number, (ensemble, of_sweep) in enumerate(zip(ensembles, columns, strict=True), 1):
         paths = [one.path for one in ensemble.unknown]
@@ -111,10 +108,6 @@ class Slopes(NamedTuple):
         return cls(inputs[:, -2], inputs[:, -1])
 
     def log_factor(self, log_velocities: Array, warmer: float) -> Array:
-        """Logarithm of the factor on the rise, shape (n, n_velocity).
-
-        Velocities (n_velocity,) are over the middle one, the bulk temperature is so much warmer
-        than that of the scene [K].
-        """
+        """Logarithm of the factor on the rise (n, n_velocity), by ln(V/V₀) and kelvins warmer."""
         by_velocity = self.velocity[:, None] * log_velocities
         return np.asarray(by_velocity + self.bulk[:, None] * warmer / _KELVINS)

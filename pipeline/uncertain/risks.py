@@ -89,10 +89,7 @@ def risk(
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """Values that 5, 50 and 95 % of the probability stay below.
-
-    Of a boundary they are 0 or infinite where it lies below or above the sweep.
-    """
+    """Values that 5, 50 and 95 % of the probability stay below; 0 or infinite beyond a sweep."""
 
     low: float
     middle: float
@@ -232,10 +229,7 @@ def risk_table(
 def _judged(
     ensemble: Ensemble, load: float | str, velocity: float | str, draws: Draws
 ) -> tuple[Risk, Interval, Interval, Array]:
-    """Risk at an operating point, its deciding temperature, and the distance to the critical.
-
-    The last is how much the fidelity of the samples may move the excess of each draw.
-    """
+    """Risk, deciding temperature and distance at a point, and by how much fidelity moves each."""
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     excess, off = _with_error(ensemble, draws, load, velocity)
     probability, error = probability_of(excess, draws)
@@ -266,11 +260,7 @@ def _judged(
 def _with_error(
     ensemble: Ensemble, draws: Draws, load: float, velocity: float
 ) -> tuple[Excess, Array]:
-    """Excess by draw, and how much the fidelity of the samples may move its values.
-
-    The boundary velocity that it errs by becomes a rise by the slope of the excess over the
-    logarithm of the velocity, within the exponents of `pipeline.analysis.margin_error`.
-    """
+    """Excess by draw, and how much the fidelity of the samples may move its values."""
     lowest, highest = ensemble.velocities
     beside = velocity * _APART if velocity * _APART <= highest else velocity / _APART
     both = ensemble.excess(draws.inputs, load, np.array([velocity, max(beside, lowest)]))

@@ -121,11 +121,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
 def indices(
     function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
 ) -> tuple[Array, Array]:
-    """First and total Sobol' indices of independent inputs, shape (2, n_output, n_unknown).
-
-    The function takes values (n, n_unknown) and gives outputs (n, n_output). The second array is
-    the error with 90 % probability for want of points, of which ``count`` is a power of 2.
-    """
+    """First and total Sobol' indices (2, n_output, n_unknown) of independent inputs, and errors."""
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
     estimates = [
@@ -143,11 +139,7 @@ def indices(
 
 
 def _first_of(draws: Draws, values: Array) -> Array:
-    """First indices from weighted draws: the variance of the mean over parts of each input.
-
-    The mean over a part scatters for want of draws, which would count as variance; as much as that
-    is taken off.
-    """
+    """First indices: variances of means over parts of each input, less those for want of draws."""
     weights = draws.weights
     y = values - draws.mean(values)
     by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the mean of all

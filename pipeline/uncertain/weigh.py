@@ -1,14 +1,9 @@
 """Unknown inputs, weighed by tests of one sweep or of several that share inputs.
 
 The scatter of measured velocities is inferred with the inputs: one factor, log-normal about 1, on
-the stated scatter. Each test is also judged by all others, so that one that contradicts them is
-named.
-
-Draws of a posterior in steps from the prior, each weighed a little more by the likelihood.
-
-Sequential Monte Carlo (Del Moral, Doucet & Jasra, J. R. Stat. Soc. B 68 (2006) 411): from one power
-of the likelihood to the next draws are weighed, resampled, and moved by random walks of Metropolis
-in normal scores, whose steps follow the covariance of the draws.
+the stated scatter. Where few draws of the prior agree with the tests, draws are moved in steps by
+sequential Monte Carlo (Del Moral, Doucet & Jasra, J. R. Stat. Soc. B 68 (2006) 411): weighed by a
+power of the likelihood, resampled, and moved by walks of Metropolis in normal scores.
 """
 
 from __future__ import annotations

@@ -195,10 +195,7 @@ def _wear_rates(ds: xr.Dataset) -> tuple[int, list[float]]:
 
 
 def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
-    """Failing shares at which the deciding rise is tabulated, ascending: it is linear between them.
-
-    The scene's own alone for a criterion that does not depend on it.
-    """
+    """Failing shares between which the deciding rise is linear; the scene's alone without."""
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
         return [failing_share]
@@ -359,10 +356,7 @@ def bridged(done: Mask, missing: Mask, parts: int) -> Mask:
 
 
 def error_of_lines(values: Array, places: Array, parts: int) -> float:
-    """Largest relative error of crossings by straight lines of logarithms, along the last axis.
-
-    By the middles of the parts, at which the curve itself is known.
-    """
+    """Largest relative error of crossings by straight lines of logarithms, at their middles."""
     if len(places) == 1:
         return 0.0
     double, fine = between(places, 2 * parts), along(values, places, 2 * parts, -1)

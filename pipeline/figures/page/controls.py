@@ -51,11 +51,7 @@ class Control:
 def controls(
     conditions: Conditions, has_heat: bool, two_bulks: bool, has_share: bool, rates: Sequence[float]
 ) -> list[Control]:
-    """Controls of the conditions that a sweep answers for.
-
-    It may have been computed without heat by friction, for bulk temperatures that differ, by a
-    criterion without a share, or for several wear rates [m²/N].
-    """
+    """Controls of the conditions that a sweep answers for, among them wear rates [m²/N]."""
     cold = "must be 0: the sweep was computed without friction, and so without any heat"
     friction = Control(
         "friction", "friction coefficient", 0.0,

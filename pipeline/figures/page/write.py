@@ -37,23 +37,13 @@ _SCRIPTS = (
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A page that was written.
+    """A page that was written."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    size : int
-        Size of the page [byte].
-    points, points_with_fields, stored_fields : int
-        Points of the sweep that are done; those whose fields the page holds, and the sweep.
-    """
-
-    path: Path
-    size: int
-    points: int
-    points_with_fields: int
-    stored_fields: int
+    path: Path  #: The file.
+    size: int  #: Size of the page [byte].
+    points: int  #: Points of the sweep that are done.
+    points_with_fields: int  #: Points whose fields the page holds.
+    stored_fields: int  #: Points whose fields the sweep has.
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
