@@ -33,7 +33,7 @@ from tribo import (
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
 from tribo.simulation import disk_positions
-from tribo.simulation.disk_positions import further_positions, parts
+from tribo.simulation.disk_positions import parts
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -70,7 +70,7 @@ def ellipse(half_x, half_y, elements=120):
     return grid, np.sqrt(np.maximum(1 - (x / half_x) ** 2 - (y / half_y) ** 2, 0.0))
 
 
-@pytest.mark.parametrize("radii", [(5e-3, 5e-3), (5e-3, 20e-3), (20e-3, 5e-3), (5e-3, 0.2)])
+@pytest.mark.parametrize("radii", [(5e-3, 5e-3), (20e-3, 5e-3), (5e-3, 0.2)])
 def test_a_crowned_contact_is_the_ellipse_of_hertz(radii):
     expected = hertz_ellipse(200.0, *radii, E_STAR)
     grid, _ = ellipse(expected.half_x, expected.half_y)
@@ -85,10 +85,8 @@ def test_a_crowned_contact_is_the_ellipse_of_hertz(radii):
         assert math.sqrt(5 * np.sum(square * p) / p.sum()) == pytest.approx(half, rel=1e-3)
 
 
-@pytest.mark.parametrize("peclet_number", [0.0, 0.1, 1.0, 3.0, 10.0, 100.0, 3000.0])
-@pytest.mark.parametrize(
-    ("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 4e-4), (4e-4, 1e-4), (1e-4, 1e-3), (1e-3, 1e-4)]
-)
+@pytest.mark.parametrize("peclet_number", [0.0, 1.0, 10.0, 3000.0])
+@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 1e-3), (1e-3, 1e-4)])
 def test_the_flash_temperature_of_an_ellipse_is_exact(half_x, half_y, peclet_number):
     grid, shape = ellipse(half_x, half_y)
     velocity = peclet_number * 2 * KAPPA / half_x
@@ -97,8 +95,8 @@ def test_the_flash_temperature_of_an_ellipse_is_exact(half_x, half_y, peclet_num
     assert rise == pytest.approx(expected, rel=5e-4)  # 100 elements an axis: 3e-4
 
 
-@pytest.mark.parametrize("radii", [(5e-3, 5e-3), (5e-3, 40e-3), (40e-3, 5e-3)])
-@pytest.mark.parametrize("peclet_number", [0.5, 5.0, 50.0])
+@pytest.mark.parametrize("radii", [(5e-3, 40e-3), (40e-3, 5e-3)])
+@pytest.mark.parametrize("peclet_number", [0.5, 50.0])
 def test_a_smooth_pin_that_takes_no_heat_leaves_the_disk_that_of_its_ellipse(radii, peclet_number):
     hertz = hertz_ellipse(50.0, *radii, E_STAR)
     grid, _ = ellipse(hertz.half_x, hertz.half_y, elements=80)
@@ -124,15 +122,12 @@ def test_the_rise_at_rest_is_that_of_the_elastic_ellipse():
     assert rise * 2 * K / E_STAR == pytest.approx(hertz.approach, rel=1e-12)
 
 
-PINS = (Ball(5e-3, STEEL), Crowned(5e-3, 40e-3, STEEL))
-
-
-@pytest.mark.parametrize(  # but for as-published, which is of a periodic y
-    ("preset", "pin"), [*zip(sorted({*PRESETS} - {"as-published"}), 2 * PINS, strict=True)]
+@pytest.mark.parametrize(
+    ("preset", "pin"), [("draft", Ball(5e-3, STEEL)), ("standard", Crowned(5e-3, 40e-3, STEEL))]
 )
 def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin, monkeypatch):
     monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 1)  # of the temperature
-    scene = replace(ball(preset, pixels=64, side=10e-6, increments=3), pin=pin)
+    scene = replace(ball(preset, pixels=48, side=13e-6, increments=3), pin=pin)
     volume = measures(scene, end(scene))["wear_volume"]
     assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
     record = MeasuredLoad(np.array([0.0, 0.4, 0.8, 1.5]), np.array([0.0, 150.0, 20.0, 200.0]))
@@ -144,20 +139,20 @@ def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin, monkeypatc
 def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     """A ball that meets ever new summits does not wear into them."""
     # Many times as many patches as the scene takes, each worn point by point:
-    many = ball(history_coarsening=1, increments=150)
-    swept, patch = ball(history_coarsening=1, increments=50), ball(pattern="local")
-    true, (of_ball, of_patch) = hot(end(many)), (end(scene) for scene in (ball(), patch))
-    assert hot(end(swept)) == pytest.approx(true, rel=0.01)
+    few = {"pixels": 96, "side": 640e-6 / 96}
+    true = hot(end(ball(history_coarsening=1, increments=60, **few)))
+    swept, patch = ball(**few), ball(pattern="local", **few)
+    of_ball, of_patch = end(swept), end(patch)
     assert hot(of_ball) == pytest.approx(true, rel=0.01)
     assert hot(of_patch) < 0.96 * true
-    worn, fitted = measures(ball(), of_ball), measures(patch, of_patch)
+    worn, fitted = measures(swept, of_ball), measures(patch, of_patch)
     assert fitted["contact_fraction"] > 1.6 * worn["contact_fraction"]
 
 
 def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
     """The pin wears by 35 times the roughness, against three times as many positions."""
     scene = replace(
-        ball("standard", pixels=240, side=1e-3 / 240),
+        ball(pixels=240, side=1e-3 / 240),
         wear=Wear(1.2e-14),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), 3),
     )
@@ -187,17 +182,6 @@ def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps(monkeypat
     own = [np.quantile(s.heat.rise[s.pressure > 0], 0.9) for s in states]
     assert hot(states[0]) == pytest.approx(hot(states[1]), rel=0.02)
     assert own[0] != pytest.approx(own[1], rel=0.05)
-
-
-def test_the_positions_of_the_disk_are_the_same_on_larger_elements():
-    scene = few_elements(12)
-    shifts = further_positions(scene, 40.0)
-    assert len(shifts) == 99
-    larger = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=4))
-    assert further_positions(larger, 40.0) == [(x // 4, y // 4) for x, y in shifts]
-    assert further_positions(replace(scene, wear=Wear(1e-14, "local")), 40.0) == []
-    many = replace(scene, pixels=Grid((480, 480), (0.8e-6, 0.8e-6), (False, False)))
-    assert further_positions(many, 40.0) == []
 
 
 def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monkeypatch):
@@ -242,12 +226,10 @@ def test_pins_that_cannot_be_are_refused():
         replace(ball(), pin=Crowned(5e-3, 0.1, STEEL), pixels=periodic)
 
 
-@pytest.mark.parametrize("preset", ["draft", "standard"])
-@pytest.mark.parametrize("pin", [Ball(5e-3, STEEL), Crowned(5e-3, 10e-3, STEEL)])
-def test_a_smooth_pin_wears_swept_as_it_wears_locally(pin, preset):
-    # No roughness passes it, so each of its points wears by the pressure on it, on any grid.
+def test_a_smooth_pin_wears_swept_as_it_wears_locally():
+    # No roughness passes it, so each of its points wears by the pressure on it.
     swept, local = (
-        end(replace(ball(preset, pattern), pin=pin, roughness=None))
+        end(replace(ball(pattern=pattern), pin=Crowned(5e-3, 10e-3, STEEL), roughness=None))
         for pattern in ("swept", "local")
     )
     assert np.array_equal(swept.wear_depth, local.wear_depth)

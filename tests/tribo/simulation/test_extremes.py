@@ -41,8 +41,6 @@ from tribo.analytic import uniform_flux_rise
 from tribo.contact import elastic_influence
 from tribo.loading import MeasuredLoad
 from tribo.simulation import heat
-from tribo.thermal import conduction
-from tribo.thermal.quadrature import panels
 
 TABLE = Path(__file__).parents[3] / "workflows" / "EXTREMES.md"
 SOLVED = "solved"
@@ -100,7 +98,7 @@ MATERIALS = {
 
 
 def velocities():
-    for velocity in (0.0, 1e-6, 1e-3, 1.0, 1e3, 1e5, -1e-6, -1.25, -1e5):
+    for velocity in (0.0, 1e-6, 1.0, 1e5, -1.25, -1e5):
         yield Extreme("velocity", f"{velocity:g} m/s", small_scene, velocity=velocity)
     shorter = "take shorter steps"
     yield Extreme("velocity", "1e12 m/s", small_scene, shorter, InputError, velocity=1e12)
@@ -115,10 +113,10 @@ def velocities():
 
 
 def loads():
-    for share in (1e-12, 1e-9, 1e-6):
+    for share in (1e-12, 1e-6):
         load = share * 750.0
         yield Extreme("load", f"{share:g} of nominal", small_scene, load=load)
-    for share, name in [(0.5, "0.5"), (0.9, "0.9"), (0.999, "0.999"), (1 - 1e-9, "1 − 1e-9")]:
+    for share, name in [(0.5, "0.5"), (0.999, "0.999"), (1 - 1e-9, "1 − 1e-9")]:
         ramp = Ramp(150.0, share * CAPACITY)
         yield Extreme("load", f"{name} H·A", changed(loading=ramp), load=share * CAPACITY)
     full = Ramp(150.0, CAPACITY)
@@ -142,12 +140,10 @@ def loads():
 
 def wear():
     names = {0.0: "0", 1e-13: "1e-13 m²/N (100 µm a step)", 1e-6: "1e-6 m²/N (1 km a step)"}
-    for pattern, rate in itertools.product(
-        ("local", "swept"), (0.0, 1e-30, 1e-18, 1e-15, 1e-13, 1e-10, 1e-6)
-    ):
+    for pattern, rate in itertools.product(("local", "swept"), (0.0, 1e-30, 1e-15, 1e-13, 1e-6)):
         name = names.get(rate, f"{rate:g} m²/N")
         yield Extreme("wear rate", f"{pattern} {name}", changed(wear=Wear(rate, pattern)))
-    for scheme, rate in itertools.product(("sdirk2", "explicit"), (1e-30, 1e-15, 1e-10)):
+    for scheme, rate in itertools.product(("sdirk2", "explicit"), (1e-30, 1e-10)):
         fidelity = Fidelity(
             pixels_per_element=1, increments=10, contact_tolerance=1e-6, wear_scheme=scheme
         )
@@ -156,7 +152,7 @@ def wear():
 
 
 def times():
-    for seconds in (1e-15, 1e-9, 1e-3, 1e3, 1e6, 1e9):
+    for seconds in (1e-15, 1e-3, 1e9):
         yield Extreme("duration", f"{seconds:g} s", lasting(seconds))
         yield Extreme(
             "duration", f"{seconds:g} s at rest", lasting(seconds, roughness=None), velocity=0.0
@@ -171,7 +167,7 @@ def times():
 
 
 def peclet_numbers():
-    for exponent in range(-6, 7, 2):
+    for exponent in range(-6, 7, 3):
         velocity = 10.0**exponent * 2 * STEEL.thermal_diffusivity / 8e-6
         yield Extreme(
             "Péclet number", f"1e{exponent} an element", changed(wear=None), velocity=velocity
@@ -179,7 +175,7 @@ def peclet_numbers():
 
 
 def grids():
-    for shape in [(1, 1), (1, 16), (48, 1), (2, 2), (3, 1), (7, 13), (47, 17), (101, 3)]:
+    for shape in [(1, 1), (1, 16), (48, 1), (2, 2), (47, 17)]:
         pixels = Grid(shape, (8e-6, 8e-6))
         rough = None if shape == (1, 1) else small_scene().roughness
         scene = changed(pixels=pixels, roughness=rough)
@@ -207,12 +203,9 @@ def surfaces():
         "one pit": pit,
         "one pit of 1 m": 1e6 * pit,
         "one step across": np.where(x < 24, 1e-6, 0.0),
-        "one step along": np.where(y < 8, 1e-6, 0.0),
         "sawtooth of 2 elements along x": 1e-6 * (x % 2),
-        "sawtooth of 2 elements along y": 1e-6 * (y % 2),
         "checkerboard": 1e-6 * ((x + y) % 2),
         "offset of 1 m": rounded_up,
-        "offset of −1 m": -rounded_up,
         "offset of 1000 km": 1e6 + 1e-2 * noise,
         "heights of 1e-30 m": 1e-23 * noise,
     }.items():
@@ -226,8 +219,7 @@ def surfaces():
             "surface", f"with {name}", lambda b=broken: measured(b)(), r"the first at \(3, 4\)",
             InputError,
         )  # fmt: skip
-    radii = (1e-9, 1e-6, 1.0, 1e6, 1e30)
-    for radius in radii:
+    for radius in (1e-9, 1.0, 1e30):
         pin = replace(small_scene().pin, radius=radius)
         yield Extreme("surface", f"pin of radius {radius:g} m", changed(pin=pin))
     ball = changed(
@@ -251,6 +243,8 @@ def materials():
         InputError,
     )  # fmt: skip
     for pin, disk in itertools.product(MATERIALS, repeat=2):
+        if pin != disk and "steel" not in (pin, disk):
+            continue
         softest = min(MATERIALS[pin].hardness, MATERIALS[disk].hardness)
         load = 0.1 * softest / 6.6e9 * CAPACITY
         yield Extreme(
@@ -468,8 +462,10 @@ def violation(contact, solid, z, hardness):
 
 
 @pytest.mark.parametrize("periodic", list(itertools.product((False, True), repeat=2)))
-@pytest.mark.parametrize("shape", [(1, 1), (1, 12), (13, 1), (17, 12)])
-@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3)])
+@pytest.mark.parametrize(
+    ("shape", "spacing"),
+    [((1, 12), (1e-6, 1e-3)), ((13, 1), (1e-6, 1e-3)), ((17, 12), (1e-6, 1e-6))],
+)
 def test_every_shape_on_every_window_at_every_load(periodic, shape, spacing):
     grid = Grid(shape, spacing, periodic)
     solid = ElasticHalfSpace(grid, 115e9)
@@ -486,8 +482,8 @@ def test_every_shape_on_every_window_at_every_load(periodic, shape, spacing):
             assert violation(contact, solid, z, hardness) <= 1.001e-7 + 1e-12
 
 
-@pytest.mark.parametrize("periodic", [(False, True), (True, True), (False, False)])
-@pytest.mark.parametrize("saturation", [0.05, 0.3, 0.7, 0.9, 0.999, 1 - 1e-6, 1 - 1e-13])
+@pytest.mark.parametrize("periodic", [(False, True), (False, False)])
+@pytest.mark.parametrize("saturation", [0.05, 0.7, 0.999, 1 - 1e-13])
 def test_mostly_saturated_contacts_certify_themselves(saturation, periodic):
     grid = Grid((64, 60), (1e-6, 1.1e-6), periodic)
     solid = ElasticHalfSpace(grid, 115e9)
@@ -516,8 +512,8 @@ def test_512_by_512_rough_periodic_capped(hardness, saturation, say):
     assert violation(contact, solid, z, hardness) <= 1.001e-8
 
 
-@pytest.mark.parametrize("tolerance", [1e-10, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16, 1e-300])
-@pytest.mark.parametrize("saturation", [0.02, 0.3, 0.9])
+@pytest.mark.parametrize("tolerance", [1e-12, 1e-14, 1e-300])
+@pytest.mark.parametrize("saturation", [0.02, 0.9])
 def test_tolerances_near_rounding_are_kept_or_refused_soon(tolerance, saturation):
     grid = Grid((100, 96), (1e-6, 1e-6))
     solid = ElasticHalfSpace(grid, 115e9)
@@ -541,7 +537,7 @@ def test_no_number_of_iterations_is_exceeded():
     grid = Grid((40, 40), (1e-6, 1e-6))
     solid = ElasticHalfSpace(grid, 115e9)
     z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
-    for most in (1, 2, 3, 5, 10, 20):
+    for most in (1, 3, 20):
         with pytest.raises(ConvergenceError, match=f"allow more than {most} iterations") as caught:
             solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-12, max_iterations=most)
         # The last step may have to begin again from its own end.
@@ -588,7 +584,7 @@ def test_a_guess_without_sense_is_none(guess):
 # Kernels.
 
 
-@pytest.mark.parametrize("ny", [1, 4, 30])
+@pytest.mark.parametrize("ny", [1, 4])
 @pytest.mark.parametrize("cut", [7, 101])
 def test_elements_longer_than_the_period_are_the_sum_of_short_ones(ny, cut):
     # Up to 101 times as long as the period; the parts are not longer than it.
@@ -601,22 +597,12 @@ def test_elements_longer_than_the_period_are_the_sum_of_short_ones(ny, cut):
     assert np.abs(difference).max() < 3e-12 * ElasticHalfSpace(long, 1 / np.pi).self_influence
 
 
-@pytest.mark.parametrize("peclet", [1e3, 1e5, 1e7, 1e9, 1e12, 1e30])
-@pytest.mark.parametrize("spacing", [(1e-5, 1e-5), (1e-5, 1e-8), (1e-8, 1e-5)])
-def test_sources_that_pass_at_once_heat_in_one_dimension_and_cost_no_more(
-    peclet, spacing, monkeypatch
-):
-    taken = []
-
-    def noted(*arguments):
-        taken.extend(panels(*arguments))
-        return taken
-
-    monkeypatch.setattr(conduction, "panels", noted)
+@pytest.mark.parametrize("peclet", [1e3, 1e6, 1e30])
+@pytest.mark.parametrize("spacing", [(1e-5, 1e-5), (1e-8, 1e-5)])
+def test_sources_that_pass_at_once_heat_in_one_dimension(peclet, spacing):
     velocity = peclet * 2 * STEEL.thermal_diffusivity / spacing[0]
     grid = Grid((24, 8), spacing)
     kernel = thermal_influence(grid, STEEL, velocity, 1e3)
-    assert 0 < len(taken) <= 110  # at most 101 were found; 4 for each element that it passes
     passages = (np.arange(24) + 0.5) * spacing[0] / velocity
     exact = np.diff(uniform_flux_rise(1.0, 1.0, STEEL.thermal_effusivity) * np.sqrt(passages))
     # Heat does not spread across if it has less time than it needs for 1 % of an element; and
@@ -627,7 +613,7 @@ def test_sources_that_pass_at_once_heat_in_one_dimension_and_cost_no_more(
 
 # Stability of the wear schemes in time.
 
-STIFFNESSES = (0.5, 1.9, 3.0, 10.0, 1e3)
+STIFFNESSES = (1.9, 3.0, 10.0)
 
 
 def wavy(pressure):
@@ -636,8 +622,10 @@ def wavy(pressure):
     return np.abs(np.diff(profile)).sum() / (2 * profile.max())
 
 
-@pytest.mark.parametrize("pattern", ["local", "swept"])
-@pytest.mark.parametrize("scheme", ["implicit", "sdirk2", "explicit"])
+@pytest.mark.parametrize(
+    ("scheme", "pattern"),
+    [("implicit", "swept"), ("sdirk2", "local"), ("explicit", "swept"), ("explicit", "local")],
+)
 def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
     results = {}
     for stiffness in STIFFNESSES:
@@ -659,7 +647,7 @@ def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
         if scheme == "explicit":
             assert is_warned == (stiffness >= 2)
             # Every row that the contact gains starts a wave, which dies slowly next to the limit.
-            assert is_warned or waves < (1.1 if stiffness <= 1 else 1.5)
+            assert is_warned or waves < 1.5
         else:
             assert not is_warned
             assert waves < 1.1
