@@ -207,13 +207,18 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
     x = {name: rise[name].values for name in PLANE}
     axes = {name: np.linspace(values[0], values[-1], resolution) for name, values in x.items()}
 
-    def along(name: str, row: Array) -> Array:
+    def row_along(name: str, row: Array) -> Array:
         if name == "load" or limit is None:
             return interpolated(x[name], row, axes[name])
         return certain(x[name], row, axes[name], limit)
 
-    rows = np.apply_along_axis(partial(along, "velocity"), -1, rise.values)
-    plane = np.apply_along_axis(partial(along, "load"), -2, rows)
+    def along(name: str, axis: int, values: Array) -> Array:
+        if (x[name] > 0).all() and (values > 0).all():  # all at once, if all are known
+            columns = np.moveaxis(values, axis, 0)
+            return np.moveaxis(interpolated(x[name], columns, axes[name]), 0, axis)
+        return np.apply_along_axis(partial(row_along, name), axis, values)
+
+    plane = along("load", -2, along("velocity", -1, rise.values))
     coords = {
         name: (name, axes[str(name)], coord.attrs) if name in axes else coord.variable
         for name, coord in rise.coords.items()

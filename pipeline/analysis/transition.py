@@ -152,7 +152,7 @@ def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> 
     positive.
     """
     result = np.full((*places.shape, *y.shape[1:]), np.nan)
-    is_finite = np.isfinite(y if y.ndim == 1 else y[:, 0])
+    is_finite = np.isfinite(y.reshape(len(y), -1)[:, 0])
     if np.count_nonzero(is_finite) >= 2:
         x, y = x[is_finite], y[is_finite]
         inside = (places >= x[0]) & (places <= x[-1])

@@ -2,7 +2,6 @@
 
 import functools
 import json
-import math
 import re
 import sys
 from contextlib import ExitStack
@@ -20,11 +19,10 @@ from workflows import paper
 from workflows.paper import inference
 from workflows.paper.__main__ import main
 from workflows.paper.publication import TABLE_4, TABLE_6
-from workflows.paper.report import Finding, line
-from workflows.paper.rivals import _constancy, _Criterion
 from workflows.paper.synthetic_record import synthetic_record
 
 mpl.use("agg")
+mpl.rcParams["savefig.dpi"] = 40
 SMALL = {"preset": "draft", "surfaces": 2, "workers": 1}
 
 
@@ -74,29 +72,32 @@ def small(folder, scenes):
             "_DURATIONS": (6.0, 8.0),
             "_CHOSEN": 1,
             "_FRICTIONS": (0.1, 0.2),
-            "_held": lambda *test, steps: held(*test, steps=steps // 10),
+            "_held": lambda *test, steps: held(*test, steps=2),
         },
-        "resolution": {"_INCREMENTS": (20, 50)},
-        "sensitivity": {"_LENGTHS": (2.0, 4.0, 8.0), "_HURST": (0.5, 1.0)},
-        "steel": {"_CONDUCTIVITIES": (15.0, 21.0, 45.0, 70.0)},
+        "resolution": {"_INCREMENTS": (20, 30)},
+        "sensitivity": {"_LENGTHS": (2.0, 8.0), "_HURST": (0.5,), "TABLE_4": TABLE_4[::3]},
+        "steel": {"_CONDUCTIVITIES": (21.0, 45.0)},
         "surface_band": {"_LOADS": (200.0, 400.0, 600.0, 750.0), "_VELOCITIES": (0.8, 2.0, 4.8)},
         "transitions": {"simulate": simulate_once},
     }
 
     def report(name):
         if name not in made:
-            # fig4 is cheap enough to be made as it is.
-            options = {} if name == "fig4" else SMALL
-            if name in ("steel", "fig6", "inverse", "sensitivity"):
+            options = SMALL
+            if name in ("steel", "fig6", "inverse", "sensitivity", "table4"):
                 options = SMALL | {"surfaces": 1}
             with ExitStack() as stack:
                 stack.enter_context(np.errstate(all="raise", under="ignore"))
                 for module, names in fewer.items():
                     module = sys.modules[f"workflows.paper.{module}"]  # some hide behind functions
                     stack.enter_context(mock.patch.multiple(module, **names))
-                made[name] = paper.reproduce(
-                    name, folder / f"{name}.png", scenes=scenes, results=folder, **options
-                )
+                if name == "fig4":  # cheap enough to be made as it is
+                    (made[name],) = paper.write_gallery(folder / "page", ["fig4"])
+                    (folder / "fig4.png").symlink_to(folder / "page" / "fig4.png")
+                else:
+                    made[name] = paper.reproduce(
+                        name, folder / f"{name}.png", scenes=scenes, results=folder, **options
+                    )
         return made[name]
 
     return report
@@ -130,16 +131,6 @@ def test_a_better_conductor_is_cooler_at_every_transition_of_both_oils(small):
     hard, soft = (white[:, data["conductivity"].index(K)] for K in (21.0, 45.0))
     assert (hard / soft > (45 / 21) ** 0.5).all()
     assert (hard / soft < 45 / 21).all()
-
-
-def test_shares_and_spread_of_the_paper_differ_by_the_rule(small):
-    verdicts = {f.printed: f.agrees for name in ("table4", "table6") for f in small(name).findings}
-    of_shares, of_interval = (
-        next(agrees for printed, agrees in verdicts.items() if words in printed)
-        for words in ("failed shares of 10.9", "the highest temperatures lie within 30 K")
-    )
-    assert not of_shares
-    assert not of_interval
 
 
 def test_the_nearest_image_overestimates_the_peak_of_hertz_by_one_percent(small):
@@ -204,7 +195,7 @@ def test_the_diagram_is_computed_once(small, folder, scenes):
 def test_only_swept_wear_leaves_the_temperatures_of_table_4(small):
     data = small("table4").data
     assert data["load"].tolist() == TABLE_4.normal_load.tolist()
-    assert np.shape(data["max_celsius"]["swept"]) == (len(TABLE_4), SMALL["surfaces"])
+    assert np.shape(data["max_celsius"]["swept"]) == (len(TABLE_4), 1)
     assert np.mean(data["failed_percent"]["swept"]) == pytest.approx(10, abs=10)
     assert np.mean(data["failed_percent"]["local"]) < 1
     assert np.all(np.array(data["failed_percent"]["unworn"]) > 20)
@@ -243,23 +234,6 @@ def test_the_highest_temperature_grows_with_the_patch_and_is_judged_once(small):
     assert len(judged) == 1
 
 
-def test_criteria_are_said_to_be_nearer_by_the_error_that_is_meant():
-    def criterion(name, at_own, at_one):
-        # Values in a ratio r to 1 lie off their mean by the root of r.
-        at_friction, one = (np.array([(1 + off) ** 2, 1.0]) for off in (at_own, at_one))
-        return _Criterion(name, "K", at_friction, one, 1.0, at_friction)
-
-    words = _constancy(
-        {
-            "ours": criterion("ours", 0.30, 0.20),
-            "a": criterion("a", 0.10, 0.15),
-            "b": criterion("b", 0.40, 0.05),
-        }
-    )
-    assert words["nearer"] == "a (10 %)"
-    assert words["nearer_alike"] == "a (15 %), b (5 %)"
-
-
 def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
     data = small("table6").data
     assert data["misfit_by_bulk_celsius"]["100"] == pytest.approx(0.276, abs=5e-4)
@@ -292,7 +266,7 @@ def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, sc
 
 def test_the_unworn_widths_come_nearest_with_less_roughness_than_printed(small):
     widths = small("sensitivity").data["unworn_width_um"]
-    printed = 1e6 * TABLE_4.unworn_width
+    printed = 1e6 * TABLE_4[::3].unworn_width
     off = {name: np.mean(values.mean(axis=-1) / printed - 1) for name, values in widths.items()}
     assert off["0.15 µm"] < off["0.2 µm"] < off["0.27 µm"]
     assert abs(off["0.2 µm"]) < abs(off["0.27 µm"])
@@ -312,30 +286,17 @@ def test_the_inverse_problems_come_near_to_what_the_paper_has(small):
         assert 5 < seconds < 12
 
 
-def test_results_are_the_same_every_time(small, folder):
-    again = paper.reproduce("fig8", results=folder, **SMALL)
-    assert again.data == small("fig8").data
-
-
-def test_the_gallery_shows_each_result_that_was_asked_for(tmp_path):
-    folder = tmp_path / "new" / "gallery"
-    reports = paper.write_gallery(folder, ["fig4"])
-    page = (folder / "README.md").read_text(encoding="utf-8")
+def test_the_shipped_gallery_shows_what_the_command_gives_now(small, folder):
+    """Of the one result that takes a second; the others are too long for a test."""
+    shipped = (WORKFLOWS / "README.md").read_text(encoding="utf-8")
+    assert all(row in shipped for row in markdown_of(small("fig4").table))
+    page = (folder / "page" / "README.md").read_text(encoding="utf-8")
     assert "\n## fig4\n" in page
     assert "![fig4](fig4.png)" in page
     assert "\n## fig5\n" not in page
-    assert (folder / "fig4.png").exists()
-    for finding in reports[0].findings:
-        assert finding.computed in page
-
-
-def test_the_shipped_gallery_shows_what_the_command_gives_now(small):
-    """Of the one result that takes a second; the others are too long for a test."""
-    page = (WORKFLOWS / "README.md").read_text(encoding="utf-8")
-    for row in markdown_of(small("fig4").table):
-        assert row in page
     for finding in small("fig4").findings:
         assert f"*{finding.printed}*: {finding.computed}." in page
+        assert f"*{finding.printed}*: {finding.computed}." in shipped
 
 
 def test_the_shipped_gallery_shows_all_results():
@@ -360,13 +321,13 @@ def test_wrong_use_is_named(name, options, said):
         paper.reproduce(name, **options)
 
 
-def test_the_command_lists_recomputes_and_names_mistakes(tmp_path, capsys):
+def test_the_command_lists_recomputes_and_names_mistakes(small, monkeypatch, capsys):
     assert main(["--list"]) == 0
     assert "table4" in capsys.readouterr().out
-    out = tmp_path / "fig4.png"
-    assert main(["fig4", "-o", str(out)]) == 0
+    with monkeypatch.context() as patched:
+        patched.setattr(paper, "reproduce", lambda name, out, **options: small(name))
+        assert main(["fig4"]) == 0
     assert "agrees" in capsys.readouterr().out
-    assert out.exists()
     assert main(["fig44"]) == 2
     assert 'did you mean "fig4"' in capsys.readouterr().err
 
@@ -377,8 +338,3 @@ def test_a_figure_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(tribo.InputError, match=r"cannot write to .*file: File exists"):
         paper.write_gallery(tmp_path / "file")
-
-
-def test_a_finding_says_its_verdict_first():
-    assert str(Finding("a", "b", agrees=False, why="C.")) == "differs  a: b. C."
-    assert line("", [[1.0, 3.0]])[1] == f"2 ± {math.sqrt(2):.0f}"
