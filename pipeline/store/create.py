@@ -96,8 +96,11 @@ def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     root = find_root(place)
     if root:
         sweep = sweep.changed(stations=root.attributes["stations"])
-    if root and (fault := next(_mismatches(root, sweep), None)):
-        raise StoreMismatchError(f"{place} {fault}")
+    if root and (differing := [*_misfits(root, sweep)]):
+        advice = "give it what the store has, or write to another store"
+        raise StoreMismatchError(
+            "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
+        )
     with writes(place):
         root = _with_room(place, root, sweep, lock)
     store = _repaired_if_need_be(place, root, lock, lambda store: store)
@@ -163,48 +166,29 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
     return read_root(place)
 
 
-def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
-    """Reasons why a store is not that of a sweep."""
+def _misfits(root: Root, sweep: Sweep) -> Iterator[str]:
+    """Differences between the sweep that a store was made for and another one."""
     dims = root.arrays["status"]["dimension_names"]
     stored, wanted = [dim for dim in dims if dim not in PLANE], [*sweep.variants.axes]
     if stored != wanted:
         have, gives = (", ".join(names) or "none" for names in (stored, wanted))
-        yield (
-            f"has other axes, by sweep.over, wear_rates, realizations or samples: {have} in the "
-            f"store, {gives} in the scene; they stay what they were at its creation: give the same "
-            "ones, or write to another store"
-        )
+        by = "by sweep.over, wear_rates, realizations or samples"
+        yield f"axes {by}: {have} in the store, {gives} in the scene"
         return
-    different = [
-        *_differences_of_scenes(root, sweep),
-        *differences(root.axes["cooler_share"], list(QUANTILES), "cooler_share"),
-    ]
-    if different:
-        yield "\n  ".join(["belongs to another scene; write to another store", *different])
+    yield from _differences_of_scenes(root, sweep)
+    yield from differences(root.axes["cooler_share"], list(QUANTILES), "cooler_share")
     yield from _gaps(root, sweep)
-    steps, stored_steps = sweep.record.steps, root.attributes["stations"]["steps"]
-    if steps is not None and steps != stored_steps:
-        yield (
-            f"has sweep.steps = {json.dumps(stored_steps)}, and the scene {json.dumps(steps)}; "
-            "they stay what they were at its creation: leave them out, or write to another store"
-        )
-    if sweep.record.fields and "pressure" not in root.arrays:
-        yield (
-            "has no fields, since its scene did not ask for them when it was created; leave out "
-            "sweep.store_fields, or write to another store"
-        )
-    names = variables_of(sweep, "pressure" in root.arrays).keys()
-    if differing := ", ".join(sorted(names ^ root.arrays.keys())):
-        yield f"was made by a version with other variables ({differing}); write to another store"
+    if sweep.record.steps is not None:
+        steps = root.attributes["stations"]["steps"]
+        yield from differences(steps, sweep.record.steps, "sweep.steps")
+    has_fields = "pressure" in root.arrays
+    yield from differences(has_fields, has_fields or sweep.record.fields, "sweep.fields")
+    names = variables_of(sweep, has_fields)
+    yield from differences(*(dict.fromkeys(of, True) for of in (root.arrays, names)), "variables")
     for column, values in sweep.variants.coordinates.items():
         held = dict(zip(root.axes[column.along], root.axes[column.name], strict=True))
-        for label in values.keys() & held.keys():
-            if held[label] != values[label]:
-                yield (
-                    f"has {column.name} {held[label]} at {column.along} {label}, and the scene "
-                    f"{values[label]}; rows stay what they were: add others behind them, or write "
-                    "to another store"
-                )
+        known = {label: value for label, value in values.items() if label in held}
+        yield from differences(held, held | known, column.name)
 
 
 def _gaps(root: Root, sweep: Sweep) -> Iterator[str]:
@@ -216,7 +200,7 @@ def _gaps(root: Root, sweep: Sweep) -> Iterator[str]:
     if gap is not None:
         words = ", ".join(f"{name} {value}" for name, value in zip(names, gap, strict=True))
         yield (
-            f"would lack combinations of values, such as {words} (in SI); give each entry of "
+            f"neither has all combinations of values, such as {words} (in SI); give each entry of "
             "sweep.over all of its values, those of the store included"
         )
 

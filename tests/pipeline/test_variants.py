@@ -116,7 +116,7 @@ def test_a_row_that_moved_is_another_store(tmp_path):
         commit_all(tmp_path / "out.zarr", sweep(variants=moved))
 
     run(1.5)
-    with pytest.raises(StoreMismatchError, match=r"has velocity 1\.5 at variant 1, and"):
+    with pytest.raises(StoreMismatchError, match=r"velocity\.1: 1\.5 in the store, 1\.0 in"):
         run(1.0)
 
 
