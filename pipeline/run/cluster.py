@@ -12,13 +12,12 @@ import multiprocessing
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import dask
 from distributed import Client, Future, LocalCluster, Security, Status
@@ -26,14 +25,7 @@ from distributed.utils import silence_logging_cmgr
 
 from pipeline.run import forkserver
 from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
-from pipeline.run.work import (
-    INSTALL,
-    SAFE,
-    ExecutionError,
-    other_packages,
-    require_same_code,
-    versions,
-)
+from pipeline.run.work import SAFE, ExecutionError
 from pipeline.sweep.stages import duration
 
 PATIENCE = 30.0
@@ -74,7 +66,6 @@ _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to share content with workers, which may be killed meanwhile
-_ANSWER = 10.0  # [s] that a worker may take to tell its versions
 _OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
 _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 
@@ -130,8 +121,6 @@ class Connection:
     patience: float = PATIENCE  # for answers, and for a worker if there is none [s]
     tell: Tell = unheard
     cluster: LocalCluster | None = None  # if it was started here
-    asked: set[str] = field(default_factory=set)  # workers, for their versions
-    noted: set[str] = field(default_factory=set)  # versions that the user was told of
     absent: float = 0.0  # time in which there was no worker [s]
     workers: int = 1  # how many there are
 
@@ -232,8 +221,7 @@ def sent_once(connection: Connection, content: bytes) -> bytes | Future:
 def threads_of(connection: Connection) -> Counter[str]:
     """Number of threads of each worker; if there is no worker, wait for one to come.
 
-    Raise an `ExecutionError` if the scheduler is lost or does not answer, no worker comes back, or
-    a worker that has joined runs other code.
+    Raise an `ExecutionError` if the scheduler is lost or does not answer, or no worker comes back.
     """
     client, began = connection.client, time.monotonic()
     patience, is_told = connection.patience, False
@@ -246,7 +234,6 @@ def threads_of(connection: Connection) -> Counter[str]:
         if threads:
             connection.absent += waited
             connection.workers = len(threads)
-            _ask(connection, sorted(set(threads) - connection.asked))
             return threads
         if waited >= patience:
             raise ExecutionError(
@@ -266,32 +253,6 @@ def _replace_lost(cluster: LocalCluster) -> None:
         del cluster.workers[name]
     if lost:
         cluster.scale(len(cluster.worker_spec))
-
-
-def _ask(connection: Connection, workers: Collection[str]) -> None:
-    """Ask workers that have joined for their versions; refuse those with other code."""
-    if not workers:
-        return
-    connection.asked.update(workers)
-    client, answers = connection.client, dict[str, Any]()
-    with _losses_named(), suppress(TimeoutError):  # of one that is frozen, results are refused
-        answers = client.sync(
-            client.run, versions, workers=workers, on_error="return", callback_timeout=_ANSWER
-        )
-    for worker, answer in answers.items():
-        if isinstance(answer, OSError):  # it has died meanwhile
-            continue
-        if isinstance(answer, Exception):
-            raise ExecutionError(
-                f"the Dask worker {worker} cannot run this program: {answer}; {INSTALL}"
-            )
-        require_same_code(answer, worker)
-        difference = other_packages(answer)
-        if difference and difference not in connection.noted:
-            connection.noted.add(difference)
-            connection.tell(
-                f"the Dask worker {worker} has {difference}: last digits may differ there"
-            )
 
 
 @contextmanager

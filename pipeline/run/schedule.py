@@ -153,6 +153,7 @@ class _Run:
         self._began = connection.clock()
         self._looked = -_POLL
         self._warm: set[str] = set()  # workers that have told of a point
+        self._noted: set[str] = set()  # versions that the user was told of
         self.running: list[_Task] = []
         self.computed: dict[str, _Task] = {}
         self.computes = True
@@ -239,8 +240,13 @@ class _Run:
     def _take(self, worker: str, answer: Report, now: float) -> None:
         """Take the records that a worker has, and note what it computes."""
         require_same_code(answer.versions, worker)
-        if answer.records and other_packages(answer.versions):
-            self._writer.store.note_worker(packages_of(answer.versions))
+        if difference := other_packages(answer.versions):
+            if difference not in self._noted:
+                words = f"has {difference}: last digits may differ there"
+                self._connection.tell(f"the Dask worker {worker} {words}")
+                self._noted.add(difference)
+            if answer.records:
+                self._writer.store.note_worker(packages_of(answer.versions))
         for key, content in answer.records.items():
             if self.computed.pop(key, None):  # not if another worker has a copy
                 records = pickle.loads(content)

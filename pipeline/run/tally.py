@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.run.cluster import Connection
-from pipeline.run.work import ExecutionError, Report, records_here
+from pipeline.run.work import INSTALL, ExecutionError, Report, records_here
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
@@ -273,7 +273,10 @@ class Reports:
         return any(self._now.get(worker) for worker in workers)
 
     def _answer(self, worker: str, keys: list[str]) -> Report | None:
-        """Answer of a worker; None if it has died, or does not answer in time."""
+        """Answer of a worker; None if it has died, or does not answer in time.
+
+        Raise an `ExecutionError` if it cannot run this program.
+        """
         with suppress(OSError, TimeoutError, ValueError):
             answers = self._client.sync(
                 self._client.run,
@@ -283,6 +286,10 @@ class Reports:
                 on_error="return",
                 callback_timeout=_ANSWER,
             )
-            if isinstance(answer := answers.get(worker), Report):
-                return answer
+            answer = answers.get(worker)
+            if isinstance(answer, Exception) and not isinstance(answer, OSError):
+                raise ExecutionError(
+                    f"the Dask worker {worker} cannot run this program: {answer}; {INSTALL}"
+                )
+            return answer if isinstance(answer, Report) else None
         return None

@@ -183,8 +183,8 @@ def _misfits(root: Root, sweep: Sweep) -> Iterator[str]:
         yield from differences(steps, sweep.record.steps, "sweep.steps")
     has_fields = "pressure" in root.arrays
     yield from differences(has_fields, has_fields or sweep.record.fields, "sweep.fields")
-    names = variables_of(sweep, has_fields)
-    yield from differences(*(dict.fromkeys(of, True) for of in (root.arrays, names)), "variables")
+    names = dict.fromkeys(variables_of(sweep, has_fields), True)
+    yield from differences(dict.fromkeys(root.arrays, True), names, "variables")
     for column, values in sweep.variants.coordinates.items():
         held = dict(zip(root.axes[column.along], root.axes[column.name], strict=True))
         known = {label: value for label, value in values.items() if label in held}

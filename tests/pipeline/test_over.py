@@ -137,7 +137,9 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     surfaces = {"sweep.realizations": [3, 4]}
     alone = '{ "friction.coefficient" = [0.1], "pin.material" = ["hard"] }'
     with (
-        pytest.raises(StoreMismatchError, match=r"neither has all comb.* 0\.1, pin\.material 100Cr6"),
+        pytest.raises(
+            StoreMismatchError, match=r"neither has all comb.* 0\.1, pin\.material 100Cr6"
+        ),
         writing(tmp_path / "out.zarr", load(tmp_path, alone, materials, **surfaces)),
     ):
         pass

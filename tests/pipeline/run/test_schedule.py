@@ -120,11 +120,14 @@ def test_workers_that_are_killed_from_outside_cost_no_point(compute_sweep):
         assert_is_as_computed_alone(store, place)
 
 
-def test_the_packages_of_workers_that_differ_are_stored(compute_sweep, monkeypatch):
+def test_the_packages_of_workers_that_differ_are_told_once_and_stored(compute_sweep, monkeypatch):
     other = {**work.versions(), "numpy": "1.0"}
     monkeypatch.setattr(work, "versions", lambda: other)
-    store, ended = compute_sweep()
+    messages = []
+    store, ended = compute_sweep(client=LocalClient(workers=3), tell=messages.append)
     assert ended == {"done": 24}
+    (said,) = messages
+    assert "has numpy 1.0 (here " in said
     with pipeline.open_sweep(store.place.path) as ds:
         (noted,) = attributes_of(ds)["worker_versions"]
         assert noted["versions"] == {name: other[name] for name in ("python", "numpy", "scipy")}
@@ -153,6 +156,18 @@ class Dying(LocalClient):
 
     def answer(self, worker, report):
         return OSError("the worker has died")
+
+
+class Foreign(LocalClient):
+    """A client whose workers have not this program."""
+
+    def answer(self, worker, report):
+        return ModuleNotFoundError("No module named 'pipeline'")
+
+
+def test_a_worker_without_this_program_is_refused(compute_sweep):
+    with pytest.raises(ExecutionError, match="cannot run this program: No module named"):
+        compute_sweep(client=Foreign())
 
 
 class Stuck(LocalClient):

@@ -317,7 +317,11 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
 
 ONE = surfaces((1,))
 MISMATCHES = {
-    "fields later": (several(), several(fields=True), "fields: False in the store, True in the scene"),
+    "fields later": (
+        several(),
+        several(fields=True),
+        "fields: False in the store, True in the scene",
+    ),
     "surfaces later": (
         several(),
         several(variants=surfaces((1,))),
