@@ -1,14 +1,8 @@
 """A sweep that chooses its own velocities, to find the boundary with few points.
 
-At one load the rise grows with velocity about as a power of it. Between two velocities, one mild
-and one severe, a straight line through both in logarithms finds the crossing to κh²/8, where h is
-the logarithm of their ratio and κ = |d²ln r/d(ln V)²|/(d ln r/d ln V), the relative curvature,
-which three velocities tell. So the search looks for two velocities about the crossing, no farther
-apart than the tolerance allows, at every load. All loads take them from one axis of even ratios
-that is halved where need be: what a velocity costs is its ramp, and that all loads at it share.
-
-The search knows no solver and no store. It says which points to look at next, given what is
-known; the order in which they become known does not matter much, and nothing is asked twice.
+Between a mild and a severe velocity a straight line in logarithms finds the crossing to κh²/8; h is
+the logarithm of their ratio, κ = |d²ln r/d(ln V)²|/(d ln r/d ln V). All loads share an axis of
+velocities, which is halved where need be.
 """
 
 from __future__ import annotations
@@ -51,8 +45,7 @@ _ROUNDING = 1e-5  # of a velocity in round figures, and more
 class BoundarySearch:
     """A search for the velocity at which the rise reaches a limit [K], at each of several loads.
 
-    Velocities are divided by `scale`: searches of several wear rates, in units of one of them, look
-    at the same products of wear rate and velocity.
+    Velocities are divided by `scale`, so that several wear rates look at the same contacts.
     """
 
     loads: Sequence[float]
@@ -68,10 +61,7 @@ class BoundarySearch:
 
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
-        """A search for the boundary of a sweep, between its lowest and highest velocity above 0.
-
-        Raise an `InputError` if there is none: no friction, or fewer than two such velocities.
-        """
+        """A search between a sweep's lowest and highest velocity; `InputError` if there is none."""
         limit, corrections = rise_limit(sweep.conditions), sweep.conditions.corrections
         if not math.isfinite(limit):
             raise InputError(
@@ -94,10 +84,7 @@ class BoundarySearch:
     def wanted(
         self, rises: Mapping[Point, float], hopeless: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
-        """Points to compute next, without those that failed; none once the boundary is known.
-
-        Rises of any points count, whether they were asked for here or not [K].
-        """
+        """Points to compute next by known rises [K], but failed ones; none once all is known."""
         rows = {load: self._row(rises, load) for load in self.loads}
         curvature = self._curvature(rows)
         guesses = self._guesses(rows)

@@ -1,7 +1,4 @@
-"""The Dask scheduler of a sweep and its workers, as the driver deals with them.
-
-The workers are processes of this machine, or those of a scheduler that is given.
-"""
+"""The Dask scheduler of a sweep and its workers, of this machine or those that are given."""
 
 from __future__ import annotations
 
@@ -137,10 +134,7 @@ def connected(
     tell: Tell = unheard,
     dashboard: bool = False,
 ) -> Iterator[Connection]:
-    """Use a client, or start a scheduler here with so many workers, and end these.
-
-    Raise an `ExecutionError` if the workers do not start.
-    """
+    """Use a client, or start workers here and end them; `ExecutionError` if they do not start."""
     with ExitStack() as stack:
         cluster = None
         if client is None:
@@ -171,10 +165,7 @@ def require_dashboard() -> None:
 def client_of(
     address: str | None = None, file: Path | None = None, patience: float = PATIENCE
 ) -> Client:
-    """Client of a running scheduler, by its address or by the file that it has written.
-
-    Raise an `ExecutionError` if no scheduler answers.
-    """
+    """Client of a scheduler by its address or file; raise an `ExecutionError` if none answers."""
     if file is not None:  # which Dask would wait for without end
         try:
             address = str(json.loads(file.read_text())["address"])
@@ -200,12 +191,9 @@ def client_of(
 
 
 def sent_once(connection: Connection, content: bytes) -> bytes | Future:
-    """Content for many tasks: itself if it is light, else a result that every worker holds.
+    """Content for many tasks: itself if light, else a result that every worker holds a copy of.
 
-    Light content goes along with each task. Heavy content is the result of a task, which Dask
-    computes again if the workers that hold it die. It is copied to every worker, since Dask
-    prefers workers that hold a task's inputs and would leave the others idle. Raise an
-    `ExecutionError` if workers die of it.
+    Dask would leave workers idle that hold none. `ExecutionError` if workers die of it.
     """
     if len(content) <= _LIGHT:
         return content
@@ -219,10 +207,7 @@ def sent_once(connection: Connection, content: bytes) -> bytes | Future:
 
 
 def threads_of(connection: Connection) -> Counter[str]:
-    """Number of threads of each worker; if there is no worker, wait for one to come.
-
-    Raise an `ExecutionError` if the scheduler is lost or does not answer, or no worker comes back.
-    """
+    """Threads of each worker, of which one is waited for; `ExecutionError` if none comes."""
     client, began = connection.client, time.monotonic()
     patience, is_told = connection.patience, False
     while True:

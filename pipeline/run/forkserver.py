@@ -1,8 +1,6 @@
-"""The process that workers are forked from: it imports once the modules that all of them need.
+"""The process that workers are forked from, which imports beside the driver what all need.
 
-Started before the cluster, it imports at the same time as the driver. The boundary of first_try at
-`standard` takes 2.4 s so (least of 9 runs in turns), 3.4 s if it is started with the cluster, and
-4.4 s without it, by Dask's own method `spawn`.
+The boundary of first_try at `standard` takes 2.4 s so, and 4.4 s by Dask's own method `spawn`.
 """
 
 from __future__ import annotations
@@ -54,9 +52,8 @@ def start() -> None:
 def interrupts_put_off() -> Iterator[None]:
     """Put off Ctrl-C until the end of the block.
 
-    Threads that begin in here, and the processes that these start, inherit that SIGINT is
-    blocked. So a Ctrl-C in a terminal, which reaches every process of the foreground, stops the
-    driver alone, and no worker that may be just starting.
+    Threads and processes that begin in here inherit that SIGINT is blocked, so that it stops the
+    driver alone.
     """
     waiting: list[int] = []
     in_main_thread = threading.current_thread() is threading.main_thread()

@@ -1,16 +1,7 @@
-"""Computes the points of a sweep as tasks of Dask.
+"""Computes the points of a sweep as tasks of Dask, each after that of the next lower load.
 
-A task computes one point, or the points at one load that share a contact, and depends on the task
-of the next lower load on its ramp. Dask decides what runs where, and computes a trunk again that
-was lost. Of the ramps only so many are under way that each thread has one point waiting: the graph
-depends on no time. About once a second each worker is asked for the records that lie there; the
-writer commits them, and only then are they told as done.
-
-A worker that dies takes with it whatever it was given, and does not say what it died of. So each
-point that it was given is suspected, and tried again in the end on a worker that computes nothing
-else. Kills from outside hit the same point again now and then, but not time after time: a point
-fails that kills even workers of its own. Workers that leave in good order accuse nobody; a point
-that several of them had begun is too long for any.
+Points that were on a worker as it died are suspected, and tried again in the end, each alone on a
+worker; those fail that kill even that, time after time.
 """
 
 from __future__ import annotations
@@ -73,7 +64,7 @@ class _Ramp:
 
 @dataclass(slots=True, eq=False)
 class _Task:
-    """Points that a task computes, and its ramp; and its worker, if they are tried alone.
+    """Points that a task computes, its ramp, and its worker, if they are tried alone.
 
     `begun` are the workers that were seen computing it, and when first and last [s].
     """
@@ -95,9 +86,8 @@ def compute(
 ) -> None:
     """Compute chains of points, until the writer has written each of them as done or failed.
 
-    `learn` is called with records as they come from a worker, but not with its first, and `report`
-    now and then with the records that have been written since the last call. Raise a `StoreError`
-    if points cannot be written, an `ExecutionError` if the cluster is lost or nothing moves.
+    `learn` is called with records as they come from a worker, but not with its first, `report` with
+    those written. `StoreError` if points cannot be written, `ExecutionError` if nothing moves.
     """
     news = threading.Event()
     with Reports(connection, news) as reports:
@@ -122,8 +112,8 @@ def _ramp_of(chain: Iterable[Point]) -> _Ramp:
 class _Run:
     """Ramps of which the next point can begin, and tasks.
 
-    `running` are those that have not ended, `computed` those whose records still lie on a worker.
-    `computes` is true if a worker said so when it was asked last.
+    They are `running`, or `computed`, with records on a worker. `computes` is true if a worker said
+    so when it was asked last.
     """
 
     def __init__(
@@ -165,10 +155,7 @@ class _Run:
     # Tasks begin
 
     def submit(self) -> None:
-        """Give the workers points; in the end, give each one suspect alone.
-
-        Dask counts the death of a worker against all tasks that it was given, so it is given few.
-        """
+        """Give the workers few points, as a death counts against all; in the end suspects alone."""
         while self._ramps and len(self.running) < _AHEAD * self._workers.total():
             ramp = self._ramps.popleft()
             self._start(ramp, ramp.loads.popleft())
@@ -326,8 +313,7 @@ def _in_short(points: tuple[Point, ...]) -> str:
 class _Silence:
     """The time in which nothing has ended, and in which no worker has computed [s].
 
-    A point may take its time: as long as a worker computes one, there is no limit. But if tasks
-    wait and no worker computes one, something is wrong.
+    As long as a worker computes a point, there is no limit.
     """
 
     def __init__(self, connection: Connection) -> None:

@@ -152,10 +152,7 @@ def run_sweep(
 
 
 def _import_readers() -> None:
-    """Import what opens the store when the run is over, while the workers compute.
-
-    It takes 0.8 s of CPU time: 6 % of 12 × 30 points at `standard`, if they waited for it.
-    """
+    """Import meanwhile what opens the store in the end: 6 % of 12 × 30 points at `standard`."""
     import dask.array  # noqa: F401 - which xarray imports with its first variable
     import xarray  # noqa: F401
 
@@ -195,10 +192,7 @@ def _rounds(
 
 
 def _repaired(store: Store) -> Iterator[str]:
-    """Make damaged points of a store pending, reading what differs from what the last run left.
-
-    An object store is not read: its servers look after their objects, and each is a request.
-    """
+    """Make damaged points pending, of what differs from the last run's end; none of a bucket."""
     if isinstance(store.place, Bucket):
         return
     changed = changed_chunks(store)
@@ -234,9 +228,7 @@ def coarse_first(
 ) -> tuple[tuple[Point, ...], ...]:
     """Put chains of a tenth of the velocities first, 200 at most: the ends, then the middles.
 
-    So a diagram of a running sweep soon shows the whole boundary, and the time to go is known from
-    cheap and dear points alike. The others follow in order, in which points that share chunks of
-    the store are neighbours. Chains and velocities are ascending.
+    So a diagram of a running sweep soon shows the whole boundary. Chains and velocities ascend.
     """
     axis = list(velocities)
     count = min(max(_FEWEST, -(-len(axis) // _SHARE)), _MOST, len(axis))

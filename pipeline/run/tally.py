@@ -1,7 +1,4 @@
-"""What becomes of the points of a run: what workers tell, deadly points, and the progress.
-
-In a notebook the progress is a line below the cell.
-"""
+"""What becomes of the points of a run: what workers tell, deadly points, and the progress."""
 
 from __future__ import annotations
 
@@ -57,10 +54,7 @@ class Progress:
 
 
 class Tally:
-    """Counts the points that a run has computed since it began [s], and tells the caller.
-
-    What is written counts as done; the time to go is told by what workers have computed already.
-    """
+    """Counts written points, and tells the time to go by what workers have computed [s]."""
 
     def __init__(
         self, store: Store, progress: Callable[[Progress], None] | None, began: float
@@ -96,11 +90,7 @@ class Tally:
         self._report()
 
     def note(self, records: Iterable[PointRecord]) -> None:
-        """Take note of points that have been written.
-
-        Raise an `ExecutionError` if so many points have failed alike, and none is done, that others
-        would as well.
-        """
+        """Take note of written points; `ExecutionError` if the first many have failed alike."""
         any_new = False
         for record in records:
             any_new = True
@@ -142,21 +132,15 @@ class Tally:
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
 
     def _time_to_go(self, pending: Mask, link: Connection) -> float:
-        """Time of pending points on all workers, or of the longest chain of them on one [s].
-
-        Each is taken to last as long as those that are done on average: weights by load and paces
-        by velocity told the time to go of eight sweeps no better.
-        """
+        """Mean time of all points on all workers, or of the longest chain of them on one [s]."""
         in_chains = np.bincount(self._chains[pending], minlength=1)
         points = max(in_chains.sum() / link.workers, in_chains.max())
         return self._slowness(link) * float(points * np.nanmean(self._durations))
 
     def _slowness(self, link: Connection) -> float:
-        """Time that passes while all workers do a second of work each [s].
+        """Time that passes while all workers do a second of work each [s]; 1 if few points tell it.
 
-        By the later half of the time since the first points, as workers may come one by one. As
-        long as few points tell it, each worker is taken to work all the time: their start says
-        nothing of their pace, nor do a few points of minutes each.
+        By the later half of the time since the first points, as workers may come one by one.
         """
         if not self._marks:
             return 1.0
@@ -179,10 +163,7 @@ class Tally:
 def reported(
     progress: Callable[[Any], None] | None,
 ) -> Iterator[Callable[[Any], None] | None]:
-    """Give the callable that was given; in a notebook without one, a line below the cell.
-
-    The line is replaced, not added to: a notebook kept with its output has one line of a run.
-    """
+    """Give the callable that was given; in a notebook without one, a line below the cell."""
     ipython = sys.modules.get("IPython")
     in_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
     if progress is not None or not in_notebook:
@@ -273,10 +254,7 @@ class Reports:
         return any(self._now.get(worker) for worker in workers)
 
     def _answer(self, worker: str, keys: list[str]) -> Report | None:
-        """Answer of a worker; None if it has died, or does not answer in time.
-
-        Raise an `ExecutionError` if it cannot run this program.
-        """
+        """Answer of a worker, None if it is late; `ExecutionError` if it lacks this program."""
         with suppress(OSError, TimeoutError, ValueError):
             answers = self._client.sync(
                 self._client.run,

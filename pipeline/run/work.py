@@ -1,15 +1,6 @@
-"""What a worker does: the task of a point, and what it tells the driver while it computes.
+"""What a worker does: the task of a point, whose result stays there for the next load.
 
-A task leaves its result on the worker, since the next point of the ramp continues its trunk. The
-driver takes the records alone, some times a minute, without a task.
-
-A worker on another machine, or one that was started before the code changed, may run other code
-than its driver. Its numbers must not enter the same store, so versions are compared.
-
-::
-
-    TriboError
-    └── ExecutionError   the workers do not start, are lost, or run other code
+The driver takes records, and versions: other code must not enter the same store.
 """
 
 from __future__ import annotations
@@ -148,9 +139,8 @@ def compute_points(
 ) -> Computed:
     """Compute a point, or points at one load that share a contact, on from the load below.
 
-    One that fails is recorded, and the next load continues the same trunk. The name is that of the
-    task, the parcel a pickled sweep, whether fields are stored, and hashes of what is simulated.
-    Points at lower loads that are known to have failed are no stations.
+    The name is that of the task, the parcel a pickled sweep, whether fields are stored, and hashes
+    of what is simulated. Points that are known to have failed are no stations.
     """
     global _now
     sweep, with_fields, simulated = _unpacked(parcel)
@@ -186,10 +176,7 @@ def _computed(
 
 
 def records_here(keys: Collection[str], dask_worker: Worker) -> Report:
-    """Records of those of these tasks whose results lie on a worker, and what it does.
-
-    It runs in the worker's event loop, so that a long point does not keep finished ones waiting.
-    """
+    """Records of those of these tasks whose results lie on a worker, told from its event loop."""
     found = {key: dask_worker.data[key].records for key in keys if key in dask_worker.data}
     return Report(versions(), _now, {key: pickle.dumps(records) for key, records in found.items()})
 

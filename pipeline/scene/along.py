@@ -1,8 +1,4 @@
-"""Places in a table: operating points, and rows of ``[sweep] along`` with entries of their own.
-
-A row is read as if its values stood in the file. With ``around`` further places about each one are
-simulated, so that its distance from severe wear is known in load and velocity, too.
-"""
+"""Places in a table: operating points, and rows of ``[sweep] along`` with entries of their own."""
 
 from __future__ import annotations
 

@@ -1,8 +1,6 @@
 """TOML documents: a scene file, the scene that it extends, and entries given in their place.
 
-A file with ``extends = "other.toml"`` has the entries of the other, and its own in their place:
-tables are merged key by key, lists and values replaced. ``without = ["wear", "friction.band"]``
-leaves entries of the other out. A preset replaces the other's whole table ``[fidelity]``.
+Tables are merged key by key, lists and values replaced; ``without`` leaves entries out.
 """
 
 from __future__ import annotations
@@ -99,8 +97,7 @@ class Document(NamedTuple):
 def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
     """A scene file and those that it extends; the files above extend this one.
 
-    Wrong keys in ``without`` are noted; `SceneFileError` is raised if a file cannot be read, or
-    extends itself.
+    Wrong keys in ``without`` are noted; `SceneFileError` is raised if a file cannot be read.
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)

@@ -1,8 +1,7 @@
 """Contact, motion, wear and surface of a scene in closed form, before any simulation.
 
-The worn contact is that of a smooth, rigid pin (`tribo.analytic`), joined with the elastic one so
-that each holds where the other is small. Against simulations of smooth pins the width is within
-3 %, the depth within 10 %, and of rough ones the width within 12 %.
+Against simulations of smooth pins the width is within 3 %, the depth within 10 %, and of rough ones
+the width within 12 %.
 """
 
 from __future__ import annotations
@@ -152,11 +151,7 @@ def tracks_of(sweep: Sweep) -> dict[str, Track]:
 
 
 def track_faults(sweep: Sweep) -> Iterator[tuple[str, str]]:
-    """Bodies whose track is too short for the turns on it to be apart, and why it is a fault.
-
-    Each turn is taken to release its heat at once; so the track has to be much longer than the
-    contact.
-    """
+    """Bodies whose track is too short, and why: each turn is taken to release its heat at once."""
     tracks = tracks_of(sweep)
     width = facts_of(sweep).contact_width.high if tracks else 0.0
     for body, track in tracks.items():

@@ -21,8 +21,7 @@ _SHOWN = 100  # faults, at most, where there are thousands
 class Fault(NamedTuple):
     """Key path of an entry, and in one line what is wrong, the value, what is allowed, the cure.
 
-    The file is the one that has the entry, where the key alone does not tell; the rival is the
-    path of another entry that excludes this one.
+    The file is given if the key does not tell it; the rival is an entry that excludes this one.
     """
 
     key: str

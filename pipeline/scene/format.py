@@ -1,8 +1,4 @@
-"""The format of scene files: each table and key with its kind, meaning, default and example.
-
-Reading, its errors, the template of ``irg new``, the page SCENE.md and the hints of ``--set`` all
-follow from `FORMAT`.
-"""
+"""The format of scene files: each table and key with its kind, meaning, default and example."""
 
 from __future__ import annotations
 

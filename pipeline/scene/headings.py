@@ -129,8 +129,8 @@ def columns_for(
 ) -> tuple[dict[str, int], list[str]]:
     """Places of the columns for wanted quantities, and faults.
 
-    A column is one that the user chose by its heading, or that names the quantity exactly, or the
-    only one whose words and unit are of that quantity.
+    A column is one that the user chose, that names the quantity exactly, or the only one whose
+    words and unit are of it.
     """
     heads, chosen = [heading.text for heading in headings], chosen or {}
     places: dict[str, int] = {}
@@ -300,10 +300,7 @@ def read_sheet(
     decimal: str | None = None,
     is_log: Callable[[Collection[str]], bool] = {"load", "velocity"}.issubset,
 ) -> Sheet:
-    """Read the rows of a file below headings, those of a load and a velocity or others.
-
-    `columns_for` has the meaning of the arguments.
-    """
+    """Read the rows of a file below headings; for the arguments see `columns_for`."""
 
     def is_heading(cells: list[str]) -> bool:
         places, faults = columns_for([*map(heading_of, cells)], wanted, named)

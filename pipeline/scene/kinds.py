@@ -1,8 +1,4 @@
-"""Kinds of single values: the values allowed, and reading them.
-
-Reading gives a value as the program wants it; or None, and a fault. ``str(kind)`` says what is
-allowed.
-"""
+"""Kinds of single values: reading them, and as ``str(kind)`` what is allowed."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 """The library of materials and oils: what a scene takes from it by name, and from which source.
 
-A body whose ``material`` is not a table of ``[materials]`` has that of the library; so has a table
-with ``like = "AISI 52100"``, or under a name of the library that is not complete by itself.
-``oil = "medicinal white oil"`` is short for ``[oil]`` with ``like``. A scene's own entries override
-those of the library; viscosities and their temperatures are taken together.
+A scene's own entries override those of the library; viscosities and their temperatures are taken
+together.
 """
 
 from __future__ import annotations

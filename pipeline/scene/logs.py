@@ -1,9 +1,4 @@
-"""Tests of a laboratory's log in place of tables of the scene, and the transition in a trace.
-
-A heading names an entry, with the unit of its column, such as ``load [N]`` or ``Normalkraft / N``;
-a cell that is empty leaves the entry out. Columns of other names, as of dates and operators, are
-not used. What was not named exactly is noted.
-"""
+"""Tests of a laboratory's log in place of tables of the scene, and the transition in a trace."""
 
 from __future__ import annotations
 
@@ -70,10 +65,7 @@ class Log:
 
 
 def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table = TEST) -> Log:
-    """Read a log, find the columns for the entries of a test, and read its tests.
-
-    `entries` are columns, words and decimal mark, as a scene gives them beside the file.
-    """
+    """Read the tests of a log by its columns, words and decimal mark, as a scene gives them."""
     given = entries or {}
     chosen, words = given.get("columns") or {}, dict[str, str]()
     sheet = read_sheet(path, row_of.keys, row_of.needed, chosen, given.get("decimal"))
@@ -110,10 +102,7 @@ def _hinted(fault: CellFault) -> CellFault:
 
 
 def with_rows(entries: dict[str, Any], document: Document, faults: Faults) -> dict[str, Any]:
-    """Entries with the rows of log files in the place of the tests that name them.
-
-    Faults are named by row and column; columns that are not used are noted.
-    """
+    """Entries with the rows of log files in the place of the tests that name them."""
     for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
         listed = entries.get(key)
         if not isinstance(listed, list) or not listed:

@@ -28,10 +28,7 @@ _RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
 
 
 def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Make) -> Variants:
-    """Table of every combination of some entries' values, by their paths as TOML has them.
-
-    `InputError` is raised at the first value that does not go with the scene.
-    """
+    """Table of every combination of entries' values; `InputError` at the first that is unfit."""
     if not asked:
         return Variants()
     axes = {path: _axis(path, values) for path, values in asked.items()}
@@ -137,8 +134,7 @@ def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) ->
 def with_rates_of(asked: Mapping[str, float] | None, sweep: Sweep, notes: list[str]) -> Sweep:
     """The sweep with rows at several wear rates, from the lowest to the highest asked for [m²/N].
 
-    Velocities are added so that the scene's are covered at every rate: from k₁/k times the lowest
-    to k₂/k times the highest, where k is the scene's own. A note names them.
+    Velocities are added, with a note, so that every rate covers the scene's own velocities.
     """
     if not asked or sweep.variants.draw:  # whose inputs have it
         return sweep

@@ -60,12 +60,7 @@ def criterion_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) ->
 
 
 def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
-    """The lubricant.
-
-    Where the dynamic viscosity is given, the equation between its two temperatures is applied to
-    its value in mPa s, as ASTM D341 does it to the kinematic one in mm²/s; it needs no density
-    then.
-    """
+    """The lubricant; the equation of ASTM D341 is applied to a dynamic viscosity in mPa s, too."""
     if table is None or faults.touch("oil"):
         return None
     kinematic, dynamic = table["kinematic_viscosity"], table["dynamic_viscosity"]
@@ -147,10 +142,7 @@ def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | 
 
 
 def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
-    """Seeds of the random surfaces: those listed, or a number of them from the surface's own on.
-
-    The first becomes the scene's own.
-    """
+    """Seeds of the random surfaces, of which the first becomes the scene's own."""
     wanted = entry_at(tables, "sweep.realizations")
     if wanted is None or tables["disk"] is None:
         return ()

@@ -44,9 +44,8 @@ def read_rows(
 ) -> Rows:
     """Read the rows of a file below the first line that is a heading.
 
-    Cells stand between semicolons, tabs or commas. Lines above the heading, and lines that begin
-    with ``#``, are comments. A file with semicolons or tabs has decimal commas where any cell has
-    one, unless `decimal` says otherwise.
+    Cells stand between semicolons, tabs or commas; lines that begin with ``#`` are comments.
+    Decimal commas are found unless the mark is given.
     """
     require_file(path)
     if path.suffix.lower() not in ROW_FILES:

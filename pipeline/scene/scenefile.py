@@ -1,8 +1,4 @@
-"""Scene files: TOML with units, read into a `Sweep`.
-
-`pipeline.scene.format.FORMAT` is the whole format. Every fault of a file is found at once: those
-within a table while it is read, those between tables afterwards.
-"""
+"""Scene files: TOML with units, read into a `Sweep`, with all faults at once."""
 
 from __future__ import annotations
 

@@ -1,8 +1,4 @@
-"""Kinds of which a file format is made: lists, ranges and tables of the kinds of single values.
-
-A format is a tree of kinds. A table with a fault still gives its sound entries, so that these can
-be checked further.
-"""
+"""Kinds of which a file format is made: lists, ranges and tables of the kinds of single values."""
 
 from __future__ import annotations
 
@@ -22,10 +18,7 @@ _MOST_STEPS = 100_000
 
 @dataclass(frozen=True)
 class Entry:
-    """A key of a table: kind and meaning of its value, and an example if that of the kind is poor.
-
-    The meaning is one sentence, in Markdown.
-    """
+    """A key of a table: kind and meaning of its value, and an example if its kind has none."""
 
     kind: Kind
     meaning: str = ""
@@ -65,11 +58,7 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Quantities between two ends, read as a tuple.
-
-    ``{ from = ..., to = ..., step = ... }``; or ``count = ...`` in place of the step, evenly
-    spaced or, with ``spacing = "log"``, by equal factors.
-    """
+    """Quantities between two ends, a step apart, or a count at even steps or equal factors."""
 
     of: Quantity
 
@@ -158,10 +147,7 @@ class Either(Kind):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A table of fixed keys, read as a dict of all of them, None where faulty.
-
-    The form is the name of one of two tables that may stand at the same place.
-    """
+    """A table of fixed keys, read as a dict of all, None where faulty; `form` names one of two."""
 
     keys: Mapping[str, Entry]
     form: str = ""

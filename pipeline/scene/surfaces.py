@@ -1,9 +1,4 @@
-"""Measured surfaces: reading their files, turning them, taking off planes and filling holes.
-
-Arrays in ``.npy`` are read by `tribo.read_heights`, text by `read_text`, all other files by
-SurfaceTopography, which knows some forty formats of profilers and microscopes. It is an extra,
-loaded when a file needs it.
-"""
+"""Measured surfaces: reading their files, turning them, taking off planes and filling holes."""
 
 from __future__ import annotations
 
@@ -27,22 +22,17 @@ _MOST_BYTES = 2**30  # that an archive may unpack to
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """A measured surface.
-
-    Heights [m] of shape (nx, ny), positive outwards, NaN where the instrument has none; and the
-    sides of a pixel along x and y [m], None where the file does not give them.
-    """
+    """Heights [m], shape (nx, ny), outwards, NaN in holes; known sides of a pixel [m]."""
 
     heights: Array
     pixel_size: tuple[float, float] | None = None
 
 
 def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
-    """A measured surface from a plain array, or from a file of SurfaceTopography's formats.
+    """A measured surface from a plain array, text, or a file of SurfaceTopography's formats.
 
-    The length of one unit of the file's heights [m] is needed where the file does not give it, and
-    goes before what it gives. `InputError` is raised if the file cannot be read, is not a surface,
-    or if the extra that its format needs is not installed.
+    The length of one unit of the heights [m] goes before what the file says. Raise an `InputError`
+    if it is missing, the file is no surface, or the extra for its format is not installed.
     """
     path = Path(path)
     if path.suffix.lower() in TEXT:
@@ -169,10 +159,7 @@ def levelled(heights: Array) -> Array:
 
 
 def filled(heights: Array) -> Array:
-    """Heights with NaN replaced by the harmonic function that continues those around it [m].
-
-    It is a membrane spanned over each hole, which adds neither peaks nor valleys.
-    """
+    """Heights with a membrane over each hole, the harmonic function that continues them [m]."""
     from scipy import sparse  # takes 0.1 s, and few surfaces have holes
     from scipy.sparse.linalg import spsolve
 

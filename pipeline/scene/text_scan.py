@@ -1,7 +1,6 @@
 """Heights in text, as Gwyddion, MountainsMap, numpy.savetxt and spreadsheets write them.
 
-A matrix, or rows of x, y and z; behind comments or words; between tabs, semicolons, commas or
-blanks; with points or decimal commas; with holes as NaN, as nothing, or as a word.
+A matrix, or rows of x, y and z, with any usual separator, decimal mark and sign of a hole.
 """
 
 from __future__ import annotations
@@ -43,10 +42,9 @@ Size = tuple[float, float] | None
 
 
 def read_text(path: Path) -> tuple[Array, Size, float | None]:
-    """Heights along x and then y, NaN in holes, the sides of a pixel [m], and the unit [m].
+    """Heights by x and y in their unit, NaN in holes; sides of a pixel [m] and unit [m], if said.
 
-    Heights are in their unit; of sizes and unit what the text says. `InputError` is raised if
-    there is no matrix of numbers, nor rows of x, y and z on a grid.
+    Raise an `InputError` if there is no matrix of numbers, nor rows of x, y and z on a grid.
     """
     if path.stat().st_size > _MOST_BYTES:
         raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
@@ -79,10 +77,7 @@ def _step(line: Array) -> float:
 
 
 def _without_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a column, or a column and a row, of places; and the steps of these.
-
-    The row may be the line above the numbers. A matrix whose second column is as even has none.
-    """
+    """Heights without a column, or a column and a row, of even places; and the steps of these."""
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):

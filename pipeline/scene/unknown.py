@@ -1,8 +1,6 @@
 """Inputs that are not known exactly: the table ``[unknown]``, and samples of the whole scene.
 
-A sample is read as if its values stood in the file, so all that is derived from an entry, and every
-check of it, applies to the sample. A distribution is checked at its ends, beyond which one sample
-in ten thousand lies.
+A sample is read as if its values stood in the file; a distribution is checked at its ends.
 """
 
 from __future__ import annotations
@@ -77,10 +75,7 @@ def _entry(one: Unknown, value: float) -> Rounded | float:
 
 
 def fixed_paths(document: Document) -> frozenset[str]:
-    """Paths of unknown inputs whose value is given above their distribution.
-
-    ``--set`` stands above the scene, and the scene above the one that it extends.
-    """
+    """Paths of unknown inputs whose value is given above their distribution, as by ``--set``."""
     fixed, above, seen = set[str](), set[str](), set[str]()
     for layer in document.layers:
         table = layer.entries.get("unknown")
@@ -99,11 +94,7 @@ def samples_of(
     faults: Faults,
     fixed: Collection[str] = (),
 ) -> Variants | None:
-    """Table of samples of a scene; None if it asks for none, or something is wrong.
-
-    Each combination in the table `over` has the same ones. Inputs of the paths `fixed` have the
-    scene's value.
-    """
+    """Table of samples of a scene and each combination in `over`; None if not asked, or faulty."""
     count, table = tables["sweep"]["samples"], tables["unknown"] or {}
     if count is not None and not set(table) - set(fixed):
         raise InputError(
@@ -220,10 +211,7 @@ def _design(
     rates: Mapping[str, float] | None,
     sweep: Sweep,
 ) -> Design:
-    """Rule by which samples are drawn.
-
-    Of a scene that is to answer for several wear rates they reach beyond the lowest and highest.
-    """
+    """Rule by which samples are drawn; of several wear rates they reach beyond their ends."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:
         raise InputError(

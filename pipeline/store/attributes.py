@@ -40,9 +40,8 @@ _ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
 def describe(sweep: Sweep, name: Variant | None = None) -> dict[str, Any]:
     """Describe what decides a scene's numbers, as plain data in SI, arrays as their digest.
 
-    Of a table of variants it is the scene with one combination of the dimensions that are not
-    drawn, the first if none is named. What drawn rows change field by field is left out, and the
-    rule by which they were drawn is part of it.
+    Of a table it is one combination of the dimensions that are not drawn, by default the first,
+    with the rule of drawing in place of what drawn rows change.
     """
     table = sweep.variants
     scene = sweep.variant(next(iter(table.given)) if name is None else name).scene
@@ -99,11 +98,7 @@ class Simulated:
 
 
 def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> np.uint64:
-    """Hash of what was simulated, of the place of a point, and of what is stored of its stations.
-
-    It takes the CRC of each variable. Of a field that is the CRC of the encoded chunk, so that a
-    comparison need not decode it: nothing else writes that chunk.
-    """
+    """Hash of what was simulated, of a point's place, and of the CRC of each variable there."""
     digest = hashlib.blake2b(simulated.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
     for name in sorted(data):
@@ -116,11 +111,9 @@ def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> np.uint64
 
 
 def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
-    """A record with its checksum, and with fields as the chunks of their own that Zarr would write.
+    """A record with its checksum, and with fields encoded as their chunks, if it has not yet.
 
-    The worker does it, since encoded fields are a third as large, and the one process that writes
-    does no more than put them on the disk: at `standard` it spends 4 ms of CPU time less on a
-    point. A record that is packed stays as it is.
+    Workers do it: encoded fields are a third as large, and a point costs the writer 4 ms less.
     """
     if record.checksum is not None:
         return record
@@ -163,8 +156,7 @@ def _short(value: Any) -> str:
 def root_attributes(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str, Any]:
     """Attributes of the store of a sweep, which had others before if it is not new.
 
-    The scene and what computed it stay as they were at its creation, with versions that came later
-    beside them; what does not decide the numbers follows the scene file.
+    The scene and what computed it stay; what does not decide the numbers follows the scene file.
     """
     kept = {name: value for name, value in (before or {}).items() if name not in _OPTIONAL}
     kept = kept or _lasting(sweep)
@@ -208,10 +200,7 @@ def _with_present_versions(attributes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _present(sweep: Sweep) -> dict[str, Any]:
-    """Attributes that follow the scene file.
-
-    The reasons for the fidelity are kept from an earlier run, if this one did not pick it.
-    """
+    """Attributes that follow the scene file; an earlier run's reasons for the fidelity are kept."""
     picked = {"selection": sweep.about.selection.as_dict()} if sweep.about.selection else {}
     lubrication = Lubrication.of(sweep)
     oiled = {"lubrication": lubrication.as_dict()} if lubrication else {}
@@ -252,10 +241,7 @@ def _of_samples(sweep: Sweep, name: Variant = ()) -> dict[str, Any]:
 
 
 def _of_table(sweep: Sweep) -> dict[str, Any]:
-    """Attributes that follow from the table of variants, and from what is asked of it.
-
-    ``coordinates`` is where readers of CF look for coordinates that are not dimensions.
-    """
+    """Attributes that follow from the table of variants; CF asks for ``coordinates``."""
     along = [column.name for column in sweep.variants.coordinates]
     return {
         "boundary_only": sweep.plane.chosen is not None,
@@ -265,10 +251,9 @@ def _of_table(sweep: Sweep) -> dict[str, Any]:
 
 
 def _entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes on the scenes of the rows that are not drawn, if there are several.
+    """For each combination of labels that are not drawn, if several: what differs from the rest.
 
-    For each combination of labels: what is not as in the attributes ``scene`` and the others. Those
-    of a store stay, besides what a sweep says of them.
+    Those of a store stay, besides what a sweep says of them.
     """
     table = sweep.variants
     if not table.chosen:

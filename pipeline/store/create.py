@@ -1,12 +1,6 @@
-"""Creation of a store, its growth, and its opening by the one process that writes to it.
+"""Creation, opening and growth of a store, and the restoring of its root, which is written last.
 
-A new store is no store until its root is there, which is written last. A root that was lost is made
-again from its scene and from what lies beside it.
-
-Where values come between those of an axis, a larger store is made beside the old one and then put
-in its place by two renames. Whoever opens the name between them finishes the second
-(`pipeline.store.place.place_of`). The file of the lock is linked into the larger store, so that the
-lock stays held throughout.
+A growth between values makes a larger store beside the old one, in whose place it is renamed.
 """
 
 from __future__ import annotations
@@ -75,10 +69,8 @@ _T = TypeVar("_T")
 def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
-    What is in the store stays, whether or not the sweep still asks for it. Raise a
-    `StoreMismatchError` if it belongs to another scene, which says how the two differ; a
-    `StoreError` if something else is in its place, another process writes to it, or it cannot be
-    written.
+    Raise a `StoreMismatchError` if it belongs to another scene, a `StoreError` if something else is
+    in its place, another process writes to it, or it cannot be written.
     """
     place = place_of(path)
     find_root(place)  # before a lock is laid in what is no store
@@ -276,12 +268,10 @@ def _moved(store: Store, axes: Mapping[str, Sequence[Any]]) -> Iterator[Indices]
 
 
 def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | None = None) -> bool:
-    """Make a root that is lost again, tell so, and return whether it was.
+    """Make a root that is lost again, by the scene and the arrays' files; return whether it was.
 
-    The coordinates and the metadata of each array have files of their own. The rest is the scene's,
-    and whether that scene made the store is told by the checksums of its points, of which each
-    includes the hash of what was simulated. Raise a `StoreMismatchError`, and write nothing, if the
-    sweep did not make the store.
+    Raise a `StoreMismatchError`, and write nothing, if the points' checksums, of which each
+    includes the hash of what was simulated, say that the sweep did not make the store.
     """
     place = place_of(path)
     try:

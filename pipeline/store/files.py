@@ -17,10 +17,7 @@ _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems canno
 
 
 def replace_file(file: Path, content: bytes) -> None:
-    """Replace the content of a file at one stroke; return once that is on the disk.
-
-    Only one process and thread may replace a file at a time.
-    """
+    """Replace the content of a file at one stroke; return once that is on the disk."""
     make_folder(file.parent)
     if file.parent.is_symlink():  # of a stranger's store; it may lead anywhere
         raise OSError(f"{file.parent} is a link to another folder; copy that in its place")

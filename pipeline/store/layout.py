@@ -36,10 +36,9 @@ _GROWING = 4096  # entries in a chunk of a coordinate that grows
 
 
 def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
-    """Points in a chunk along each dimension that tells points apart, by their numbers of points.
+    """Points in a chunk along each dimension: some hundred, fewer where they are large.
 
-    These are some hundred points, fewer where they are large: all loads, which one ramp computes
-    one after the other, then neighbouring velocities, then surfaces or samples.
+    All loads, which one ramp computes, then neighbouring velocities, then surfaces or samples.
     """
     room = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST)
     block = dict.fromkeys(sizes, 1)
@@ -107,8 +106,7 @@ def documents(
 ) -> tuple[dict[str, bytes], dict[str, Any]]:
     """Documents and coordinates of a store by key, as Zarr writes them, and metadata by array.
 
-    ``axes`` has the values along each dimension and of each input, ``block`` the points in a chunk
-    along each dimension that tells points apart.
+    They follow from the values along each dimension and the points in a chunk along it.
     """
     memory: dict[str, Any] = {}
     group = zarr.open_group(MemoryStore(memory), mode="w")

@@ -1,10 +1,6 @@
 """The lock of a store: one driver writes at a time, whatever path it used for the store.
 
-On a disk of this machine it is a `flock` on a file of the store, which the kernel releases when its
-process dies. Nothing else decides there; what the file says is for people. On disks that other
-machines see, and in an object store, it is a heartbeat: a file that its holder renews, made by
-exclusive creation. A killed process leaves it behind; where nobody has renewed it for some minutes,
-by the clock of the disk or the object store, the next process takes it.
+On a disk of this machine it is a `flock`, elsewhere a heartbeat: a file that its holder renews.
 """
 
 from __future__ import annotations
@@ -117,10 +113,7 @@ Lock = FileLock | Heartbeat
 
 @contextmanager
 def held(place: StorePlace) -> Iterator[Lock]:
-    """Hold the lock of a store, at once or not at all.
-
-    Raise a `StoreError` if another process holds it, or the place cannot be written to.
-    """
+    """Hold the lock of a store at once; raise a `StoreError` if another process does."""
     if fcntl is None:
         raise StoreError(
             "this system has no file locks, which irg run needs; run it on Linux or macOS, or "
@@ -287,8 +280,7 @@ def _age(place: StorePlace) -> float:
 def is_local(folder: Path) -> bool:
     """True for a folder on a disk of this machine, where a `flock` reaches all who write to it.
 
-    Elsewhere, as on NFS, FUSE or the folders of a virtual machine's host, locks may reach one
-    machine alone, or nobody. Where no mounts are known the folder is taken for local.
+    Elsewhere, as on NFS, locks may reach one machine alone. Without known mounts it is local.
     """
     mounts = psutil.disk_partitions(all=True)
     above = [mount for mount in mounts if folder.is_relative_to(mount.mountpoint)]

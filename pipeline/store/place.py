@@ -139,10 +139,7 @@ class Folder:
 
 @dataclass(frozen=True)
 class Bucket:
-    """A folder of an object store by its address, such as ``s3://bucket/sweep.zarr``.
-
-    Its objects are replaced at one stroke, and safe then.
-    """
+    """A folder of an object store, such as ``s3://bucket/sweep.zarr``; what is put is safe."""
 
     address: str
 

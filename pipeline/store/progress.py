@@ -17,10 +17,7 @@ from pipeline.sweep.variants import Variant
 
 @dataclass(frozen=True, slots=True)
 class FailedPoint:
-    """A point that could not be computed, or is damaged: load [N], velocity [m/s], why, variant.
-
-    The place is the point in words, where the scene writes values of the variant in units.
-    """
+    """A point that failed or is damaged: load [N], velocity [m/s], why, variant, place in words."""
 
     load: float
     velocity: float

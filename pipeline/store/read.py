@@ -1,7 +1,4 @@
-"""A store as a dataset: a backend of xarray, with points that are not done as NaN.
-
-Soundness of single points of a store that is read: their data against their checksums.
-"""
+"""A store as a dataset of xarray, with points that are not done as NaN, and their soundness."""
 
 from __future__ import annotations
 
@@ -34,9 +31,8 @@ from tribo.types import Mask
 
 
 def open_store(path: PathLike) -> xr.Dataset:
-    """Open a store, which may be written to meanwhile, as it is now.
+    """Open a store, which may be written to meanwhile, as it is now; data are read when used.
 
-    Axes are in the order of the store, attributes plain data. Data are read when they are used.
     Raise a `StoreError` if there is no readable store, or done points lack chunks.
     """
     return xr.open_dataset(str(place_of(path)), engine=_Backend, chunks=None)

@@ -1,7 +1,6 @@
-"""The root of a store: its attributes and the metadata of all its arrays, replaced at one stroke.
+"""The root of a store: its attributes and the metadata of its arrays, replaced at one stroke.
 
-A hash over the whole document tells whether it is what was written, another hash does the same for
-the conditions, which no checksum of a point covers and which decide every answer.
+It has a hash of all, and one of the conditions, which no checksum of a point covers.
 """
 
 from __future__ import annotations
@@ -189,10 +188,7 @@ class Root(NamedTuple):
 
 
 def read_root(place: StorePlace) -> Root:
-    """Read the root of a store.
-
-    Raise a `StoreError` if there is no store, or its root is lost, damaged or of another version.
-    """
+    """Read a root; raise a `StoreError` if it is missing, lost, damaged or of another version."""
     root = find_root(place)
     if root is not None:
         return root
@@ -230,11 +226,7 @@ def read_attributes(path: PathLike) -> dict[str, Any] | None:
 
 
 def root_document(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
-    """Content of the root, as Zarr consolidates it.
-
-    Zarr would write the attributes first and the metadata of the arrays later; a kill in between
-    would leave a root that describes no store.
-    """
+    """Content of the root as Zarr consolidates it, which would write it in two steps."""
     document = {
         "zarr_format": 3,
         "node_type": "group",
@@ -345,10 +337,7 @@ def _are_rows(root: Root) -> bool:
 
 
 def _is_beginning(key: str) -> bool:
-    """True for what a creation cut short may leave: metadata, coordinates, the lock, but no root.
-
-    Nothing is lost if a store is made over it.
-    """
+    """True for what a creation cut short may leave: metadata, coordinates or the lock, no root."""
     if key.startswith(LOCK) or key == ROOT + PARTIAL:
         return True
     name, _, rest = key.removesuffix(PARTIAL).partition("/")

@@ -1,7 +1,4 @@
-"""Damage of a store: points whose data are not those that their checksums were taken of.
-
-Repair makes damaged points pending, so that the next run computes them again.
-"""
+"""Damage of a store, and its repair: points whose data do not have their checksums."""
 
 from __future__ import annotations
 
@@ -167,9 +164,9 @@ def examined(
 def _read_marks(
     store: Store, begun: Iterable[tuple[_Index, Slices]], keys: set[str], shared: list[str]
 ) -> tuple[Mask, list[tuple[str, Slices]]]:
-    """Read statuses and points asked for; points whose status is unknown, and chunks that are lost.
+    """Read statuses and points asked for; points of unknown status, and chunks that are lost.
 
-    Faults are added to those that belong to no point.
+    Faults are added to the shared ones.
     """
     unknown, lost = np.zeros(store.flags.shape, bool), []
     for numbers, block in begun:
@@ -299,11 +296,7 @@ def note_files(store: Store) -> None:
 
 
 def changed_chunks(store: Store) -> set[_Index] | None:
-    """Chunks of points with a file that differs from the list in name, size or time.
-
-    None if there is no list, so that any may differ. A file that was restored is older than the one
-    of the list, and differs, too.
-    """
+    """Chunks with a file that differs from the list in name, size or time; None without a list."""
     assert isinstance(store.place, Folder)
     now, listed = _files(store.place), None
     with suppress(ValueError):

@@ -1,8 +1,6 @@
 """A store, which one process writes: it commits the results of many points together.
 
-Data are written first, the status last: a status of done means that all of a point is on the disk.
-Chunks hold some hundred points, and are replaced whole with their other points as they were. They
-never move, so a reader sees each point either as it was or as it is.
+Data are written first, the status last: done means that all of a point is on the disk.
 """
 
 from __future__ import annotations
@@ -50,13 +48,10 @@ _Index = tuple[int, ...]
 
 
 class Store:
-    """A store, and the places of its points in it.
+    """A store, open to be read, or to be written by the process that holds its lock.
 
-    It is written by the process that holds its lock, else only read. Statuses that cannot be read
-    are an error; of one that may be damaged they are left to `pipeline.store.verify`.
-
-    `dims` tell points apart, and `block` is how many share a chunk along each. `flags` are the
-    statuses of the points, and `asked` is 1 for each that the last run asked for.
+    `dims` tell points apart, and `block` is how many share a chunk along each. `flags` are
+    statuses, not read if damaged; `asked` is 1 for each point that the last run asked for.
     """
 
     def __init__(
@@ -279,10 +274,7 @@ _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the 
 
 
 class Writer:
-    """Commits records about once a second; in the loop of the schedule, workers would wait for it.
-
-    An error of a commit is raised by the next call of `written`.
-    """
+    """Commits records about once a second, in a thread; `written` raises an error of a commit."""
 
     def __init__(self, store: Store) -> None:
         self.store = store

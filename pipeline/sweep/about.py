@@ -16,10 +16,7 @@ from tribo.types import Array
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A test on a rig: a transition to severe wear, or a point that stayed mild or turned severe.
-
-    What follows the velocity is None where it is not known, or not other than in the scene.
-    """
+    """A test on a rig: a transition to severe wear, or a point that was mild or severe."""
 
     normal_load: float  # on the whole pin [N]
     velocity: float  # [m/s]

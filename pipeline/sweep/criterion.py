@@ -1,15 +1,7 @@
-"""Severe wear: too hot a contact.
+"""Severe wear: too hot a contact, bulk + µ r > critical, at the worst moment of a point.
 
-The contact temperature is that of the bulk and a rise, which is proportional to friction and is
-kept at friction 1. With r the rise that decides (`tribo.Criterion`), wear is severe where
-
-    bulk + µ r > critical,  that is  r > (critical − bulk)/µ.
-
-Where the disk's bulk is Δ warmer than the pin's, rises count from the colder body, at the ratio Δ/µ
-(`tribo.thermal.quantiles`), so that they are never negative.
-
-A point counts by its worst moment: where the load is held, r is the highest one from when the
-load is reached on.
+r is the rise that decides (`tribo.Criterion`), at friction 1. Where the disk's bulk is Δ warmer
+than the pin's, rises count from the colder body, at the ratio Δ/µ, and are never negative.
 """
 
 from __future__ import annotations
@@ -86,11 +78,7 @@ def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
-    """Step at which the rise is highest, from when the load of the point is reached on.
-
-    Rises and normal loads have the shape (..., n_step). The last step where no rise that counts is
-    known.
-    """
+    """Step of the highest rise (..., n_step) from when the load is reached on; else the last."""
     counts = np.isfinite(rise) & (normal_load >= load)
     step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
     return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
@@ -99,9 +87,8 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
     """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
 
-    Columns are those of `at_bulks` and ``normal_load``, shape (..., n_step) [N], with ``quantile``
-    where they are not at all of `tribo.QUANTILES`; loads that the points are named after have the
-    shape (..., 1) [N].
+    Columns are those of `at_bulks` and ``normal_load`` (..., n_step) [N], with ``quantile`` where
+    they are not at all of `tribo.QUANTILES`; loads have the shape (..., 1) [N].
     """
     rises = conditions.decisive.rise(at_bulks(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
@@ -126,10 +113,7 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the velocity of the boundary, from that of the rise near it.
-
-    A rise that is too high reaches the limit at too low a velocity.
-    """
+    """Relative error of the boundary's velocity, from that of the rise near it."""
     return math.expm1(-math.log(rise / expected) / exponent)
 
 

@@ -23,10 +23,7 @@ class Lead(NamedTuple):
     places: tuple[float, float] | None = None  # velocities of both, if they have one each [m/s]
 
     def velocity_for(self, velocity: float) -> float | None:
-        """Velocity of the leading variant with the contacts of another at its velocity [m/s].
-
-        None for a variant that has a place of its own, at another velocity.
-        """
+        """Velocity of the lead with the contacts of another [m/s]; None at no place of that."""
         if self.places:
             own, leading = self.places
             return leading if velocity == own else None
@@ -43,10 +40,7 @@ def leads_of(
     places: Sequence[float] | None,
     velocities: Sequence[float],
 ) -> Mapping[Variant, Lead]:
-    """For each variant the first one with its contacts, by the key of its contacts.
-
-    Variants share the velocities of a plane, or each has a place of its own [m/s].
-    """
+    """For each variant the first one with its contacts, at velocities of a plane or its own."""
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, float | None]] = {}
     leads = {}
     for number, (name, scene) in enumerate(scenes):

@@ -1,12 +1,6 @@
 """The user's own laws, named in a scene as ``"module:name"``: code, which runs only where allowed.
 
-::
-
-    InputError
-    └── OwnLawError   code that the user has not allowed to run
-
-`Laws` finds the text of a module without running it, in a file of one folder or in an installed
-package that registers the name. `Own` carries permission, text and hash together, also to workers.
+`Laws` finds the text of a module without running it; `Own` carries permission, text and hash.
 """
 
 from __future__ import annotations
@@ -99,11 +93,8 @@ class Laws:
 class Own:
     """An object of a user's module; it has the attributes of that object.
 
-    It is made of its reference, such as ``"laws:running_in"``, and its kind; the names and values
-    with which a class is called; the text of the module, its hash, and the package that it belongs
-    to if it is installed; and the user's permission. All of them go along to a worker, where the
-    object is made anew: an `InputError` if it may not run, if the text has another hash, or if the
-    package installed there has another text.
+    All that it is made of goes along to a worker, where the object is made anew: an `InputError` if
+    it may not run, or the text has another hash, or is another one in the package there.
     """
 
     reference: str

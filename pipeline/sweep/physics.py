@@ -1,8 +1,6 @@
 """Physics beside the two half-spaces: what a scene counts, what it could, what cannot be sized.
 
-Each effect that can be sized is a scene with it, or without it where the scene counts it, so that
-the boundary shows how much it matters. Earlier turns of bodies that roll matter most, and are told
-of wherever they are not counted.
+Each effect that can be sized is a scene with it, or without it where the scene counts it.
 """
 
 from __future__ import annotations
@@ -83,9 +81,7 @@ class _Sized:
 def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     """All effects beside the half-spaces, of any scene.
 
-    All but the materials' dependence on temperature act after the simulation, by
-    `tribo.Corrections`; materials that change with it are simulated with the constants that they
-    have 60 K above room temperature, as is usual of a carbon steel.
+    But for warm materials, which are simulated, they act afterwards, by `tribo.Corrections`.
     """
     present = sweep.conditions.corrections or Corrections()
     effects, parts, more = [*_counted(sweep, present)], dict[str, Any](), 0
@@ -300,10 +296,7 @@ def cold_bodies(motion: Motion | None, corrections: Corrections | None) -> tuple
 def with_turns(
     corrections: Corrections | None, pin: Pin, disk: Material, motion: Motion | None
 ) -> tuple[Corrections, float]:
-    """Corrections with earlier turns of all cold bodies, and the length of their tracks [m].
-
-    That is the length around the pin by which it wears.
-    """
+    """Corrections with earlier turns of all cold bodies, and the length of their tracks [m]."""
     around = (motion and motion.track_length) or 2 * math.pi * pin.radius
     materials, names = {"pin": pin.material, "disk": disk}, {"pin": "pin_track", "disk": "track"}
     tracks: Any = {
@@ -318,9 +311,9 @@ def note_on_turns(
 ) -> str | None:
     """Say that earlier turns of bodies that roll are not counted; None where all are.
 
-    By how much they would warm the contact at a load and velocity, by default those in the middle
-    of the sweep, follows in closed form: the bodies share the heat as their effusivities times the
-    roots of their speeds.
+    By how much they warm the contact at a load and velocity, by default in the middle of the sweep,
+    follows in closed form: bodies share the heat as their effusivities times the roots of their
+    speeds.
     """
     scene, conditions, plane = sweep.scene, sweep.conditions, sweep.plane
     load = plane.loads[len(plane.loads) // 2] if load is None else load

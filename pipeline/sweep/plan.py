@@ -1,8 +1,7 @@
 """The points of a sweep, the chains in which one continues another, and how a point is computed.
 
-At one velocity every load passes through the same trunk of the ramp, so the points of a velocity
-form a chain: each continues the trunk where the next lower load left it. A point has the same
-numbers from any trunk, bit for bit. Variants that share a contact are in one chain, load by load.
+At one velocity each load continues the trunk of the next lower one; a point has the same numbers
+from any trunk, bit for bit. Variants that share a contact are in one chain.
 """
 
 from __future__ import annotations
@@ -77,8 +76,7 @@ class PointResult:
     def fields(self) -> dict[str, Array]:
         """Pressure [Pa], rise at friction 1 [K] and wear depth [m] at the end, shape (nx, ny).
 
-        With unequal bulk temperatures the response to their difference, too. Means over the
-        scene's elements, where the state has smaller ones.
+        With unequal bulk temperatures the response to their difference, too; means over elements.
         """
         heat, pressure = self.state.heat, self.state.pressure
         unknown = np.full_like(pressure, np.nan)
@@ -113,10 +111,7 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Stored result of a point: variables of the dataset, or None of one that failed.
-
-    Fields of a packed record are bytes, and it has a checksum; see `pipeline.store.layout`.
-    """
+    """Stored result of a point: variables of the dataset, or None of one that failed."""
 
     point: Point
     data: Mapping[str, Array | bytes] | None
@@ -141,10 +136,7 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def chains(todo: Iterable[Point], sweep: Sweep) -> tuple[tuple[Point, ...], ...]:
-    """Group points of a sweep so that each continues the trunk of the one before it.
-
-    Points of independent ones are alone, but for variants that share a contact.
-    """
+    """Group points so that each continues the trunk of the one before, unless independent."""
 
     def ramp(point: Point) -> tuple[Any, ...]:
         velocity, variant = sweep.contact_of(point)
@@ -247,10 +239,7 @@ def _simulated(
     stations: Stations | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[_Run], Trunk]:
-    """Simulate points of one contact, and lengthen its trunk.
-
-    Without stations they are passed on the way to a higher load, and so not held.
-    """
+    """Simulate points of one contact, and lengthen its trunk; not held without stations."""
     load, names = points[0].load, [point.variant for point in points]
     variants = [sweep.variant(name) for name in names]
     first, name_of_lead = sweep.contact_of(points[0])

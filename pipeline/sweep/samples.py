@@ -1,14 +1,10 @@
 """Samples of a sweep whose inputs are not known exactly: the design of a computer experiment.
 
-A sample is a value of each input that a rise depends on, *and one velocity*; one ramp leads it
-through all loads. Contacts depend on the wear rate k and the velocity V through w = kV alone
-(`contacts`), and heat is cheap beside them. So samples that follow each other share a
-contact: they have the same inputs of it and the same w, and differ in V, with k = w/V, and in the
-thermal constants. Samples fill the range of the inputs evenly, somewhat beyond what is likely; they
-are not draws of it, which `pipeline.uncertain` makes by the thousand.
-
-Where the contact has no other unknown input, its wear numbers w are planned, not drawn: 8 evenly
-spread ones, with heat at 2 velocities each, give the rise better than 128 samples on 8 drawn ones.
+A sample is a value of each input that a rise depends on, and one velocity. Contacts depend on the
+wear rate k and the velocity V through w = kV alone, so that samples which follow each other share
+one: they have the same w, and differ in V. Samples fill the range evenly, and are not draws of it.
+Without another unknown input the wear numbers are planned: 8 even ones with 2 velocities each give
+the rise better than 128 samples on 8 drawn ones.
 """
 
 from __future__ import annotations
@@ -60,10 +56,7 @@ class Design:
 
     @property
     def sufficient(self) -> int | None:
-        """Number of samples beyond which more tell nothing; None where each has another contact.
-
-        Contacts that differ in wear number and values of lists alone are soon known.
-        """
+        """Number of samples beyond which more tell nothing; None where each has another contact."""
         if self.per_contact == 1:
             return None
         of_contact = [
@@ -80,9 +73,7 @@ class Design:
     def draw(self, count: int) -> tuple[Array, Array]:
         """Inputs [SI], shape (count, n_input), and velocities [m/s], shape (count,).
 
-        A longer draw begins with the shorter one. Velocities take the first dimension of the
-        sequence, whose pairs with the next few fill a plane best, so that no input leaves a hole at
-        their ends.
+        A longer draw begins with the shorter one. Velocities take the first, best dimension.
         """
         group = self.per_contact
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]

@@ -16,11 +16,7 @@ PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01, "reference": 0.0
 
 
 def velocity_error(attributes: Mapping[str, Any]) -> float | None:
-    """Largest known relative error of the boundary velocity of a store; None if none is known.
-
-    It is the measured error where the fidelity was picked for its accuracy, else the error that its
-    preset promises. What a scene stores, and its heat model, do not change that promise.
-    """
+    """Largest known relative error of a store's boundary velocity: measured, or of its preset."""
     if selection := attributes.get("selection"):
         return float(max(selection["error"], selection.get("coarser") or 0.0))
     name = attributes.get("preset") or _preset_of(attributes)

@@ -19,10 +19,7 @@ def staged(
     weight: Callable[[T], float] = lambda item: 1.0,
     clock: Callable[[], float] = time.monotonic,
 ) -> Iterator[T]:
-    """Go through items, and say before each which it is, of how many, and the time to go.
-
-    The weight is an item's share of the time, in any unit; the clock gives the time [s].
-    """
+    """Go through items, and say before each which it is, of how many, and the time to go."""
     everything = list(items)
     weights = [weight(item) for item in everything]
     began = clock()

@@ -1,7 +1,6 @@
 """Stations of a point: the moments on its way that are kept besides those that decide.
 
-On a ramp they are lower loads, and each is the end of a point at that load, bit for bit. On the
-way of a recorded load, or while a load is held, they are steps of the point's own.
+On a ramp they are the ends of points at lower loads, bit for bit, else steps of its own.
 """
 
 from __future__ import annotations

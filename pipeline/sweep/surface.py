@@ -77,10 +77,7 @@ def with_unit(value: Any, unit: str) -> dict[str, Any] | None:
 
 
 def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
-    """Describe the disk's surface; None if it is smooth.
-
-    A random surface of more than a million pixels is described as it is asked for, not made.
-    """
+    """Describe the disk's surface, not made if it has a million pixels; None if it is smooth."""
     return _facts(sweep.scene.roughness, sweep.scene.pixels)
 
 
@@ -110,10 +107,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
 
 
 def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
-    """Heights above their mean plane, and how far that rises over the window [m].
-
-    The coordinates of a grid are orthogonal, so each slope is a sum of its own.
-    """
+    """Heights above their mean plane, and how far that rises over the window [m]."""
     level, rises = heights - heights.mean(), []
     for axis, count in enumerate(heights.shape):
         place = np.arange(count) - (count - 1) / 2
@@ -125,10 +119,7 @@ def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
 
 
 def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
-    """Angle from the x axis of the direction in which heights change least [°].
-
-    None if they change about as much in all directions.
-    """
+    """Angle from x of the direction in which heights change least [°]; None if all are alike."""
     if min(heights.shape) < 2:
         return None
     along_x, along_y = np.gradient(heights, *spacing)
@@ -142,12 +133,7 @@ def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class Lubrication:
-    """Quantities that the film parameter Λ of a scene depends on.
-
-    The film is that between smooth bodies at the bulk temperature, with the pin's radius as it was
-    before any wear; Λ is its thickness over the root mean square height of the disk. A pin that has
-    worn flat is closer to the disk's shape, and builds another film.
-    """
+    """Quantities that the film parameter Λ depends on, of smooth bodies before any wear."""
 
     oil: Oil  # with a pressure-viscosity coefficient
     radius: float  # of the pin [m]
@@ -208,10 +194,7 @@ class Lubrication:
         return analytic.hertz_contact(1.0, self.contact_modulus, *shape).aspect  # at any load
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
-        """Film parameter Λ of loads [N] and velocities [m/s], broadcast.
-
-        The sign of a velocity makes no difference. NaN where either is, and without a load.
-        """
+        """Film parameter Λ of loads [N] and velocities [m/s], broadcast; NaN without a load."""
         loads, velocities = np.broadcast_arrays(load, velocity)
         parameters = np.full(loads.shape, np.nan)
         for index in np.ndindex(loads.shape):

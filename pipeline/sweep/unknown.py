@@ -1,8 +1,6 @@
-"""Inputs that are not known exactly, and the samples drawn of them.
+"""Inputs that are not known exactly, and samples of them by a scrambled Sobol' sequence.
 
-Samples are the points of a scrambled Sobol' sequence (`scipy.stats.qmc`), which fills the space of
-inputs more evenly than chance does. A longer sequence begins with the shorter one, and what is
-drawn of an input does not depend on those that stand after it.
+A longer sequence begins with the shorter one, and no input depends on those after it.
 """
 
 from __future__ import annotations
@@ -58,9 +56,8 @@ class Unknown:
     """An input that is not known exactly, by the path of its entry.
 
     Its parameters are mean and standard deviation; median and factor, within which two thirds lie;
-    lowest and highest value; or the values, each as likely [SI]. It may be correlated with inputs
-    that stand before it, by their paths and the correlation of the normal scores. The unit in
-    the scene is for display alone: another one makes no other input.
+    lowest and highest value; or values, each as likely [SI]. Correlations are of normal scores with
+    inputs before it. The unit of the scene is for display alone.
     """
 
     path: str
@@ -233,10 +230,7 @@ def allowed(correlations: Array, i: int, j: int) -> tuple[float, float] | None:
 
 
 def sequence(seed: int, count: int) -> Array:
-    """The first points of a scrambled Sobol' sequence, shape (count, `MOST` + 1).
-
-    They lie within the unit cube and not on its faces.
-    """
+    """Points of a scrambled Sobol' sequence off the cube's faces, shape (count, `MOST` + 1)."""
     from scipy.stats import qmc  # takes 0.5 s, and few scenes need it
 
     sobol = qmc.Sobol(MOST + 1, scramble=True, rng=np.random.default_rng(seed))

@@ -1,9 +1,4 @@
-"""Variants of a scene: a table with one row a variant, whoever filled it.
-
-Small functions fill it: `surfaces` (seeds), `wear_rates` (on the contacts of one), `rows` (by
-hand), `pipeline.scene.over` (products of values), `pipeline.scene.unknown` (samples). Nothing after
-them asks which one did.
-"""
+"""Variants of a scene: a table with one row a variant, whoever filled it."""
 
 from __future__ import annotations
 
@@ -63,9 +58,8 @@ class Column:
 class Variants:
     """A table of the variants of a scene, one row each; a single row changes nothing.
 
-    Rows are every combination of the values along its dimensions, the last one first. Rows that are
-    not, such as pairs and samples, are numbered along one dimension, ``variant``, and have their
-    labels as coordinates along it.
+    Rows are every combination of values along dimensions, the last one first; others are numbered
+    along ``variant``, with their labels as coordinates along it.
     """
 
     # Those named "velocity" and "load" are the place at which a row alone is simulated [m/s, N];
@@ -238,9 +232,8 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 def wear_rates(own: float, low: float, high: float) -> Variants:
     """The scene at other wear rates, on the contacts of its own [m²/N].
 
-    A contact at the velocity V and the own rate k is that of V' and another rate k' where
-    kV = k'V'. So the velocities of the plane are those at the own rate k, and a row at the rate k'
-    slides at k/k' times these. Rates are even in the logarithm, with the own among them.
+    A contact at the velocity V and the own rate k is that of V' and another rate k' where kV =
+    k'V': a row at the rate k' slides at k/k' times the velocities of the plane.
     """
     count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
     even = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
@@ -275,10 +268,7 @@ def placed_rows(
     velocities: Sequence[float],
     rows: Sequence[int] | None = None,
 ) -> Variants:
-    """Rows with a place each, and what they change; numbers of those that belong together if any.
-
-    The first row of a number is the place itself, the others lie about it.
-    """
+    """Rows with a place each; numbers of those about one place, which is that of the first."""
     numbers = _numbers(len(parts))
     places = [("load", loads, "N"), ("velocity", velocities, "m/s")]
     along = [
@@ -296,10 +286,7 @@ def rows(
     velocities: Sequence[float] | None = None,
     loads: Sequence[float] | None = None,
 ) -> Variants:
-    """Rows by hand along a dimension: by their labels what each changes, as ``pin.radius`` [SI].
-
-    Each may have a velocity [m/s] and a load [N] of its own.
-    """
+    """Rows by hand: by label what each changes, as ``pin.radius``, and its place [SI], if any."""
     labels = tuple(changes)
     own = [
         Column(axis, tuple(map(float, values)), unit, name, meaning=f"{axis} of each {name}")
