@@ -41,9 +41,8 @@ def sweep_of(loading, motion=None, **changes):
 @pytest.mark.parametrize(
     ("loading", "steps", "motion"),
     [
-        ("ramp", "end", None), ("ramp", "loads", ROLLING), ("ramp", 3, None),
-        ("hold", "end", ROLLING), ("hold", 3, None),
-        ("record", "end", None), ("record", 2, ROLLING), ("record", "all", None),
+        ("ramp", "loads", ROLLING), ("hold", "end", None), ("hold", 3, ROLLING),
+        ("record", "end", None), ("record", 2, ROLLING),
     ],
 )  # fmt: skip
 def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, steps, motion):
@@ -73,12 +72,12 @@ def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
     assert (rise - cold).item() == pytest.approx(share**2 * energy / 500.0, rel=5e-3)
 
 
-@pytest.mark.parametrize("loading", LOADINGS)
-def test_a_part_of_a_sweep_has_the_temperatures_of_the_whole(tmp_path, loading):
-    sweep = sweep_of(LOADINGS[loading]).changed(velocities=(0.5, VELOCITY))
-    commit_all(tmp_path / "a.zarr", sweep)
+@pytest.mark.parametrize("loading", ["hold", "record"])
+def test_any_part_of_a_sweep_has_the_temperatures_that_it_has_in_the_whole(tmp_path, loading):
+    commit_all(tmp_path / "a.zarr", sweep_of(LOADINGS[loading], steps="all"))
     ds, point = pipeline.open_sweep(tmp_path / "a.zarr"), {"load": LOAD, "velocity": VELOCITY}
-    whole = pipeline.temperatures(ds)["mean_temperature"].isel(step=-1)
+    all_steps = pipeline.temperatures(ds)
+    whole = all_steps["mean_temperature"].isel(step=-1)
     for part in (ds.isel(step=-1), pipeline.end_of_point(ds), ds.isel(step=[-1]).squeeze("step")):
         xr.testing.assert_allclose(
             pipeline.temperatures(part)["mean_temperature"].drop_vars("step", errors="ignore"),
@@ -86,25 +85,16 @@ def test_a_part_of_a_sweep_has_the_temperatures_of_the_whole(tmp_path, loading):
         )  # fmt: skip
         alone = pipeline.temperatures(part.sel(point))["mean_temperature"]
         assert alone.item() == pytest.approx(whole.sel(point).item(), rel=1e-12)
-
-
-@pytest.mark.parametrize("loading", LOADINGS)
-def test_any_stations_of_a_sweep_have_the_temperatures_that_they_have_in_the_whole(
-    tmp_path, loading
-):
-    commit_all(tmp_path / "a.zarr", sweep_of(LOADINGS[loading], steps="all"))
-    ds, at = pipeline.open_sweep(tmp_path / "a.zarr"), {"load": LOAD, "velocity": VELOCITY}
-    whole = pipeline.temperatures(ds)
-    for part in ([-2], [-3, -1], slice(-4, -1)):
+    for part in ([-2], [-3, -1]):
         some = ds.isel(step=part)
         xr.testing.assert_allclose(
             pipeline.temperatures(some)["mean_temperature"],
-            whole["mean_temperature"].isel(step=part),
+            all_steps["mean_temperature"].isel(step=part),
             rtol=1e-12,
         )
-        hottest = pipeline.decisive_temperature(some).sel(at).item()
-        held = some["normal_load"].sel(at) >= LOAD
-        quantiles = whole["temperature_quantile"].isel(step=part).sel(at)
+        hottest = pipeline.decisive_temperature(some).sel(point).item()
+        held = some["normal_load"].sel(point) >= LOAD
+        quantiles = all_steps["temperature_quantile"].isel(step=part).sel(point)
         at_share = quantiles.sel(cooler_share=0.9).where(held)
         if held.any():
             assert hottest == pytest.approx(at_share.max().item(), rel=1e-12)

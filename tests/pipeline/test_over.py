@@ -16,7 +16,7 @@ from tests.helpers import scenes
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
-SCENE = scenes.SCENE.replace("increments = 10", "increments = 4")
+SCENE = scenes.SCENE.replace("increments = 10", "increments = 3").replace('"400 N", ', "")
 OVER = '{ "pin.radius" = ["4 mm", "2 mm"] }'
 RADII = ("2 mm", "4 mm")
 
@@ -36,16 +36,6 @@ def alone(folder, **entries):
 def same(one, other):
     for name in set(other.data_vars) - {"wall_time"}:
         np.testing.assert_array_equal(one[name].values, other[name].values, name)
-
-
-def test_a_forecast_counts_the_points_of_every_scene(tmp_path):
-    sweep = load(tmp_path)
-    cost, one = (
-        pipeline.estimate(case, 1)
-        for case in (sweep, sweep.variant(next(iter(sweep.variants.given))))
-    )
-    for name in ("points", "chains", "steps", "temperatures"):
-        assert getattr(cost, name) == len(sweep.variants.given) * getattr(one, name)
 
 
 @pytest.fixture(scope="module")
@@ -100,10 +90,9 @@ def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
     assert (outcome.total, outcome.computed) == (len(points(again)), len(points(again)) - 1)
     ds = pipeline.open_sweep(store)
     assert ds["pin.radius"].values.tolist() == [0.001, 0.002, 0.003]
-    for radius in ("1 mm", "2 mm"):
-        commit_all(tmp_path / f"{radius}.zarr", alone(tmp_path, pin_radius=radius, **small))
-        one = pipeline.at_entries(ds, {"pin.radius": radius})
-        same(one, pipeline.open_sweep(tmp_path / f"{radius}.zarr"))
+    commit_all(tmp_path / "alone.zarr", alone(tmp_path, pin_radius="1 mm", **small))
+    one = pipeline.at_entries(ds, {"pin.radius": "1 mm"})
+    same(one, pipeline.open_sweep(tmp_path / "alone.zarr"))
     assert pipeline.run_sweep(first, store, workers=1).computed == 0
 
 
@@ -181,7 +170,6 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     document = irg("boundary", swept, "--json")
     assert document["pin.radius"] == [0.002, 0.004]
     assert np.shape(document["critical_velocity"])[0] == 2
-    assert "pin.radius [mm]   load [N]" in irg("boundary", swept)
     irg("boundary", swept, "-o", folder / "b.csv")
     assert (folder / "b.csv").read_text().startswith("pin.radius [mm],friction,load [N]")
     place = ("--load", "500 N", "--velocity", "1.5 m/s")
@@ -194,8 +182,6 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
     table = pipeline.margin_table(swept, folder / "duty.csv")
     assert table["distance [K]"].to_list() == [one["distance"], other["distance"]]
-    assert "2 values of pin.radius" in irg("check", folder / "scene.toml")
-    irg("status", swept)
 
 
 def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path, irg):
@@ -224,15 +210,11 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     ):
         said = irg(words[0], swept, *words[1:], code=2)
         assert 'take one of each: --at "pin.radius=..."' in said
-    choice = ("--at", "pin.radius=2 mm")
-    for options, radii in (((), RADII), (choice, ())):
-        irg("explore", swept, *options, "-o", folder / "p.html")
-        page = (folder / "p.html").read_text()
-        offered = [
-            f'<option value="{k}">pin.radius {radius}</option>' for k, radius in enumerate(radii)
-        ]
-        assert page.count("<option") == len(offered)
-        assert all(option in page for option in offered)
+    irg("explore", swept, "-o", folder / "p.html")
+    page = (folder / "p.html").read_text()
+    assert page.count("<option") == len(RADII)
+    for number, radius in enumerate(RADII):
+        assert f'<option value="{number}">pin.radius {radius}</option>' in page
     for words in (("boundary",), ("plot", "--watch", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said

