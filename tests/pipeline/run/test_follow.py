@@ -25,7 +25,7 @@ SWEEP = PAPER.changed(
     pixels=Grid((96, 48), (4e-6, 4e-6)),
     fidelity=Fidelity(pixels_per_element=1, increments=15),
     conditions=replace(PAPER.conditions, critical_temperature=371.0),
-    loads=tuple(float(load) for load in range(200, 751, 50)),
+    loads=tuple(float(load) for load in range(200, 751, 110)),
     velocities=tuple(float(velocity) for velocity in np.arange(0.5, 5.01, 0.25)),
 )
 

@@ -18,7 +18,7 @@ from tests.helpers import synthetic, tiny
 from tests.helpers.scenes import SCENE
 from tribo import InputError
 
-SEEDS = (4, 1, 7)
+SEEDS = (4, 1)
 POINT_DIMS = ("realization", "load", "velocity")
 
 
@@ -38,7 +38,7 @@ def alone_on(seed):
 def swept(tmp_path_factory):
     path = tmp_path_factory.mktemp("several") / "several.zarr"
     outcome = run_sweep(several(), path, workers=2)
-    assert (outcome.total, outcome.computed, outcome.failed) == (12, 12, ())
+    assert (outcome.total, outcome.computed, outcome.failed) == (8, 8, ())
     return path
 
 
@@ -72,7 +72,7 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
             assert stored[name].values[-len(values) :].tobytes() == values.tobytes()
         for name, field in expected.fields.items():
             assert stored[name].values.tobytes() == field.astype(np.float32).tobytes()
-    first, second = (ds["max_rise"].sel(realization=seed).values for seed in SEEDS[:2])
+    first, second = (ds["max_rise"].sel(realization=seed).values for seed in SEEDS)
     assert not np.array_equal(first, second, equal_nan=True)
 
 
@@ -149,11 +149,11 @@ def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE.replace("fields = true", "realizations = 2"))
     assert "18: 3 loads, 3 velocities, 2 surfaces" in irg("check", scene)
-    assert "12 points: 12 done" in irg("status", swept)
+    assert "8 points: 8 done" in irg("status", swept)
     assert re.search(r"surfaces +cross", irg("boundary", swept))
     document = irg("boundary", swept, "--json")
     assert document["realization"] == sorted(SEEDS)
-    assert np.shape(document["critical_velocity"]) == (3, 2)
+    assert np.shape(document["critical_velocity"]) == (2, 2)
     assert np.shape(document["critical_velocity_quantile"]) == (3, 2)
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
     point = irg("point", scene, *place)

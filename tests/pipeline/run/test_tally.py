@@ -38,36 +38,31 @@ def tallied(tmp_path, monkeypatch):
     return run
 
 
-def test_the_start_of_the_workers_is_not_taken_for_the_pace_of_their_points(tallied):
-    """Two workers begin after 10 s, and finish a point of 1 s each in every second."""
-    to_go = tallied([START + 1 + number // 2 for number in range(20)], workers=2)
-    assert to_go == pytest.approx((COUNT - 20) / 2, rel=0.15)
+LATER = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number in range(40)]
 
 
-def test_the_first_point_tells_a_time_and_nothing_of_the_start_of_the_workers(tallied):
-    assert tallied([60.0], workers=2) == pytest.approx((COUNT - 1) / 2)
-
-
-def test_more_workers_than_chains_do_not_shorten_the_last_of_them(tallied):
-    assert tallied([60.0], workers=1000) == pytest.approx(1.0)
-
-
-def test_points_that_cost_the_schedule_more_than_themselves_tell_the_pace(tallied):
-    """A worker finishes a point of 1 s in every 2 s."""
-    assert tallied([START + 2.0 * number for number in range(20)]) == pytest.approx(
-        2 * (COUNT - 20)
-    )
-
-
-def test_the_wait_in_the_queue_is_not_taken_for_the_pace_of_points(tallied):
-    """The first worker comes after an hour, and finishes a point in each second."""
-    assert tallied([3601.0, 3602.0], absent=3600.0) == pytest.approx(COUNT - 2)
-
-
-def test_workers_that_come_later_count_with_the_time_to_go(tallied):
-    """One worker for 20 s, ten from then on."""
-    ends = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number in range(40)]
-    assert tallied(ends, workers=10) < 15.0  # 40 points are left, and take ten workers 4 s
+@pytest.mark.parametrize(
+    ("ends", "options", "to_go"),
+    [
+        # Two workers begin after 10 s, and finish a point of 1 s each in every second.
+        ([START + 1 + number // 2 for number in range(20)], {"workers": 2}, (COUNT - 20) / 2),
+        # The first point tells nothing of the start of the workers.
+        ([60.0], {"workers": 2}, (COUNT - 1) / 2),
+        # More workers than chains do not shorten the last of them.
+        ([60.0], {"workers": 1000}, 1.0),
+        # A worker finishes a point of 1 s in every 2 s: the schedule costs more than the point.
+        ([START + 2.0 * number for number in range(20)], {}, 2 * (COUNT - 20)),
+        # The first worker comes after an hour, and finishes a point in each second.
+        ([3601.0, 3602.0], {"absent": 3600.0}, COUNT - 2),
+        # One worker for 20 s, ten from then on, by the mean pace of both: 40 points are left.
+        (LATER, {"workers": 10}, 10.0),
+    ],
+    ids=["start", "first point", "last points", "schedule", "queue", "later workers"],
+)
+def test_the_time_to_go_is_told_by_the_pace_of_the_points_and_not_by_waits(
+    tallied, ends, options, to_go
+):
+    assert tallied(ends, **options) == pytest.approx(to_go, rel=0.15)
 
 
 def test_points_that_all_fail_alike_end_a_run(tmp_path):
