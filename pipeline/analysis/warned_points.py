@@ -17,12 +17,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary_under
-from pipeline.analysis.dataset import (
-    attributes_of,
-    dataset_of,
-    has_one_scene,
-    has_plane,
-)
+from pipeline.analysis.dataset import attributes_of, dataset_of, has_one_scene, has_plane
 from pipeline.analysis.decisive import beside_boundary, conditions_of, decisive_rise
 from pipeline.analysis.scenes import by_scene, planes, value_text
 from pipeline.store.place import PathLike

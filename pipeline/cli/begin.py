@@ -121,8 +121,10 @@ def tests(options: argparse.Namespace) -> Result:
     found, faults = log.tests, log.faults
     toml = list(_toml(log, options.decimal, row_of is TEST)) if found else []
     document = {
-        "file": str(path), "form": log.sheet.form, "columns": _columns(log), "unused": log.unused,
-        "words": log.words, "tests": found, "faults": faults, "toml": "\n".join(toml),
+        "file": str(path), "form": log.sheet.form,
+        "columns": {name: log.sheet.heading(name).text for name in log.sheet.places},
+        "unused": log.unused, "words": log.words, "tests": found, "faults": faults,
+        "toml": "\n".join(toml),
     }  # fmt: skip
     text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
     if found:
@@ -151,11 +153,6 @@ def _of_trace(path: Path, trace: Trace) -> Result:
     document = {"file": str(path), "transition_time": at, "toml": "\n".join(toml)}
     head = f"{path}: a trace of friction, {len(trace.time)} rows"
     return Result(document, [head, *trace.lines(), "", *toml])
-
-
-def _columns(log: Log) -> dict[str, str]:
-    """Heading of each entry that was found."""
-    return {name: log.sheet.heading(name).text for name in log.sheet.places}
 
 
 def _understood(log: Log) -> Iterable[str | pd.DataFrame]:

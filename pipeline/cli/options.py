@@ -73,7 +73,7 @@ ACCURACY = Option(
     help="pick the cheapest fidelity whose boundary errs by this at most, such as 2%%",
 )  # fmt: skip
 BOUNDARY_ONLY = Option(
-    "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.tolerance,
+    "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.share,
     help="compute the boundary alone, to this tolerance, at velocities that the run chooses; "
     "default: 1%%",
 )  # fmt: skip
@@ -187,9 +187,7 @@ WEAR_RATE = _quantity(
 )
 
 FRICTION = Option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
-FRICTIONS = FRICTION.but(
-    type=values.frictions, action="extend", help="coefficient of friction; may be repeated"
-)
+FRICTIONS = FRICTION.but(action="append", help="coefficient of friction; may be repeated")
 BULK = Option(
     "--bulk-temperature", metavar="T", type=values.bulk,
     help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" if they differ',

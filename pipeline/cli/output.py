@@ -149,13 +149,17 @@ _SOON = 2.0  # [s], before which a command that just works says nothing
 
 
 @contextmanager
-def _line() -> Iterator[Callable[..., None]]:
-    """Yield a function that shows a text, in place on a terminal, else every few seconds."""
-    bar: Any = None
-    printed, printed_at = "", -math.inf
+def _line(tells_last: bool = False) -> Iterator[Callable[..., None]]:
+    """Yield a function that shows a text, in place on a terminal, else every few seconds.
 
-    def show(text: str, done: int = 0, total: int = 0, is_last: bool = False) -> None:
-        nonlocal bar, printed, printed_at
+    On a terminal it stands beside a bar if there is a total; if quiet, nothing is shown.
+    """
+    bar: Any = None
+    latest, printed, printed_at = "", "", -math.inf
+
+    def show(text: str, done: int = 0, total: int = 0) -> None:
+        nonlocal bar, latest, printed, printed_at
+        latest = text
         if QUIET.is_set():
             return
         if sys.stderr.isatty():
@@ -167,9 +171,8 @@ def _line() -> Iterator[Callable[..., None]]:
             bar.n, bar.total = done, total or None
             bar.set_description_str(text, refresh=False)
             bar.update(0)
-        elif is_last or time.monotonic() - printed_at >= _BETWEEN_LINES:
-            if text != printed:
-                tell(text)
+        elif text != printed and time.monotonic() - printed_at >= _BETWEEN_LINES:
+            tell(text)
             printed, printed_at = text, time.monotonic()
 
     try:
@@ -177,23 +180,15 @@ def _line() -> Iterator[Callable[..., None]]:
     finally:
         if bar is not None:
             bar.close()
+        elif tells_last and latest != printed:
+            tell(latest)
 
 
 @contextmanager
 def run_line() -> Iterator[Callable[[Progress], None]]:
-    """Yield a function that shows a state of the run, and show the last one again at the end."""
-    latest: list[Progress] = []
-
-    def show(progress: Progress) -> None:
-        latest[:] = [progress]
-        line(str(progress), progress.done, progress.total)
-
-    with _line() as line:
-        try:
-            yield show
-        finally:
-            for progress in latest:
-                line(str(progress), progress.done, progress.total, is_last=True)
+    """Yield a function that shows a state of the run."""
+    with _line(tells_last=True) as line:
+        yield lambda progress: line(str(progress), progress.done, progress.total)
 
 
 @contextmanager
@@ -205,12 +200,11 @@ def working(task: str) -> Iterator[Callable[[int, int], None]]:
         latest[:] = done, total
 
     def say() -> None:
-        if is_over.wait(_SOON):
-            return
+        pause = _SOON
         with _line() as line:
-            line(state_of_task(task, time.monotonic() - began, *latest))
-            while not is_over.wait(_BETWEEN_LOOKS):
+            while not is_over.wait(pause):
                 line(state_of_task(task, time.monotonic() - began, *latest))
+                pause = _BETWEEN_LOOKS
 
     thread = threading.Thread(target=say, name="progress", daemon=True)
     thread.start()

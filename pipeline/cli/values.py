@@ -13,13 +13,11 @@ from typing import Any
 import pipeline
 from pipeline.scene.units import difference_in_si
 
-_DECIMAL_POINT = re.compile(r"\s*[+-]?(\d+\.\d*|\.\d+)(e[+-]?\d+)?\s*", re.IGNORECASE)
 _EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
 _OF_OTHER_FILES = (
     *(".toml", ".json", ".csv", ".md", ".txt", ".npy", ".nc"),
     *(".png", ".svg", ".pdf", ".gif", ".jpg", ".html", ".py", ".ipynb"),
 )
-_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
@@ -99,19 +97,7 @@ def friction(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        like = text.replace(",", ".") if _DECIMAL_COMMA.fullmatch(text) else "0.1"
-        raise Refused(f'"{text}": give a number such as {like}') from None
-
-
-def frictions(text: str) -> tuple[float, ...]:
-    """Read a friction coefficient, or several with decimal points between commas."""
-    parts = text.split(",")
-    if len(parts) > 1 and not all(_DECIMAL_POINT.fullmatch(part) for part in parts):
-        raise Refused(
-            f'"{text}": the comma may stand for a decimal point; write one number as 0.12, several '
-            "as --friction 0.09 --friction 0.103 or 0.09,0.103"
-        )
-    return tuple(friction(part) for part in parts)
+        raise Refused(f'"{text}": give a number such as 0.12') from None
 
 
 def share(text: str) -> float:
@@ -123,15 +109,6 @@ def share(text: str) -> float:
     if not 0 < value < 1:
         raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
     return value
-
-
-def tolerance(text: str) -> float:
-    """Read the tolerance of an option that may go without one: a scene is taken for it."""
-    if text.endswith(".toml"):
-        raise Refused(
-            f'"{text}" stands where a tolerance may; give the scene first, or one such as 1%'
-        )
-    return share(text)
 
 
 def failing_share(text: str) -> float:
