@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -45,8 +44,7 @@ def ramp(
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
     volume = 1e9 * ds["wear_volume"].values
-    most_worn = max(np.nanmax(volume[point]) for point in points)
-    is_worn = show is None and most_worn > 0
+    is_worn = show is None and any(np.nanmax(volume[point]) > 0 for point in points)
     figure = style.Picture(figsize=(7.2, 7.8 if is_worn else 5.8))
     ratios = (1.4, 1, 1) if is_worn else (1.4, 1)
     temperature, contact, *wear = figure.subplots(len(ratios), sharex=True, height_ratios=ratios)
@@ -58,10 +56,8 @@ def ramp(
     else:
         _shown(contact, ds, points, show)
     for axes in wear:
-        power = power_of_thousand(most_worn)
-        unit = f"$10^{{{round(math.log10(power))}}}$ mm³" if power != 1 else "mm³"
         depth = "greatest wear depth [µm]", 1e6 * ds["wear_depth_max"].values
-        _pair(axes, ds, points, depth, (f"worn volume [{unit}]", volume / power))
+        _pair(axes, ds, points, depth, ("worn volume [mm³]", volume))
     lowest = [contact, *wear][-1]
     lowest.set_xlabel("time [s]")
     lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
@@ -158,6 +154,7 @@ def _pair(
             color, order = f"C{number}", _order(point)
             axes.plot(time, column, color=color, ls=ls, marker=marker, zorder=order)
         axes.set_ylabel(label)
+        axes.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
         axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
         key.append(Line2D([], [], color=BLACK, ls=ls, label=label.partition(" [")[0]))
     left.legend(handles=key, loc="upper left", ncols=2)
@@ -192,11 +189,6 @@ def _load_axis(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]]) -> Non
         ),
     )
     top.set_xlabel("normal load [N]")
-
-
-def power_of_thousand(value: float) -> float:
-    """The power of 1000 by which to divide, for a value from 1 to 1000."""
-    return 1000.0 ** math.floor(math.log(value, 1000)) if value > 0 else 1.0
 
 
 @style.in_house_style

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -17,7 +16,6 @@ from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import Judged, Posterior
 from pipeline.uncertain.sensitivity import Sensitivity
-from tribo.types import Array
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
 _BINS = 40
@@ -164,25 +162,25 @@ def draw_posterior(posterior: Posterior) -> Figure:
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
     for number, (quantity, panel) in enumerate(zip(unknown, axes, strict=False)):
         values = quantity.shown.of(posterior.prior.inputs[:, number])
-        power = _power(values)
-        column = values / 10.0**power
-        low, high = posterior.prior.quantile(column, 0.001), posterior.prior.quantile(column, 0.999)
+        low, high = (posterior.prior.quantile(values, share) for share in (0.001, 0.999))
         bins = np.linspace(low, high, _BINS)
         if quantity.kind == "list":
-            listed = np.sort(quantity.shown.of(np.array(quantity.parameters))) / 10.0**power
-            bins = np.append(listed, listed[-1] + 1) - 0.5
+            listed = np.sort(quantity.shown.of(np.array(quantity.parameters)))
+            middles = (listed[1:] + listed[:-1]) / 2
+            bins = np.array([2 * listed[0] - middles[0], *middles, 2 * listed[-1] - middles[-1]])
         for draws, colour, label in (
             (posterior.prior, GREY, "before the measurements"),
             (posterior.draws, BLUE, "after them"),
         ):
             panel.hist(
-                quantity.shown.of(draws.inputs[:, number]) / 10.0**power, bins.tolist(),
+                quantity.shown.of(draws.inputs[:, number]), bins.tolist(),
                 weights=draws.weights, density=True, histtype="stepfilled", color=colour,
                 alpha=0.45, ec=colour, label=label,
             )  # fmt: skip
-        panel.set_xlabel(
-            style.entry_label(quantity.path) + _unit(quantity.shown.name, power), fontsize=9
-        )
+        unit = style.as_text(quantity.shown.suffix).replace("^2", "²").replace("^3", "³")
+        label = style.entry_label(quantity.path) + (unit and f"\n[{unit.strip()}]")
+        panel.set_xlabel(label, fontsize=9)
+        panel.ticklabel_format(axis="x", scilimits=(-3, 3), useMathText=True)
         panel.set_yticks([])
         panel.grid(visible=False)
     if transitions:
@@ -216,17 +214,3 @@ def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
         )  # fmt: skip
     axes.set_xlabel("measured velocity, its scatter [m/s]", fontsize=9)
     axes.set_ylabel("computed, 90 % interval [m/s]", fontsize=9)
-
-
-def _power(values: Array) -> int:
-    """Power of ten to write values in, where they are small or large."""
-    power = math.floor(math.log10(max(np.abs(values).max(), 1e-300)))
-    return power if abs(power) > 2 else 0
-
-
-def _unit(unit: str, power: int) -> str:
-    """A unit below the name of an input, and the power of ten taken out of its values."""
-    parts = [f"$10^{{{power}}}$"] if power else []
-    if unit != "1":
-        parts.append(style.as_text(unit).replace("^2", "²").replace("^3", "³"))
-    return f"\n[{' '.join(parts)}]" if parts else ""

@@ -178,7 +178,7 @@ def test_ramp_shows_the_ends_of_all_loads_at_the_velocity_nearest_to_the_transit
         "contact width [µm]",
         "in contact [% of window]",
         "greatest wear depth [µm]",
-        "worn volume [$10^{-3}$ mm³]",
+        "worn volume [mm³]",
     ]
     assert wear.get_xlabel() == "time [s]"
     assert synthetic.critical_velocity(750.0, synthetic.limit()) == pytest.approx(1.23, abs=0.01)

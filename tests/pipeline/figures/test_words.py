@@ -2,7 +2,6 @@
 
 import pytest
 
-from pipeline.figures.ramp import power_of_thousand
 from pipeline.figures.studies import printed, signed
 from pipeline.figures.style import as_text, entry_label
 
@@ -17,8 +16,6 @@ from pipeline.figures.style import as_text, entry_label
         (printed("1.44e-06 mm^3/(N m)"), "1.44·10⁻⁶ mm³/(N m)"),
         (printed("3 um"), "3 µm"),
         (printed("145 degC"), "145 °C"),
-        (power_of_thousand(0.0028), 0.001),
-        (power_of_thousand(0.0), 1.0),
     ],
 )
 def test_words_are_written_as_in_print(written, expected):
