@@ -122,7 +122,7 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Rise at friction 1 that decides at each point [K], dims (..., load, velocity), or NaN."""
-    ds = _about_quantile(dataset_of(ds), conditions.decisive.quantile)
+    ds = dataset_of(ds)
     for name in ("load", "velocity"):
         if name not in ds.dims:
             raise InputError(
@@ -147,15 +147,6 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
         "decisive_rise",
         {"units": "K", "long_name": "decisive rise at friction 1"},
     )
-
-
-def _about_quantile(ds: xr.Dataset, level: float | None) -> xr.Dataset:
-    """The sweep with the two quantiles about a level alone, which is all that is read of it."""
-    stored = ds["cooler_share"].values
-    if level is None or not stored[0] <= level <= stored[-1]:
-        return ds
-    last = max(int(np.searchsorted(stored, level)), 1)
-    return ds.isel(cooler_share=slice(last - 1, last + 1))
 
 
 def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:

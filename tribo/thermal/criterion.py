@@ -35,8 +35,6 @@ class Rule:
         Called with that column [K], the share and the quantiles; gives the deciding rise [K].
     temperature, severe : str
         The deciding temperature and severe wear in words, with the ``{share}`` [%].
-    quantile : callable, optional
-        Called with the share; gives the quantile of the temperature that decides, if it is one.
 
     Examples
     --------
@@ -49,7 +47,6 @@ class Rule:
     rise: Callable[[Array, float, Array], Array]
     temperature: str
     severe: str
-    quantile: Callable[[float], float] | None = None
 
 
 CRITERIA: dict[str, Rule] = {
@@ -58,14 +55,12 @@ CRITERIA: dict[str, Rule] = {
         rise_exceeded,
         "exceeded on {share:g} % of the contact",
         "more than {share:g} % of the contact above",
-        lambda share: 1 - share,
     ),
     "highest": Rule(
         "rise_quantile",
         lambda rises, _, quantiles: rise_exceeded(rises, 0.0, quantiles),
         "maximum",
         "any of the contact above",
-        lambda _: 1.0,
     ),
     "mean": Rule(
         "mean_rise",
@@ -104,8 +99,6 @@ class Criterion:
     'exceeded on 10 % of the contact'
     >>> Criterion(share=0.1).severe
     'more than 10 % of the contact above'
-    >>> Criterion("highest").quantile, Criterion("mean").quantile
-    (1.0, None)
     """
 
     name: str = "share"
@@ -133,12 +126,6 @@ class Criterion:
     def column(self) -> str:
         """Column that decides, ``"rise_quantile"`` or ``"mean_rise"``."""
         return self._rule.column
-
-    @property
-    def quantile(self) -> float | None:
-        """Quantile of the temperature that decides, None if it is no single one."""
-        quantile = self._rule.quantile
-        return None if quantile is None else quantile(self.share)
 
     @property
     def takes_share(self) -> bool:
