@@ -296,12 +296,6 @@ def with_band(boundaries: xr.Dataset, variant: str | None) -> xr.Dataset:
     return with_quantiles
 
 
-def middle_of(boundaries: xr.Dataset, name: str) -> xr.DataArray:
-    """A critical velocity or load: of several surfaces the one that half of them stay below."""
-    several = f"{name}_quantile" in boundaries
-    return boundaries[f"{name}_quantile"].sel(quantile=0.5) if several else boundaries[name]
-
-
 def _band_of(
     places: Array, outcomes: Array, first: Array, last: Array
 ) -> tuple[float, float, Array]:

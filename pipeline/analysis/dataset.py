@@ -212,15 +212,9 @@ def is_emulated(ds: xr.Dataset) -> bool:
     return bool(attributes_of(ds).get("unknown"))
 
 
-def has_one_scene(ds: xr.Dataset) -> bool:
-    """True if no entry has several values."""
-    return not entry_dims(ds)
-
-
 def require_one_scene(ds: xr.Dataset) -> None:
     """Raise an `InputError` at a sweep in which entries have several values."""
-    if not has_one_scene(ds):
-        names = entry_dims(ds)
+    if names := entry_dims(ds):
         several = " and ".join(names)
         options = " ".join(f'--at "{name}=..."' for name in names)
         raise InputError(

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.boundary import boundary, middle_of
+from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
     asked,
     attributes_of,
@@ -152,10 +152,13 @@ def _critical_velocities(ds: xr.Dataset, **criterion: Any) -> pd.DataFrame:
     """Critical velocity and outcome at each load; over several surfaces the median."""
     boundaries, meanings = boundary(ds, **criterion), outcomes("velocity")
     codes = boundaries["outcome_at_load"].transpose("load", ...).values
+    velocities = boundaries["critical_velocity"]
+    if "critical_velocity_quantile" in boundaries:
+        velocities = boundaries["critical_velocity_quantile"].sel(quantile=0.5)
     return pd.DataFrame(
         {
             "load": boundaries["load"].values,
-            "velocity": middle_of(boundaries, "critical_velocity").values,
+            "velocity": velocities.values,
             "outcome": [", ".join(meanings[code] for code in np.unique(here)) for here in codes],
         }
     )

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary_under
-from pipeline.analysis.dataset import attributes_of, dataset_of, has_one_scene, has_plane
+from pipeline.analysis.dataset import attributes_of, dataset_of, entry_dims, has_plane
 from pipeline.analysis.decisive import beside_boundary, conditions_of, decisive_rise
 from pipeline.analysis.scenes import by_scene, planes, value_text
 from pipeline.store.place import PathLike
@@ -206,7 +206,8 @@ def exponents(x: Array, y: Array) -> Array:
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> str | None:
     """Say that bodies roll as if each turn met a cold track; None where none does."""
     scene = attributes_of(ds).get("scene", {})
-    if not (scene.get("motion") and has_one_scene(ds)) or np.ndim(conditions.get("friction", 0.0)):
+    several = entry_dims(ds) or np.ndim(conditions.get("friction", 0.0))
+    if several or not scene.get("motion"):
         return None
     judged = conditions_of(ds, **conditions)
     motion = _part(scene["motion"])

@@ -23,7 +23,6 @@ from pipeline.analysis.dataset import (
     attributes_of,
     drawn_row,
     entry_dims,
-    has_one_scene,
     has_plane,
     is_emulated,
 )
@@ -97,9 +96,9 @@ def diagram(
         return draw_rows(ds, against, ax, friction=friction, **changed)
     if against is not None:
         raise InputError("against is a column of rows with places of their own; leave it out")
-    if not has_one_scene(ds):
+    if several := entry_dims(ds):
         if isinstance(friction, Sequence):
-            raise InputError(_ONE_LINE_EACH.format(entry_dims(ds)[0]))
+            raise InputError(_ONE_LINE_EACH.format(several[0]))
         return _of_scenes(ds, {"friction": friction, **changed}, log, ax)
     band = attributes_of(ds).get("friction_band")
     if isinstance(friction, Sequence):
