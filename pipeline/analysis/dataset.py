@@ -15,7 +15,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import RISES, at_bulks, columns_needed, corrected
+from pipeline.sweep.criterion import RISES, at_bulks, columns_needed, corrected_columns
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Variant
 from tribo import InputError
 from tribo.types import Array
@@ -288,14 +288,14 @@ def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
 
 def corrected_sweep(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take the rises of a sweep with the corrections of some conditions, at all bulk ratios."""
-    return _with_rises(ds, conditions, corrected) if conditions.corrections else ds
+    return _with_rises(ds, conditions, corrected_columns) if conditions.corrections else ds
 
 
 def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> Array:
     """Rise over the window at the end of a point with corrections, shape of `rise` [K]."""
     columns = {name: point[name].values for name in columns_needed(conditions)}
     line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-    zero, one = corrected(columns | line, conditions)["rise_quantile"][-1]
+    zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][-1]
     field: Array = zero + (one - zero) * rise
     return field
 

@@ -26,7 +26,7 @@ from pipeline.scene.units import difference_in_si, display
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import MOST, Candidate, Programme, load_of_target, programme
-from pipeline.uncertain.posterior import Contrast, Judged, Posterior, differences
+from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
 from tribo import InputError
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
@@ -58,7 +58,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     document, text = weighed.as_dict(), list(_on_inputs(weighed))
     frame = _in_si(weighed)
     with working("comparing the sweeps"):
-        compared = list(differences(weighed))
+        compared = list(contrasts(weighed))
     document["differences"] = [one._asdict() for one in compared]
     text += map(_in_words, compared)
     if options.next is None:

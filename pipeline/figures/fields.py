@@ -43,7 +43,7 @@ def chosen_points(
             "no point of the sweep is done yet; go on with irg run, "
             "with --retry-failed if points failed"
         )
-    loads, velocities = indices(ds, "load", load), indices(ds, "velocity", velocity)
+    loads, velocities = indices_of(ds, "load", load), indices_of(ds, "velocity", velocity)
     points = []
     for i in loads or [int(np.flatnonzero(is_finite.any(axis=1))[-1])]:
         require_done_at(ds["load"].values[i], is_finite[i])
@@ -69,7 +69,7 @@ def require_done_at(load: float, is_done: Mask) -> None:
         )
 
 
-def indices(
+def indices_of(
     ds: xr.Dataset, axis: str, values: float | str | Iterable[float | str] | None
 ) -> list[int]:
     """Find the indices of one load or velocity or several; none if none is given."""

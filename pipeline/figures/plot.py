@@ -17,7 +17,7 @@ from pipeline.analysis.decisive import CONDITIONS
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import PendingError, fields
 from pipeline.figures.ramp import ramp, temperature
-from pipeline.figures.style import figure_path, fitted, save_figure
+from pipeline.figures.style import figure_path, fit_to_width, save_figure
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary
@@ -108,7 +108,7 @@ def plot(
         if path or metres:
             raise InputError("ax: out and width are those of its figure; set them there")
         return drawn
-    fitted(drawn, metres, with_title)
+    fit_to_width(drawn, metres, with_title)
     return drawn if path is None else save_figure(drawn, path)
 
 

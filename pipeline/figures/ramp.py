@@ -16,7 +16,7 @@ from pipeline.analysis.dataset import one_row, sweep_at_bulks
 from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.transition import crossing, interpolated
 from pipeline.figures import style
-from pipeline.figures.fields import chosen_points, indices, point_name, require_done_at
+from pipeline.figures.fields import chosen_points, indices_of, point_name, require_done_at
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -202,7 +202,7 @@ def temperature(
     """Draw how the temperatures of the contact grow with the velocity at one load."""
     conditions = conditions_of(ds, **changed)
     ds = one_row(ds, realization)
-    row = ds.isel(load=indices(ds, "load", load) or [-1])
+    row = ds.isel(load=indices_of(ds, "load", load) or [-1])
     velocities, load_here = row["velocity"].values, float(row["load"][0])
     figure, axes = style.canvas(ax, (7.2, 5.0))
     highest = replace(conditions, criterion="highest")

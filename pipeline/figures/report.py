@@ -26,7 +26,7 @@ from pipeline.analysis.tables import frame_of, html_of, short, writable_path, wr
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
-from pipeline.figures.style import fitted, svg_of
+from pipeline.figures.style import fit_to_width, svg_of
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import meanings
 from pipeline.store.place import PathLike
@@ -176,7 +176,7 @@ def _sections_of_points(
 
 
 def _drawn(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
-    yield fitted(diagram(ds, **changed), 0.17, with_title=False)
+    yield fit_to_width(diagram(ds, **changed), 0.17, with_title=False)
 
 
 def _or_reason(section: Iterable[Part]) -> list[Part]:

@@ -190,7 +190,7 @@ _LETTER = 0.55  # width of a letter, of the size of its font
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:°C|%|N|K|m/s)(?!\w))")
 
 
-def fitted(figure: Figure, width: float | None = None, with_title: bool = True) -> Figure:
+def fit_to_width(figure: Figure, width: float | None = None, with_title: bool = True) -> Figure:
     """Bring a figure to a width [m], with or without its titles, its words and legends inside.
 
     Words shrink less than the figure, down to two thirds, so it gets higher in proportion.

@@ -24,7 +24,7 @@ from pipeline.run.tally import STARTS, Reports, Suspects
 from pipeline.run.work import (
     SAFE,
     ExecutionError,
-    Report,
+    WorkerReport,
     compute_points,
     other_packages,
     packages_of,
@@ -224,7 +224,7 @@ class _Run:
         if ramp.loads:
             self._ramps.appendleft(ramp)
 
-    def _take(self, worker: str, answer: Report, now: float) -> None:
+    def _take(self, worker: str, answer: WorkerReport, now: float) -> None:
         """Take the records that a worker has, and note what it computes."""
         require_same_code(answer.versions, worker)
         if difference := other_packages(answer.versions):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.run.cluster import Connection
-from pipeline.run.work import INSTALL, ExecutionError, Report, records_here
+from pipeline.run.work import INSTALL, ExecutionError, WorkerReport, records_here
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
@@ -241,7 +241,7 @@ class Reports:
                 self._asked[worker] = self._threads.submit(self._answer, worker, keys)
                 self._asked[worker].add_done_callback(self.wake)
 
-    def answers(self) -> Iterator[tuple[str, Report]]:
+    def answers(self) -> Iterator[tuple[str, WorkerReport]]:
         """Answers that have come since the last call, by worker."""
         for worker in [worker for worker, asked in self._asked.items() if asked.done()]:
             answer = self._asked.pop(worker).result()
@@ -253,7 +253,7 @@ class Reports:
         """True if one of these workers computed when it answered last."""
         return any(self._now.get(worker) for worker in workers)
 
-    def _answer(self, worker: str, keys: list[str]) -> Report | None:
+    def _answer(self, worker: str, keys: list[str]) -> WorkerReport | None:
         """Answer of a worker, None if it is late; `ExecutionError` if it lacks this program."""
         with suppress(OSError, TimeoutError, ValueError):
             answers = self._client.sync(
@@ -269,5 +269,5 @@ class Reports:
                 raise ExecutionError(
                     f"the Dask worker {worker} cannot run this program: {answer}; {INSTALL}"
                 )
-            return answer if isinstance(answer, Report) else None
+            return answer if isinstance(answer, WorkerReport) else None
         return None

@@ -122,7 +122,7 @@ def _unpickled(parts: bytes) -> Computed:
     return Computed(*pickle.loads(parts))
 
 
-class Report(NamedTuple):
+class WorkerReport(NamedTuple):
     """What a worker tells: its versions, the task that it computes, and pickled records by task."""
 
     versions: Versions
@@ -175,10 +175,12 @@ def _computed(
     return [packed(result.record(with_fields), simulated) for result in results], results[0].trunk
 
 
-def records_here(keys: Collection[str], dask_worker: Worker) -> Report:
+def records_here(keys: Collection[str], dask_worker: Worker) -> WorkerReport:
     """Records of those of these tasks whose results lie on a worker, told from its event loop."""
     found = {key: dask_worker.data[key].records for key in keys if key in dask_worker.data}
-    return Report(versions(), _now, {key: pickle.dumps(records) for key, records in found.items()})
+    return WorkerReport(
+        versions(), _now, {key: pickle.dumps(records) for key, records in found.items()}
+    )
 
 
 @functools.lru_cache(maxsize=1)

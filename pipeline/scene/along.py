@@ -13,7 +13,7 @@ import numpy as np
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
 from pipeline.scene.format import LOAD, SPEED
-from pipeline.scene.headings import UNITS, listed_faults, read_sheet, sheet_of, written
+from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
 from pipeline.scene.schema import Entry, Table, flat
 from pipeline.scene.units import is_shown_unit
@@ -182,7 +182,7 @@ def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
             if wrong := sheet.doubt(cell) if cell else "is empty":
                 where = f"row {row.number}, column {quoted(heading.text)}"
                 faults.note("sweep.along", f"{path}: {where} {wrong}")
-            table[names.get(place, heading.title)] = written(cell, heading.unit)
+            table[names.get(place, heading.title)] = as_entry(cell, heading.unit)
     if not tables and not sheet.faults:
         faults.note("sweep.along", f"{path} has no rows; give a load and a velocity in each")
     return tables

@@ -9,7 +9,7 @@ from typing import Any
 
 import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
-from pipeline.scene.library import nearest
+from pipeline.scene.library import nearest_names
 from pipeline.scene.parts import Roughness, track_of
 from pipeline.scene.units import display
 from tribo.loading.ramp import MOST_STEPS
@@ -51,7 +51,7 @@ def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
     for body in ("pin", "disk"):
         name = entry_at(tables, f"{body}.material")
         if name and name not in materials:
-            hint = did_you_mean(name, materials) or f" ({nearest(name, 'materials')})"
+            hint = did_you_mean(name, materials) or f" ({nearest_names(name, 'materials')})"
             problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
             choices = ", ".join([*map(quoted, materials), "one of the library"])
             faults.note(f"{body}.material", f"{problem}; give {choices}, or add a table for it")

@@ -247,7 +247,7 @@ class Sheet:
                 if isinstance(row_of.keys[name].kind, OneOf):
                     table[name] = words.get(cell, cell)
                     continue
-                table[name] = written(cell, self.headings[place].unit)
+                table[name] = as_entry(cell, self.headings[place].unit)
                 if doubt := self.doubt(cell):
                     wrong.note(name, doubt)
             values = row_of.read(table, "", wrong)
@@ -263,7 +263,7 @@ class Sheet:
         return tables, read, faults
 
 
-def written(cell: str, unit: str = "") -> str | float:
+def as_entry(cell: str, unit: str = "") -> str | float:
     """A cell as a scene file has it: a number, or text with a unit."""
     for number in (int, float) if not unit else ():
         with suppress(ValueError):

@@ -66,7 +66,7 @@ def without_consequences(faults: Faults) -> list[Fault]:
     ]
 
 
-def nearest(name: str, kind: str) -> str:
+def nearest_names(name: str, kind: str) -> str:
     """Names of the library near a name, as a question; or all of them if none is."""
     names = list(library()[kind])
     near = [other for other in names if name.lower() in other.lower()] or difflib.get_close_matches(
@@ -99,7 +99,8 @@ def _filled(
         return table
     usual = library()[kind].get(like)
     if usual is None:
-        problem = f"{quoted(like)} is not in the library ({nearest(like, kind)}); give a name of it"
+        names = nearest_names(like, kind)
+        problem = f"{quoted(like)} is not in the library ({names}); give a name of it"
         faults.note(f"{place}.like", problem)
         return table
     has_viscosity = any(key in table for key in _VISCOSITY)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.scene.surfaces import Flip, Surface, filled, levelled, oriented, read_surface
+from pipeline.scene.surfaces import Flip, MeasuredSurface, filled, levelled, oriented, read_surface
 from pipeline.scene.units import in_si
 from tribo import InputError, average_roughness, fit_self_affine, rms_height
 from tribo.surface import SelfAffineFit
@@ -174,7 +174,7 @@ def surface_statistics(
     surface = oriented(read_surface(path, unit), transpose, flip)
     if pixel_size is not None:
         x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
-        surface = Surface(surface.heights, (x, y))
+        surface = MeasuredSurface(surface.heights, (x, y))
     if surface.pixel_size is None or min(surface.pixel_size) <= 0:
         raise InputError(f"{path}: no size of a pixel; give pixel_size, such as 0.8 um")
     holes = int(np.count_nonzero(~np.isfinite(surface.heights)))

@@ -21,14 +21,14 @@ _MOST_BYTES = 2**30  # that an archive may unpack to
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class MeasuredSurface:
     """Heights [m], shape (nx, ny), outwards, NaN in holes; known sides of a pixel [m]."""
 
     heights: Array
     pixel_size: tuple[float, float] | None = None
 
 
-def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
+def read_surface(path: str | Path, height_unit: float | None = None) -> MeasuredSurface:
     """A measured surface from a plain array, text, or a file of SurfaceTopography's formats.
 
     The length of one unit of the heights [m] goes before what the file says. Raise an `InputError`
@@ -42,14 +42,14 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     if height_unit is None:
         raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
     try:
-        return Surface(read_heights(path, height_unit, allow_missing=True))
+        return MeasuredSurface(read_heights(path, height_unit, allow_missing=True))
     except InputError:
         raise
     except Exception as error:  # a damaged file makes NumPy raise errors of any kind
         raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
 
 
-def _of_text(path: Path, height_unit: float | None) -> Surface:
+def _of_text(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of text, whose comments may say the unit and the size of its pixels."""
     require_file(path)
     try:
@@ -71,10 +71,10 @@ def _of_text(path: Path, height_unit: float | None) -> Surface:
             f"{path}: the height at row {row}, column {column} (counted from 0) is infinite; write "
             "holes as NaN"
         )
-    return Surface(heights, pixel_size)
+    return MeasuredSurface(heights, pixel_size)
 
 
-def _of_instrument(path: Path, height_unit: float | None) -> Surface:
+def _of_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of one of SurfaceTopography's formats."""
     _require_small_file(path)
     try:
@@ -114,7 +114,7 @@ def _require_small_file(path: Path) -> None:
             )
 
 
-def _converted(path: Path, topography: Any, height_unit: float | None) -> Surface:
+def _converted(path: Path, topography: Any, height_unit: float | None) -> MeasuredSurface:
     """Copy what a topography of the library holds, in metres."""
     if topography.dim != 2 or not topography.is_uniform:
         raise InputError(
@@ -130,13 +130,15 @@ def _converted(path: Path, topography: Any, height_unit: float | None) -> Surfac
             f"{path}: the file does not give the unit of its heights; give height_unit"
         )
     copied = np.ma.filled(np.ma.masked_invalid(np.ma.array(heights, dtype=np.float64)), np.nan)
-    return Surface(np.ascontiguousarray(copied), pixel_size)
+    return MeasuredSurface(np.ascontiguousarray(copied), pixel_size)
 
 
 Flip = Literal["no", "x", "y", "heights"]
 
 
-def oriented(surface: Surface, transpose: bool = False, flip: Flip = "no") -> Surface:
+def oriented(
+    surface: MeasuredSurface, transpose: bool = False, flip: Flip = "no"
+) -> MeasuredSurface:
     """A surface with x and y exchanged, pixels too, and then an axis or the heights reversed."""
     heights, sides = surface.heights, surface.pixel_size
     if transpose:
@@ -145,7 +147,7 @@ def oriented(surface: Surface, transpose: bool = False, flip: Flip = "no") -> Su
         heights = -heights
     elif flip != "no":
         heights = np.flip(heights, "xy".index(flip))
-    return Surface(np.ascontiguousarray(heights), sides)
+    return MeasuredSurface(np.ascontiguousarray(heights), sides)
 
 
 def levelled(heights: Array) -> Array:

@@ -123,7 +123,7 @@ def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str,
     Columns are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the
     pin's bulk at friction 1 [K], and `columns_needed`; all come back, those of `RISES` changed.
     """
-    columns = corrected(columns, conditions)
+    columns = corrected_columns(columns, conditions)
     ratio = conditions.bulk_ratio
     if ratio == 0:
         return columns
@@ -144,7 +144,7 @@ def columns_needed(conditions: Conditions) -> tuple[str, ...]:
     return unequal + (NEEDED if conditions.corrections else ())
 
 
-def corrected(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
+def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
     """Columns whose rises have the corrections of some conditions, at all bulk ratios."""
     return conditions.corrections.applied(columns) if conditions.corrections else columns
 

@@ -27,10 +27,10 @@ class Lead(NamedTuple):
         if self.places:
             own, leading = self.places
             return leading if velocity == own else None
-        return velocity if self.ratio == 1 else rounded(velocity * self.ratio)
+        return velocity if self.ratio == 1 else without_last_digits(velocity * self.ratio)
 
 
-def rounded(number: float) -> float:
+def without_last_digits(number: float) -> float:
     """A number without the rounding of the last digits."""
     return float(f"{number:.{_DIGITS}g}")
 
@@ -45,7 +45,10 @@ def leads_of(
     leads = {}
     for number, (name, scene) in enumerate(scenes):
         place = places[number] if places is not None else None
-        key = mechanics(scene), None if place is None else rounded(wear_number(scene, place))
+        key = (
+            mechanics(scene),
+            None if place is None else without_last_digits(wear_number(scene, place)),
+        )
         leader, leading, its_place = first.setdefault(key, (name, scene, place))
         slides: list[Sequence[float]]
         if place is not None and its_place is not None:

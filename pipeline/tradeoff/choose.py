@@ -24,9 +24,9 @@ from pipeline.tradeoff.probe import (
     OwnError,
     Target,
     Yardstick,
+    dividing_pixels,
     measured,
     near_the_boundary,
-    on_pixels,
     own_error,
     probe,
     some_places,
@@ -227,9 +227,9 @@ def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
 
 def _is_worth_it(sweep: Sweep, places: Sequence[Target]) -> bool:
     """True if a thorough probe takes few steps beside the whole sweep at the reference."""
-    scene = sweep.changed(fidelity=on_pixels(sweep, YARDSTICK)).scene
+    scene = sweep.changed(fidelity=dividing_pixels(sweep, YARDSTICK)).scene
     to_probe = _PASSES * sum(step_count(scene, place.load) for place in places)
-    scene = sweep.changed(fidelity=on_pixels(sweep, PRESETS["reference"])).scene
+    scene = sweep.changed(fidelity=dividing_pixels(sweep, PRESETS["reference"])).scene
     ends = [step_count(scene, load) for load in sweep.plane.loads]
     steps = sum(ends) if sweep.plane.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
     return to_probe <= _WORTH * steps * sweep.ramps
@@ -281,4 +281,4 @@ def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
     if past:  # which needs every step on one grid
         steps = max(fidelity.increments, _FEWEST_STEPS)
         fidelity = replace(fidelity, history_coarsening=1, heat_model="history", increments=steps)
-    return on_pixels(sweep, fidelity)
+    return dividing_pixels(sweep, fidelity)

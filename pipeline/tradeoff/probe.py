@@ -150,7 +150,7 @@ def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
     )
 
 
-def on_pixels(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
+def dividing_pixels(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
     """A fidelity whose elements divide the scene's pixels, with the scene's kernel of heat."""
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
@@ -174,7 +174,7 @@ def near_the_boundary(
 
     Without a transition from half the lowest to twice the highest velocity, the nearer end.
     """
-    scene = sweep.changed(fidelity=on_pixels(sweep, PRESETS["standard"]))
+    scene = sweep.changed(fidelity=dividing_pixels(sweep, PRESETS["standard"]))
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:
@@ -283,7 +283,7 @@ def measured(
     tell: Callable[[str], None] | None = None,
 ) -> Yardstick:
     """Take readings of the yardstick at some points, and tell a line before each of them."""
-    exact, coarse = on_pixels(sweep, YARDSTICK), on_pixels(sweep, _COARSER)
+    exact, coarse = dividing_pixels(sweep, YARDSTICK), dividing_pixels(sweep, _COARSER)
     probes = [
         probe(sweep, exact, [point])
         for point in staged(points, tell, lambda point: f"nearly exact steps at {point}")
@@ -310,7 +310,7 @@ def own_error(
     matters most at the lowest and the highest load; how much hardly depends on the grid.
     """
     steps = heat_model = work = 0.0
-    exact = on_pixels(sweep, YARDSTICK)
+    exact = dividing_pixels(sweep, YARDSTICK)
     if sweep.scene.wear is not None:
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
         steps = max(map(abs, velocity_errors(readings, halved.readings, exponents)))
@@ -327,7 +327,7 @@ def own_error(
             contact_tolerance=1e-2,
             pixels_per_element=size,
         )
-        present = on_pixels(sweep, present)
+        present = dividing_pixels(sweep, present)
         one, other = (
             probe(sweep, replace(present, heat_model=model), ends)
             for model in ("elapsed", "history")

@@ -23,8 +23,8 @@ from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (
     Probe,
     Target,
+    dividing_pixels,
     near_the_boundary,
-    on_pixels,
     probe,
     some_places,
     velocity_errors,
@@ -69,7 +69,7 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class Wasted:
     """A numerical choice that costs much and gains nothing."""
 
     preset: str
@@ -95,7 +95,7 @@ class Trade:
     points: tuple[Point, ...]  #: Points at which the errors are measured.
     base: str  #: Preset that was varied.
     choices: tuple[Choice, ...]  #: Fidelities that were measured, the reference last.
-    wasted: tuple[Finding, ...]  #: Choices of the base that cost much and gain nothing.
+    wasted: tuple[Wasted, ...]  #: Choices of the base that cost much and gain nothing.
     not_converged: tuple[str, ...] = ()  #: Choices that did not converge, and why.
 
     @property
@@ -210,7 +210,7 @@ def trade(
     asked = [Target(in_si("load", load, "600 N")) for load in loads or ()]
     asked = asked or [*some_places(sweep.changed(variants=Variants()), _LOADS)]
     places, exponents = near_the_boundary(sweep, asked)
-    exact = on_pixels(sweep, PRESETS["reference"])
+    exact = dividing_pixels(sweep, PRESETS["reference"])
     stages = staged(
         [("reference", None, exact), *_candidates(sweep, presets, base)],
         progress,
@@ -233,7 +233,7 @@ def trade(
         points=places,
         base=base or "",
         choices=tuple(choices),
-        wasted=_wasted(choices, base, on_pixels(sweep, PRESETS[base])) if base else (),
+        wasted=_wasted(choices, base, dividing_pixels(sweep, PRESETS[base])) if base else (),
         not_converged=tuple(failed),
     )
 
@@ -249,21 +249,23 @@ def _candidates(
 ) -> list[tuple[str, str | None, Fidelity]]:
     """Name, varied field and fidelity of all that is to be measured, each fidelity once."""
     candidates: list[tuple[str, str | None, Fidelity]] = [
-        (name, None, on_pixels(sweep, PRESETS[name])) for name in presets if name != "reference"
+        (name, None, dividing_pixels(sweep, PRESETS[name]))
+        for name in presets
+        if name != "reference"
     ]
     if base and base not in presets:
-        candidates.append((base, None, on_pixels(sweep, PRESETS[base])))
+        candidates.append((base, None, dividing_pixels(sweep, PRESETS[base])))
     fidelity = sweep.scene.fidelity
     if sweep.about.preset is None:
         candidates.append(("as in the scene", None, fidelity))
     if base:
-        start = on_pixels(sweep, PRESETS[base])
+        start = dividing_pixels(sweep, PRESETS[base])
         for field, values in _variations(start, sweep.scene.unequal_bulks).items():
             for value in values:
-                changed = on_pixels(sweep, replace(start, **{field: value}))
+                changed = dividing_pixels(sweep, replace(start, **{field: value}))
                 candidates.append((f"{base}, {field} = {_shown(value)}", field, changed))
     first = {candidate[2]: candidate for candidate in reversed(candidates)}
-    first.pop(on_pixels(sweep, PRESETS["reference"]), None)
+    first.pop(dividing_pixels(sweep, PRESETS["reference"]), None)
     return [candidate for candidate in candidates if candidate in first.values()]
 
 
@@ -325,7 +327,7 @@ def _choice(
     )
 
 
-def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Finding, ...]:
+def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Wasted, ...]:
     """Choices of the base that cost much and gain nothing, the costliest first."""
     base_choice = next((choice for choice in choices if choice.name == base), None)
     if base_choice is None:
@@ -337,9 +339,9 @@ def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Find
         moves = max(abs(one - other) for one, other in pairs)
         if choice.varied and saving >= _SAVES and moves <= _MOVES:
             value, cheaper = (getattr(one, choice.varied) for one in (start, choice.fidelity))
-            findings.append(Finding(base, choice.varied, value, cheaper, saving, moves))
+            findings.append(Wasted(base, choice.varied, value, cheaper, saving, moves))
     findings.sort(key=lambda finding: -finding.saving)
-    costliest: dict[str, Finding] = {}
+    costliest: dict[str, Wasted] = {}
     for finding in findings:
         costliest.setdefault(finding.field, finding)
     return tuple(costliest.values())

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from pipeline.sweep.unknown import OF_90
-from pipeline.uncertain.emulator import Keeper, factor, outer
+from pipeline.uncertain.emulator import Keeper, band_factor, outer
 from tribo.types import Array
 
 COUNT = 25
@@ -58,7 +58,7 @@ class Certificate:
     def factors(self, along: Array) -> Array:
         """Factors on errors, by share of the way between the ends of ln(velocity)."""
         amid, ends = (
-            factor(np.array(scores), len(scores))
+            band_factor(np.array(scores), len(scores))
             for scores in (self.at_loads + self.between_loads, self.at_ends)
         )
         return np.asarray(amid + outer(along) * (ends - amid))

@@ -242,7 +242,7 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
     return best
 
 
-def factor(scores: Array, count: int) -> float:
+def band_factor(scores: Array, count: int) -> float:
     """Factor on standard errors by which 90 % bands hold the next of scores like these.
 
     Of scores in so many independent groups it is the quantile that the next group stays below with
@@ -295,14 +295,14 @@ def _check(
     ]
     widening = 1.0
     if at_ends:
-        widening = max(1.0, factor(np.concatenate(at_ends), sum(map(len, at_ends))))
+        widening = max(1.0, band_factor(np.concatenate(at_ends), sum(map(len, at_ends))))
     covariance = np.outer(factors, factors) * together
     return LeftOut(factors, covariance, widening, float(np.mean(held)), count)
 
 
 def _factors(scores: Array, count: int) -> Array:
     """Factor of each output (n, n_output), of which so many are independent."""
-    return np.maximum([factor(one, count) for one in scores.T], _LEAST_SCORE)
+    return np.maximum([band_factor(one, count) for one in scores.T], _LEAST_SCORE)
 
 
 def _missed(inverse: Array, weights: Array, rows: Mask) -> Array:

@@ -171,7 +171,7 @@ _LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(2.0)) ** 2  # of the factors
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
 
-class Judgement(NamedTuple):
+class JudgedTests(NamedTuple):
     """Tests beside draws: `log_likelihoods`, and their sum with the prior, (n, n_scatter)."""
 
     distances: Distances
@@ -216,7 +216,7 @@ class Joint:
         """Number of the sweep of each test."""
         return [number for number, one in enumerate(self.ensembles) for _ in one.tests]
 
-    def judged(self, inputs: Array) -> Judgement:
+    def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
         slopes = Slopes.of(inputs) if self.has_discrepancy else None
         parts = [
@@ -225,7 +225,7 @@ class Joint:
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         z, likelihoods = log_likelihoods(self.tests, distances, self.scatters)
-        return Judgement(distances, z, likelihoods, likelihoods.sum(axis=0) + _LOG_PRIOR)
+        return JudgedTests(distances, z, likelihoods, likelihoods.sum(axis=0) + _LOG_PRIOR)
 
     def require_near(self, distances: Distances) -> None:
         """Raise an `InputError` where even the best draws are far from the tests."""

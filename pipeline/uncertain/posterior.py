@@ -230,7 +230,7 @@ class Contrast(NamedTuple):
     probability: float
 
 
-def differences(posterior: Posterior) -> Iterator[Contrast]:
+def contrasts(posterior: Posterior) -> Iterator[Contrast]:
     """Differences of critical temperature, and of velocity at a middle load, of two sweeps."""
     if len(posterior.ensembles) != 2:
         return

@@ -17,7 +17,7 @@ from scipy.special import logsumexp, ndtr, ndtri, softmax
 
 from pipeline.sweep.unknown import OF_90, Unknown, at_scores, sequence
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.evidence import Joint, Judgement, Test
+from pipeline.uncertain.evidence import Joint, JudgedTests, Test
 from pipeline.uncertain.inputs import Draws, prior
 from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults
 from tribo import InputError
@@ -97,7 +97,7 @@ def posterior(
     )
 
 
-def _weighed(model: Joint, before: Draws) -> tuple[Draws, Judgement, float]:
+def _weighed(model: Joint, before: Draws) -> tuple[Draws, JudgedTests, float]:
     """Draws that the tests leave, the tests beside them, and the logarithm of the evidence."""
     judgement = model.judged(before.inputs)
     model.require_near(judgement.distances)
@@ -118,7 +118,7 @@ def _weighed(model: Joint, before: Draws) -> tuple[Draws, Judgement, float]:
 
 
 def _by_others(
-    model: Joint, draws: Draws, judgement: Judgement, scatter: float, fits: bool
+    model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
     """Each test, beside what all others say."""
     known, (distances, z, likelihoods, joint) = model.unknown[: model.known], judgement

@@ -28,7 +28,7 @@ from workflows.paper.transitions import (
     celsius_of,
     end_of,
     ensemble,
-    name_of,
+    label_of,
     oil_a,
     white_oil,
 )
@@ -189,7 +189,7 @@ def _temperatures(
         of_rig = f"{printed:g}" if oil == "white oil" else ""
         for (scene, row), values in zip(transitions, critical[oil], strict=True):
             bulk = celsius(scene.conditions.bulk_temperature)
-            yield line(f"  {oil}, {name_of(row)}, {bulk:g} °C", [of_rig, values], ".1f")
+            yield line(f"  {oil}, {label_of(row)}, {bulk:g} °C", [of_rig, values], ".1f")
 
 
 def _rates(rates: Array, rates_of_a: Sequence[float]) -> Iterator[tuple[str, ...]]:

@@ -20,7 +20,7 @@ from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, cells, mean, texts
 from workflows.paper.smooth import SmoothContact, load_speed_exponent
 from workflows.paper.study import Study
-from workflows.paper.transitions import beside_boundary, film_parameter, name_of, on_surfaces
+from workflows.paper.transitions import around_transition, film_parameter, label_of, on_surfaces
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
@@ -74,7 +74,7 @@ def rivals(study: Study) -> Report:
     loads, velocities = TABLE_4.normal_load, TABLE_4.velocity
     seeds = study.stages(study.seeds(_SURFACES), "surface {}".format)
     ends = on_surfaces(
-        [(sweep, row) for row in TABLE_4], seeds, partial(beside_boundary, step=_STEP)
+        [(sweep, row) for row in TABLE_4], seeds, partial(around_transition, step=_STEP)
     )
     criteria = _criteria(sweep, mean(ends["rise"]), mean(ends["exponent"]))
     critical = mean(velocities[:, None] * (1 + ends["velocity_off"]))
@@ -88,7 +88,7 @@ def rivals(study: Study) -> Report:
         **{f"{name}_off": _off(its.values, its.exponents, limit) for name, its in criteria.items()},
         **_constancy(criteria),
         "regimes": ", ".join(regimes),
-        "place": name_of(TABLE_4[np.argmax(film)]),
+        "place": label_of(TABLE_4[np.argmax(film)]),
     }
     return Report.of(
         "rivals",
@@ -188,7 +188,7 @@ def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditio
     label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
     columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
     return texts(
-        ("", *map(name_of, TABLE_4), *columns),
+        ("", *map(label_of, TABLE_4), *columns),
         [*rows, (label, *cells(film, ".2f"), "", "", "")],
     )
 
@@ -224,7 +224,7 @@ def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
             label=_IN_FULL[key],
         )
     axes.axhline(1, color=BLACK, lw=0.8)
-    axes.set_xticks(places, list(map(name_of, TABLE_4)))
+    axes.set_xticks(places, list(map(label_of, TABLE_4)))
     axes.set_xlim(-0.3, len(TABLE_4) - 0.7)
     axes.set_ylabel("criterion / its mean over the four tests")
     axes.set_title(

@@ -18,7 +18,7 @@ from tribo.types import Array
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, agree, cells, mean, spread, texts
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, beside_boundary, celsius_of, on_surfaces, worn
+from workflows.paper.transitions import HIGHEST, around_transition, celsius_of, on_surfaces, worn
 
 _LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 _LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
@@ -106,7 +106,7 @@ def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughnes
 
 def _outcome(study: Study, sweep: Sweep) -> _Outcome:
     transitions = [(sweep, row) for row in TABLE_4]
-    ends = on_surfaces(transitions, study.seeds(_SURFACES), beside_boundary)
+    ends = on_surfaces(transitions, study.seeds(_SURFACES), around_transition)
     return {
         "exceeded_celsius": celsius_of(ends, sweep.conditions.decisive),
         "max_celsius": celsius_of(ends, HIGHEST),

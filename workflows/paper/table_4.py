@@ -19,11 +19,11 @@ from workflows.paper.study import Study
 from workflows.paper.transitions import (
     HIGHEST,
     SPREAD,
-    beside,
     celsius_of,
+    draw_beside,
     ensemble,
     failed_percent,
-    name_of,
+    label_of,
     on_surfaces,
 )
 
@@ -133,7 +133,7 @@ def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
         return [line(f"  {wear}", data[key][wear], form) for wear in ("swept", "local", "unworn")]
 
     return texts(
-        ("", *map(name_of, TABLE_4)),
+        ("", *map(label_of, TABLE_4)),
         (
             ("unworn contact width [µm]",),
             line("  printed", _WIDTHS),
@@ -162,14 +162,14 @@ def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
 def _draw(data: dict[str, Any], critical: float) -> Figure:
     figure = Figure(figsize=(9.6, 7.0))
     (first, second), (third, fourth) = figure.subplots(2, 2)
-    ticks = [name_of(row).replace(", ", "\n") for row in TABLE_4]
+    ticks = [label_of(row).replace(", ", "\n") for row in TABLE_4]
     unworn = {"unworn": data["unworn_width_um"]}
     share = f"share of the contact above {critical:g} °C [%]"
     exceeded = "temperature exceeded on 10 % [°C]"
-    beside(first, ticks, _WIDTHS, unworn, "unworn contact width [µm]")
-    beside(second, ticks, _SHARES, data["failed_percent"], share)
-    beside(third, ticks, TABLE_4.max_celsius, data["max_celsius"], "highest temperature [°C]")
-    beside(fourth, ticks, None, data["exceeded_celsius"], exceeded)
+    draw_beside(first, ticks, _WIDTHS, unworn, "unworn contact width [µm]")
+    draw_beside(second, ticks, _SHARES, data["failed_percent"], share)
+    draw_beside(third, ticks, TABLE_4.max_celsius, data["max_celsius"], "highest temperature [°C]")
+    draw_beside(fourth, ticks, None, data["exceeded_celsius"], exceeded)
     first.set_ylim(0, None)
     for axes in (third, fourth):
         axes.axhline(critical, color=GREY, ls=":", lw=1.2, label=f"critical, {critical:g} °C")

@@ -18,10 +18,10 @@ from workflows.paper.study import Study
 from workflows.paper.transitions import (
     HIGHEST,
     SPREAD,
-    beside,
     celsius_of,
+    draw_beside,
     ensemble,
-    name_of,
+    label_of,
     oil_a,
 )
 
@@ -62,7 +62,7 @@ def table6(study: Study) -> Report:
         "mean": mean(tenths),
         "deviation": spread(tenths),
     }
-    names = [f"{name_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
+    names = [f"{label_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
     share = f"{100 * conditions.failing_share:g} %"
     return Report.of(
         "table6",
@@ -147,9 +147,9 @@ def _draw(data: dict[str, Any], names: Sequence[str], share: str) -> Figure:
     left, right = figure.subplots(1, 2, sharey=True)
     at_room = {"swept, bulk 25 °C": data["max_celsius_at_room_temperature"]}
     highest = data["max_celsius"] | at_room
-    beside(left, ticks, TABLE_6.max_celsius, highest, "highest temperature [°C]")
+    draw_beside(left, ticks, TABLE_6.max_celsius, highest, "highest temperature [°C]")
     title = f"temperature exceeded on {share} [°C]"
-    beside(right, ticks, None, data["exceeded_celsius"], title)
+    draw_beside(right, ticks, None, data["exceeded_celsius"], title)
     for axes in (left, right):
         axes.tick_params(axis="x", labelsize=8)
     shared = left.get_legend_handles_labels()

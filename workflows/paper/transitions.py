@@ -45,7 +45,7 @@ _LOOKS = {
 }
 
 SPREAD = "computed: mean and standard deviation over the surfaces"
-"""Title of the legend of what `beside` draws."""
+"""Title of the legend of what `draw_beside` draws."""
 
 
 def white_oil(study: Study) -> list[Tested]:
@@ -84,7 +84,7 @@ def end_of(sweep: Sweep, test: Any, factor: float = 1.0) -> Ends:
     return end_at(sweep, state, test.friction)
 
 
-def beside_boundary(sweep: Sweep, test: Any, step: float | None = None) -> Ends:
+def around_transition(sweep: Sweep, test: Any, step: float | None = None) -> Ends:
     """Simulate a test, and find the boundary from another velocity.
 
     Beside the quantities of `end_of`: ``rise``, the deciding one at friction 1 [K], its
@@ -176,12 +176,12 @@ def film_parameter(sweep: Sweep, test: Any) -> float:
     return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))
 
 
-def name_of(test: Any) -> str:
+def label_of(test: Any) -> str:
     """Load and velocity, in words."""
     return f"{test.normal_load:g} N, {test.velocity:g} m/s"
 
 
-def beside(
+def draw_beside(
     axes: Axes,
     ticks: Sequence[str],
     printed: Array | None,

@@ -10,9 +10,9 @@ from pipeline.tradeoff.probe import (
     YARDSTICK,
     Target,
     critical_velocity,
+    dividing_pixels,
     measured,
     near_the_boundary,
-    on_pixels,
     own_error,
     probe,
     some_places,
@@ -21,7 +21,7 @@ from tests.helpers import tiny
 from tribo import PRESETS, Fidelity, InputError, Wear
 
 SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
-STANDARD = on_pixels(SWEEP, PRESETS["standard"])
+STANDARD = dividing_pixels(SWEEP, PRESETS["standard"])
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ STANDARD = on_pixels(SWEEP, PRESETS["standard"])
 )
 def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
     sweep = SWEEP.changed(pixels=replace(SWEEP.scene.pixels, shape=shape))
-    fidelity = on_pixels(sweep, Fidelity(pixels_per_element=asked, heat_kernel="endless"))
+    fidelity = dividing_pixels(sweep, Fidelity(pixels_per_element=asked, heat_kernel="endless"))
     assert (fidelity.pixels_per_element, fidelity.heat_kernel) == (taken, "pin")
 
 
@@ -96,7 +96,7 @@ def test_nearly_exact_steps_are_said_to_err_by_half_of_what_half_as_many_move():
     worn = SWEEP.changed(wear=Wear(5e-15), fidelity=fidelity)
     points = [Point(300.0, 1.0)]
     exact = measured(worn, points, [1.0])
-    half = replace(on_pixels(worn, YARDSTICK), increments=YARDSTICK.increments // 2)
+    half = replace(dividing_pixels(worn, YARDSTICK), increments=YARDSTICK.increments // 2)
     (moved,) = exact.errors(probe(worn, half, points))
     error = own_error(worn, points, [1.0], exact.readings)
     assert abs(moved) > 1e-4

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.uncertain.posterior import differences
+from pipeline.uncertain.posterior import contrasts
 from tests.helpers.samples import CRITICAL, EXPONENT, LENGTH, LOADS, critical_velocity, ensemble
 
 WIDE = dataclasses.replace(CRITICAL, parameters=(418.15, 20.0))
@@ -25,11 +25,11 @@ def of_an_oil(kelvins):
 
 def test_two_oils_differ_by_less_than_either_is_known():
     oils = of_an_oil(413.15), of_an_oil(425.15)
-    kelvins, velocity = differences(pipeline.posterior(oils, 0.02))
+    kelvins, velocity = contrasts(pipeline.posterior(oils, 0.02))
     alone = [next(pipeline.posterior(oil, 0.02).summary())["posterior"]["sd"] for oil in oils]
     assert kelvins.mean == pytest.approx(12.0, abs=1.5)
     assert kelvins.sd < 0.75 * math.hypot(*alone)
     assert kelvins.probability > 0.99
     expected = math.log((425.15 - 298.15) / (413.15 - 298.15)) / EXPONENT
     assert velocity.mean == pytest.approx(expected, abs=0.02)
-    assert list(differences(pipeline.posterior(oils[0]))) == []
+    assert list(contrasts(pipeline.posterior(oils[0]))) == []
