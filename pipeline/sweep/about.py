@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
@@ -73,14 +72,6 @@ def as_lines(title: str, rows: Sequence[Line]) -> str:
     """Write rows below a title."""
     width = max(len(name) for name, _ in rows)
     return "\n".join([title, *(f"  {name:{width}}  {text}" for name, text in rows)])
-
-
-def as_html(title: str, rows: Sequence[Line]) -> str:
-    """Write rows as a table for a notebook."""
-    cells = "".join(
-        f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>" for name, text in rows
-    )
-    return f"<table><caption>{html.escape(title)}</caption>{cells}</table>"
 
 
 def on_scene(scene: Scene) -> Iterator[Line]:

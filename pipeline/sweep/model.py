@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.about import About, as_html, as_lines, on_conditions, on_plane, on_scene
+from pipeline.sweep.about import About, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.variants import WEAR_RATE, Part, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness, Wear
@@ -177,10 +177,6 @@ class Sweep:
 
     def __repr__(self) -> str:
         return as_lines(f"{self.about.name}: {self.about.title}", self._rows())
-
-    def _repr_html_(self) -> str:
-        """Show the scene as a table in a notebook."""
-        return as_html(f"{self.about.name}: {self.about.title}", self._rows())
 
     def _rows(self) -> list[tuple[str, str]]:
         """Description of the scene, a row for each subject."""

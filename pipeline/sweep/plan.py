@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.about import as_html, as_lines, on_point
+from pipeline.sweep.about import as_lines, on_point
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
@@ -67,10 +67,6 @@ class PointResult:
 
     def __repr__(self) -> str:
         return as_lines(str(self.point), list(on_point(self.columns, self.warnings)))
-
-    def _repr_html_(self) -> str:
-        """Show the result as a table in a notebook."""
-        return as_html(str(self.point), list(on_point(self.columns, self.warnings)))
 
     @property
     def fields(self) -> dict[str, Array]:

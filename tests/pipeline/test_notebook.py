@@ -22,9 +22,6 @@ def test_a_scene_shows_itself_in_a_few_lines():
         assert len(lines) < 14
         assert max(map(len, lines)) < 90
         assert "  sweep     3 loads from 150 to 600 N, 3 velocities from 0.5 to 1.5 m/s" in lines
-    html = tiny.sweep().changed(title="<b>")._repr_html_()
-    assert "<caption>tiny: &lt;b&gt;</caption>" in html
-    assert "3 loads from 150 to 600 N" in html
 
 
 def test_a_figure_shows_itself_as_a_picture():

@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import pytest
 
-from pipeline.sweep.about import as_html, as_lines, on_plane
+from pipeline.sweep.about import as_lines, on_plane
 from pipeline.sweep.model import Point
 from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.sweep.stages import duration, staged
@@ -13,12 +13,9 @@ from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from tribo import PRESETS
 
 
-def test_rows_are_aligned_below_a_title_and_escaped_in_a_notebook():
+def test_rows_are_aligned_below_a_title():
     rows = [("pin", "cylinder"), ("wear", "<none>")]
     assert as_lines("A scene", rows) == "A scene\n  pin   cylinder\n  wear  <none>"
-    assert as_html("<A>", rows[1:]) == (
-        "<table><caption>&lt;A&gt;</caption><tr><th>wear</th><td>&lt;none&gt;</td></tr></table>"
-    )
 
 
 def test_a_plane_is_said_by_its_ends():
