@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -62,26 +62,6 @@ class Document(NamedTuple):
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")
         return max(self.layers, key=lambda layer: _depth(layer.entries, parts)).file
-
-    def lines(self, faults: Iterable[Fault]) -> Iterator[str]:
-        """Write faults, a line each; keys of a table that suit the inherited one in one line."""
-        left = list(faults)
-        while left:
-            table = left[0].key.rpartition(".")[0]
-            alike = [one for one in left if self._is_out_of_place(one, table)]
-            if len(alike) < 2 or left[0] not in alike:
-                yield self.line(left.pop(0))
-                continue
-            left = [one for one in left if one not in alike]
-            keys = ", ".join(one.key.rpartition(".")[2] for one in alike)
-            place = f"{table} (in {name_of(self.file_of(alike[0].key))})"
-            cure = f'leave that table out: without = ["{table}"]'
-            yield f"{place}: {keys} do not go with what is given here; {cure}"
-
-    def _is_out_of_place(self, fault: Fault, table: str) -> bool:
-        """True for an inherited key of a table that what stands here does not know."""
-        is_within = fault.key.rpartition(".")[0] == table != ""
-        return fault.is_unknown and is_within and self.file_of(fault.key) != self.file
 
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with the file that it stands in if that is another one."""

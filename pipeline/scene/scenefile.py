@@ -117,7 +117,7 @@ def load_scene(
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
-        raise SceneFileError(path, [*document.lines(without_consequences(faults))])
+        raise SceneFileError(path, [*map(document.line, without_consequences(faults))])
     return sweep
 
 
