@@ -100,19 +100,9 @@ class Range(Kind):
         if steps > _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(
                 f"{span} there are {steps:.6g} steps of {quoted(value['step'])}, not a whole "
-                f"number up to {_MOST_STEPS}{self._fitting(value, int(steps))}"
+                f"number up to {_MOST_STEPS}"
             )
         return tuple(float(first + i * step) for i in range(round(steps) + 1))
-
-    def _fitting(self, value: Mapping[str, str], steps: int) -> str:
-        """Upper ends that so many steps reach, and one more; empty where those are too many."""
-        if steps > _MOST_STEPS:
-            return ""
-        unit = value["to"].lstrip("+-.0123456789eE ")
-        texts = value["from"], value["step"], f"0 {unit}", f"1 {unit}"
-        first, step, zero, one = (exact_si(text, like=self.of.example) for text in texts)
-        lower, upper = ((first + n * step - zero) / (one - zero) for n in (steps, steps + 1))
-        return f"; to {lower:.6g} {unit} or {upper:.6g} {unit} they fit"
 
 
 @dataclass(frozen=True)

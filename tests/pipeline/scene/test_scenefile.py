@@ -290,7 +290,7 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"fidelity.preset": "fast"}, 'give "draft", "standard", "fine", "reference" or'),
         ({"fidelity.increments": "9"}, "give a whole number"),
         ({"sweep.loads": []}, "is empty; give a list, each a load above 0"),
-        ({"sweep.velocities.step": "0.7 m/s"}, "to 3.8 m/s or 4.5 m/s they fit"),
+        ({"sweep.velocities.step": "0.7 m/s"}, 'steps of "0.7 m/s", not a whole number'),
         ({"sweep.velocities": {"count": 4, "step": "1 m/s"}}, "has both step and count"),
         ({"sweep.velocities.spacing": "log"}, 'has a step, and spacing = "log" takes count'),
         ({"sweep.velocities.from": "5 m/s"}, "falls, and from is the lower end"),
