@@ -36,14 +36,12 @@ from pipeline.sweep.unknown import (
     Form,
     Unit,
     Unknown,
-    allowed,
     first_unfit,
     without,
 )
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
-from tribo.types import Array
 
 Make = Callable[[Mapping[str, Any]], Sweep]
 """Makes the sweep with other values of some entries, by their paths; raises their first fault."""
@@ -174,33 +172,16 @@ def _with_correlations(
                 matrix[later, earlier] = matrix[earlier, later] = correlation
             elif (before := matrix[later, earlier]) != correlation:
                 faults.note(key, f"{correlation:g} is {before:g} elsewhere; give it once")
-    _note_misfit(matrix, keys, faults)
+    if (i := first_unfit(matrix)) is not None:
+        *_, key = (key for (later, _), key in keys.items() if later == i)
+        problem = "the correlations of this input cannot all be; give smaller ones"
+        faults.note(key, f"{problem}, or leave one out")
     paths = [one.path for one in unknown]
     return tuple(
         replace(
             one, correlated=tuple(pair for pair in zip(paths[:i], row, strict=False) if pair[1])
         )
         for i, (one, row) in enumerate(zip(unknown, matrix.tolist(), strict=True))
-    )
-
-
-def _note_misfit(matrix: Array, keys: Mapping[tuple[int, int], str], faults: Faults) -> None:
-    """Note the correlation that the others do not allow, if there is one."""
-    if (i := first_unfit(matrix)) is None:
-        return
-    concerned = [pair for pair in keys if pair[0] == i]
-    for pair in reversed(concerned):
-        if ends := allowed(matrix, *pair):
-            low, high = math.ceil(1000 * ends[0]) / 1000, math.floor(1000 * ends[1]) / 1000
-            faults.note(
-                keys[pair],
-                f"{matrix[pair]:g} cannot be, beside what else is correlated; give {low:g} to "
-                f"{high:g}, or other correlations",
-            )
-            return
-    faults.note(
-        keys[concerned[-1]],
-        "the correlations of this input cannot all be; give smaller ones, or leave one out",
     )
 
 

@@ -219,16 +219,6 @@ def first_unfit(correlations: Array) -> int | None:
     return None
 
 
-def allowed(correlations: Array, i: int, j: int) -> tuple[float, float] | None:
-    """Lowest and highest correlation of an input with one before it, given all others, if any."""
-    inverse = np.linalg.inv(correlations[:i, :i])
-    others = correlations[i, :i].copy()
-    others[j] = 0.0
-    last = others @ inverse @ others - (1 - _LEAST)
-    roots = np.sort(np.roots([inverse[j, j], 2 * inverse[j] @ others, last]))
-    return None if np.iscomplexobj(roots) else (float(roots[0]), float(roots[1]))
-
-
 def sequence(seed: int, count: int) -> Array:
     """Points of a scrambled Sobol' sequence off the cube's faces, shape (count, `MOST` + 1)."""
     from scipy.stats import qmc  # takes 0.5 s, and few scenes need it

@@ -260,7 +260,7 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
         (
             '{ "friction.coefficient" = 0.9, "temperature.critical" = 0.6 }',
             CRITICAL,
-            "-0.2 cannot be, beside what else is correlated; give 0.192 to 0.888, or other",
+            "the correlations of this input cannot all be; give smaller ones, or leave one out",
         ),
     ],
 )

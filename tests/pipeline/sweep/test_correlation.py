@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, spearmanr
 
-from pipeline.sweep.unknown import Unknown, allowed, correlations, drawn, first_unfit
+from pipeline.sweep.unknown import Unknown, correlations, drawn, first_unfit
 from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, distribution_of
 
 
@@ -59,21 +59,10 @@ def test_a_correlation_comes_back_from_plain_data_and_is_shown():
 
 
 @pytest.mark.parametrize("last", [-0.5, 0.0, 0.99])
-def test_what_is_allowed_is_what_makes_the_matrix_positive_definite(last):
+def test_the_first_unfit_input_is_the_one_that_makes_the_matrix_no_correlation(last):
     matrix = np.array([[1.0, 0.8, last], [0.8, 1.0, 0.5], [last, 0.5, 1.0]])
-    low, high = allowed(matrix, 2, 0)
     # By the closed form of three: the product of two, give or take that of their complements.
     half = math.sqrt((1 - 0.8**2) * (1 - 0.5**2))
-    assert (low, high) == pytest.approx((0.4 - half, 0.4 + half), abs=1e-5)
-    for value, is_fit in ((low - 1e-5, False), (low + 1e-5, True), (high + 1e-5, False)):
-        matrix[2, 0] = matrix[0, 2] = value
-        assert (np.linalg.eigvalsh(matrix).min() > 0) == is_fit
-        assert (first_unfit(matrix) is None) == is_fit
-
-
-def test_no_value_is_allowed_where_others_contradict_each_other():
-    matrix = np.eye(4)
-    for i, j, value in ((1, 0, 0.9), (2, 0, 0.9), (3, 1, 0.9), (3, 2, -0.9), (2, 1, 0.8)):
-        matrix[i, j] = matrix[j, i] = value
-    assert first_unfit(matrix) == 3
-    assert allowed(matrix, 3, 0) is None
+    is_fit = abs(last - 0.4) < half
+    assert (np.linalg.eigvalsh(matrix).min() > 0) == is_fit
+    assert first_unfit(matrix) == (None if is_fit else 2)
