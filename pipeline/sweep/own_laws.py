@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import astuple, dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import ModuleType
 from typing import Any, Final, NamedTuple
 
 from tribo import InputError, MeasuredRoughness, Rule, Scene, SelfAffineRoughness, Surface, WearLaw
@@ -175,9 +175,7 @@ def _made(own: Own) -> Any:
     with _loading:
         module = _loaded(own)
     if name not in vars(module):
-        public = (key for key, value in vars(module).items() if _is_own(key, value, module))
-        held = ", ".join(sorted(public)) or "nothing"
-        raise InputError(f'"{reference}": the module has no {name}; it has {held}')
+        raise InputError(f'"{reference}": the module has no {name}; give a name that it has')
     found = vars(module)[name]
     if reason := _unlike(found, own.kind):
         raise InputError(f'the {own.kind} is "{reference}", which {reason}')
@@ -192,13 +190,6 @@ def _made(own: Own) -> Any:
         raise InputError(
             f'"{reference}" cannot be made with {words}: {type(error).__name__}: {error}'
         ) from error
-
-
-def _is_own(name: str, value: Any, module: ModuleType) -> bool:
-    """True of a public name of a module that it does not import."""
-    if name.startswith("_") or isinstance(value, ModuleType):
-        return False
-    return not isinstance(value, type | FunctionType) or value.__module__ == module.__name__
 
 
 def _unlike(found: Any, kind: str) -> str | None:

@@ -162,7 +162,7 @@ def test_the_scene_of_the_page_runs(folder, irg):
     ("setting", "words"),
     [
         ("wear.law=none:X", "there is no file none.py in"),
-        ("wear.law=laws:Missing", "the module has no Missing; it has Broken"),
+        ("wear.law=laws:Missing", "the module has no Missing; give"),
         ("wear.law=laws", 'give "module:name"'),
         ("wear.law=faulty:X", "faulty.py, line 2: ZeroDivisionError"),
         ("wear.parameters.distance=x", "TypeError: unsupported operand"),
