@@ -9,7 +9,7 @@ from .analysis.margins import margins as margins
 from .analysis.scenes import at_entries as at_entries
 from .analysis.scenes import at_wear_rate as at_wear_rate
 from .analysis.warned_points import warned as warned
-from .figures.page.write import explore as explore
+from .figures.page.explore import explore as explore
 from .figures.plot import plot as plot
 from .figures.report import report as report
 from .figures.studies import draw_design as draw_design
@@ -19,7 +19,7 @@ from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
 from .run.boundary_search import follow_boundary as follow_boundary
-from .run.inference import critical_temperatures as critical_temperatures
+from .run.critical_temperature import critical_temperatures as critical_temperatures
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
 from .run.work import ExecutionError as ExecutionError

@@ -28,7 +28,7 @@ from pipeline.analysis.transition import (
     range_of,
 )
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.surface import Lubrication
 from tribo import InputError
 from tribo.types import Array, Mask

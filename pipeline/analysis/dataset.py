@@ -15,7 +15,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import RISES, at_bulks, columns_needed, corrected_columns
+from pipeline.sweep.severity import RISES, at_bulks, columns_needed, corrected_columns
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Variant
 from tribo import InputError
 from tribo.types import Array

@@ -27,7 +27,8 @@ from pipeline.scene.units import in_si, share_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions, changes_of
-from pipeline.sweep.criterion import (
+from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.severity import (
     columns_needed,
     contact_temperature,
     failed_fraction,
@@ -35,7 +36,6 @@ from pipeline.sweep.criterion import (
     rise_limit,
     worst_rises,
 )
-from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask

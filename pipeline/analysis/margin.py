@@ -20,7 +20,7 @@ import numpy as np
 from pipeline.analysis.margin_error import RiseError, RisePlane, rise_error
 from pipeline.analysis.transition import UNITS, Crossing, certain, interpolated, outcomes
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import contact_temperature, rise_limit
+from pipeline.sweep.severity import contact_temperature, rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array
 

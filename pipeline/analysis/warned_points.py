@@ -23,10 +23,10 @@ from pipeline.analysis.scenes import by_scene, planes, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import MELTS, MOLTEN, contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.physics import cold_bodies, on_cold_bodies, with_turns
+from pipeline.sweep.severity import MELTS, MOLTEN, contact_temperature, rise_limit
 from tribo import CRITERIA, Ball, Crowned, Cylinder, Material, Motion, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array

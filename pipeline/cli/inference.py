@@ -21,15 +21,15 @@ from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.scene.units import display
 from pipeline.store.attributes import root_attributes
-from pipeline.sweep.criterion import MELTS, MOLTEN
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.selection import velocity_error
+from pipeline.sweep.severity import MELTS, MOLTEN
 from tribo import InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
-    from pipeline.run.inference import CriticalTemperatures  # with Dask
+    from pipeline.run.critical_temperature import CriticalTemperatures  # with Dask
 
 
 def point(options: argparse.Namespace) -> Result:

@@ -29,7 +29,7 @@ from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
 from pipeline.scene.units import display
 from pipeline.sweep.about import judged_by
-from pipeline.sweep.criterion import MELTS, MOLTEN
+from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from tribo import InputError
 

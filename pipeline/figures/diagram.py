@@ -40,13 +40,13 @@ from pipeline.figures.overlays import (
     mark_tests,
     name_regions,
 )
-from pipeline.figures.rows import draw_rows
+from pipeline.figures.row_margins import draw_rows
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
 from pipeline.store.schema import PENDING, PLANE
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import named
+from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Mask
 

@@ -17,8 +17,8 @@ from pipeline.analysis.transition import UNITS
 from pipeline.figures import style
 from pipeline.scene.units import in_si
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import contact_temperature, rise_limit
 from pipeline.sweep.model import Point
+from pipeline.sweep.severity import contact_temperature, rise_limit
 from tribo import InputError
 from tribo.types import Array, Mask
 

@@ -20,7 +20,7 @@ from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.surface import Lubrication
 from tribo import Criterion, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM

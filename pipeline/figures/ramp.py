@@ -20,7 +20,7 @@ from pipeline.figures.fields import chosen_points, indices_of, point_name, requi
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import contact_temperature, rise_limit
+from pipeline.sweep.severity import contact_temperature, rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array
 

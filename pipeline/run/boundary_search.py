@@ -26,8 +26,8 @@ from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import find_root
 from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import rise_limit, worst_rises
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.variants import Variant
 from tribo import InputError, Scene
 

@@ -16,9 +16,9 @@ from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
+from pipeline.scene.distributions import differing_inputs
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.scenefile import load_scene, scene_entry
-from pipeline.scene.unknown import differing_inputs
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened, stored

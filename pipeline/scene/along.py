@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.scene.compounds import Entry, Table, flat
+from pipeline.scene.distributions import Make, differing_inputs
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
 from pipeline.scene.format import LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
-from pipeline.scene.schema import Entry, Table, flat
 from pipeline.scene.units import is_shown_unit
-from pipeline.scene.unknown import Make, differing_inputs
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
-from pipeline.sweep.criterion import MELTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
+from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (

@@ -6,6 +6,18 @@ import math
 from typing import get_type_hints
 
 import tribo
+from pipeline.scene.compounds import (
+    ByPath,
+    Distribution,
+    Either,
+    Entry,
+    List,
+    Optional,
+    Range,
+    Table,
+    Tables,
+    fields_of,
+)
 from pipeline.scene.kinds import (
     Flag,
     Number,
@@ -17,18 +29,6 @@ from pipeline.scene.kinds import (
     UnitText,
     Whole,
     kind_of,
-)
-from pipeline.scene.schema import (
-    ByPath,
-    Distribution,
-    Either,
-    Entry,
-    List,
-    Optional,
-    Range,
-    Table,
-    Tables,
-    fields_of,
 )
 from pipeline.sweep.unknown import MOST_SAMPLES
 from tribo.loading.ramp import MOST_STEPS

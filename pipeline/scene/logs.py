@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.scene.compounds import Table
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOG, OUTCOMES, TEST, TRANSITION
 from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, numbered, read_sheet
-from pipeline.scene.schema import Table
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array

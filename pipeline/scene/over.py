@@ -11,11 +11,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
 
+from pipeline.scene.compounds import flat
+from pipeline.scene.distributions import Make, differing_inputs, require_around
 from pipeline.scene.document import Document
 from pipeline.scene.faults import entry_at, quoted
-from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, display, si_unit, to_si
-from pipeline.scene.unknown import Make, differing_inputs, require_around
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column, Variants, combinations, wear_rates
 from tribo import InputError, Wear

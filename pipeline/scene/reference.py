@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import tribo
+from pipeline.scene.compounds import Either, Entry, List, Optional, Table, Tables
 from pipeline.scene.document import as_toml, read_document
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import FIDELITY, SCENE, UNKNOWN, USUAL_PRESET
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
-from pipeline.scene.schema import Either, Entry, List, Optional, Table, Tables
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
 

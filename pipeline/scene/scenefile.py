@@ -10,6 +10,7 @@ from typing import Any
 import tribo
 from pipeline.scene.along import along_of, pairs_of, with_first_row
 from pipeline.scene.consistency import check_tables
+from pipeline.scene.distributions import fixed_paths, samples_of
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
@@ -30,7 +31,6 @@ from pipeline.scene.parts import (
 from pipeline.scene.reference import meanings
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
-from pipeline.scene.unknown import fixed_paths, samples_of
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.scene.rows import decoded
+from pipeline.scene.spreadsheet import decoded
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array

@@ -17,8 +17,8 @@ import numpy as np
 
 from pipeline.sweep.about import as_lines, on_point
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.severity import Verdict, verdict
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Variant
 from tribo import BULK_RATIOS, QUANTILES, Ramp, Scene, State, measures, warnings

@@ -15,10 +15,10 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import share_of
 from pipeline.store.place import PathLike, StoreMismatchError, require_writable
 from pipeline.store.root import read_attributes
-from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial
+from pipeline.sweep.severity import rise_limit
 from pipeline.tradeoff.probe import (
     YARDSTICK,
     OwnError,

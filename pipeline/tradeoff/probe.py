@@ -12,15 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.criterion import (
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import chains
+from pipeline.sweep.severity import (
     boundary_velocity_error,
     failed_fraction,
     momentary_rise,
     momentary_rises,
     rise_limit,
 )
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import chains
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, Scene, State, measures, simulate

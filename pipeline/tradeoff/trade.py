@@ -16,8 +16,8 @@ import pandas as pd
 from pipeline.analysis.tables import as_dict, frame_of, lines_of
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import in_si
-from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.certificate import COUNT, Certificate, keep

@@ -30,8 +30,8 @@ from scipy.optimize import minimize
 from scipy.special import ndtr
 
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.samples import JUDGED, SPECIFIC_WEAR_RATE, Design
+from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.unknown import OF_90
 from tribo.types import Array, Mask
 

@@ -12,8 +12,8 @@ import numpy as np
 from scipy import stats
 from scipy.special import ndtri
 
-from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.severity import worst_rises
 from pipeline.uncertain.inputs import CRITICAL
 from tests.promises.risk import entries_of
 

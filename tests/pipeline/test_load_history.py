@@ -9,8 +9,8 @@ import xarray as xr
 import pipeline
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import momentary_rise
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.severity import momentary_rise
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
 

@@ -17,7 +17,7 @@ from pipeline.cli import main
 from pipeline.cli.margins import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.severity import rise_limit
 from tests.helpers import javascript, synthetic, tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.figures.page import sweeps

@@ -7,8 +7,8 @@ import pipeline
 from pipeline.scene.over import with_rates_of
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
-from pipeline.sweep.criterion import worst_rises
 from pipeline.sweep.plan import chains, points, run_points
+from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants, wear_rates
 from tests.helpers import tiny
 from tests.helpers.javascript import run

@@ -6,7 +6,7 @@ A boundary is a velocity at each place: a load, and the surface where there are 
 import math
 from dataclasses import replace
 
-from pipeline.sweep.criterion import momentary_rise, rise_limit
+from pipeline.sweep.severity import momentary_rise, rise_limit
 from pipeline.tradeoff.probe import Target
 from tests.promises.scenes import state_at
 from tribo import PRESETS, MeasuredLoad, warnings

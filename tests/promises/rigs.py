@@ -11,8 +11,8 @@ from unittest import mock
 import numpy as np
 
 import pipeline
-from pipeline.sweep.criterion import rise_limit, worst_rises
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.unknown import at_scores
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh

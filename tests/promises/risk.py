@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.sweep.criterion import rise_limit, worst_rises
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.unknown import drawn
 from pipeline.sweep.variants import Variants
 

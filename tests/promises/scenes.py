@@ -7,7 +7,7 @@ import numpy as np
 
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import momentary_rise
+from pipeline.sweep.severity import momentary_rise
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields

@@ -7,7 +7,7 @@ import numpy as np
 
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import at_bulks, contact_temperature
+from pipeline.sweep.severity import at_bulks, contact_temperature
 from pipeline.sweep.variants import surfaces
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, in_window, state_at

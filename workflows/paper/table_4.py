@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
 from pipeline.figures.style import GREY, celsius, in_house_style
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.severity import rise_limit
 from tribo.thermal import Criterion
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4
 from workflows.paper.report import Report, agree, line, mean, texts

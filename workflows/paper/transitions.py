@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
-from pipeline.sweep.criterion import boundary_velocity_error, contact_temperature, rise_limit
+from pipeline.sweep.severity import boundary_velocity_error, contact_temperature, rise_limit
 from pipeline.sweep.surface import Lubrication
 from tribo import InputError, State, failed_share, measures, simulate
 from tribo.simulation import moment_of

@@ -34,11 +34,11 @@ from pipeline.analysis.scenes import at_wear_rate
 from pipeline.analysis.transition import interpolated, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls
-from pipeline.figures.page.fields import FIELDS, POINT, coloured, packed_fields
+from pipeline.figures.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import above_colder, rise_limit, worst_moment
 from pipeline.sweep.selection import Selection
+from pipeline.sweep.severity import above_colder, rise_limit, worst_moment
 from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask

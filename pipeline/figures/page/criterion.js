@@ -1,6 +1,6 @@
 // @ts-check
 "use strict";
-/* The limit of the rise under conditions, as pipeline.sweep.criterion has it; the rises are Python's. */
+/* The limit of the rise under conditions, as pipeline.sweep.severity has it; the rises are Python's. */
 
 /**
  * @typedef {{friction: number, bulk_temperature: number, disk_temperature?: number,

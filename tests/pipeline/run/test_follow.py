@@ -12,9 +12,9 @@ from pipeline.store.place import place_of
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import momentary_rise, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point, step_count
+from pipeline.sweep.severity import momentary_rise, rise_limit
 from tests.helpers.accuracy_scenes import PAPER
 from tribo import Fidelity, Grid, InputError
 

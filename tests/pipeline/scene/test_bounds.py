@@ -3,10 +3,10 @@
 import pytest
 
 import pipeline
+from pipeline.scene.compounds import Either, List, Range, Table, Tables
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import FORMAT
 from pipeline.scene.kinds import Number, Quantity
-from pipeline.scene.schema import Either, List, Range, Table, Tables
 from pipeline.scene.units import RANGES, si_unit
 
 

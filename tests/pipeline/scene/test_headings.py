@@ -4,7 +4,7 @@ import pytest
 
 from pipeline.scene.headings import heading_of
 from pipeline.scene.logs import outcome_of
-from pipeline.scene.rows import decoded, may_be_thousands, read_rows
+from pipeline.scene.spreadsheet import decoded, may_be_thousands, read_rows
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline.scene.compounds import Either, List
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Quantity, Whole
 from pipeline.scene.reference import sections
-from pipeline.scene.schema import Either, List
 from pipeline.scene.units import RANGES, si_unit, to_si
 from pipeline.sweep.conditions import Conditions
 from tests.helpers.scenes import STEEL, small_scene

@@ -14,7 +14,7 @@ import pipeline
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
 from pipeline.figures.page.content import bridged, content, error_of_lines, pieces_of
-from pipeline.figures.page.fields import packed_point
+from pipeline.figures.page.pictures import packed_point
 from tests.helpers import synthetic
 from tests.pipeline.figures.page import sweeps
 from tribo import InputError

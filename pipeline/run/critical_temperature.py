@@ -16,8 +16,8 @@ from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, stored
-from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.severity import contact_temperature
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
 from tribo import Criterion, InputError, Transition
 from tribo.errors import require_positive

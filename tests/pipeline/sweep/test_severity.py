@@ -1,4 +1,4 @@
-"""When wear is severe (pipeline/sweep/criterion.py)."""
+"""When wear is severe (pipeline/sweep/severity.py)."""
 
 import math
 from dataclasses import replace
@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import (
+from pipeline.sweep.plan import run_point
+from pipeline.sweep.severity import (
     at_bulks,
     boundary_velocity_error,
     contact_temperature,
@@ -18,7 +19,6 @@ from pipeline.sweep.criterion import (
     worst_moment,
     worst_rises,
 )
-from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp, critical_temperature
 

@@ -1,4 +1,4 @@
-"""A lubricant's limit from measured transitions (pipeline/run/inference.py)."""
+"""A lubricant's limit from measured transitions (pipeline/run/critical_temperature.py)."""
 
 import re
 
@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
-from pipeline.run.inference import critical_temperatures
+from pipeline.run.critical_temperature import critical_temperatures
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny

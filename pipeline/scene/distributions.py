@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
+from pipeline.scene.compounds import Shape, flat
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
-from pipeline.scene.schema import Shape, flat
 from pipeline.scene.units import UnitError, difference_in_si, display, si_unit, to_si
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
