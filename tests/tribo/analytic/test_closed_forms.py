@@ -96,7 +96,7 @@ def test_a_sinusoidal_pressure_flattens_the_wave_in_full_contact():
     assert pressure.min() == pytest.approx(0.3 * p_full)
 
 
-@pytest.mark.parametrize("share", [0.02, 0.5, 0.97])
+@pytest.mark.parametrize("share", [0.02, 0.97])
 def test_partial_contact_on_a_wave_carries_its_mean_pressure_on_its_width(share):
     p_full, wavelength = 7e8, 50e-6
     a = analytic.westergaard_half_width(share * p_full, p_full, wavelength)
@@ -111,24 +111,6 @@ def test_partial_contact_on_a_wave_carries_its_mean_pressure_on_its_width(share)
     assert carried / wavelength == pytest.approx(share * p_full, rel=QUADRATURE)
     assert pressure(0.999 * a) > 0 == pressure(1.001 * a)
     assert pressure(wavelength + 0.5 * a) == pytest.approx(pressure(-0.5 * a), rel=1e-9)
-
-
-def test_few_sparse_contacts_on_a_wave_are_hertzian():
-    # Radius of the crest R = λ²/(4π²Δ); the next crests matter by (πa/λ)², 1e-4 here.
-    amplitude, wavelength = 0.1e-6, 50e-6
-    p_full = analytic.westergaard_full_contact_pressure(amplitude, wavelength, E_STAR)
-    mean = 1e-4 * p_full
-    radius = wavelength**2 / (4 * math.pi**2 * amplitude)
-    assert analytic.westergaard_half_width(mean, p_full, wavelength) == pytest.approx(
-        analytic.hertz_line_half_width(mean * wavelength, radius, E_STAR), rel=2e-4
-    )
-    assert analytic.westergaard_pressure(0.0, mean, p_full, wavelength) == pytest.approx(
-        analytic.hertz_line_peak_pressure(mean * wavelength, radius, E_STAR), rel=2e-4
-    )
-
-
-def test_full_contact_is_as_wide_as_the_wave():
-    assert analytic.westergaard_half_width(3.0, 2.0, 10.0) == pytest.approx(5.0)
 
 
 def test_worn_volume_is_proportional_to_frictional_work():
@@ -175,7 +157,7 @@ def test_square_at_rest_is_the_sum_of_point_sources():
     )
 
 
-@pytest.mark.parametrize("velocity", [0.01, 1.0, 80.0])
+@pytest.mark.parametrize("velocity", [0.01, 80.0])
 def test_jaegers_band_is_the_sum_of_moving_line_sources(velocity):
     half_width, q = 1e-4, 1e8
     scale = velocity / (2 * KAPPA)
@@ -210,9 +192,7 @@ def test_heat_of_a_fast_band_stays_in_the_wake():
     assert rise == pytest.approx(plane, rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("half_x", "half_y", "peclet"), [(1e-4, 1e-4, 1.0), (1e-4, 4e-4, 3.0), (4e-4, 1e-4, 10.0)]
-)
+@pytest.mark.parametrize(("half_x", "half_y", "peclet"), [(1e-4, 1e-4, 1.0), (1e-4, 4e-4, 3.0)])
 def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
     """Row by row: on each the sources q exp(−V(r − x + x')/(2κ))/(2πKr), r their distance."""
     velocity = peclet * 2 * KAPPA / half_x
@@ -242,7 +222,7 @@ def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
     assert exact == pytest.approx(-highest.fun, rel=1e-5)
 
 
-@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 2e-3), (2e-3, 1e-4)])
+@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 2e-3), (2e-3, 1e-4)])
 def test_a_moving_ellipse_is_between_one_at_rest_and_a_fast_band(half_x, half_y):
     def rise(velocity):
         return analytic.moving_ellipse_rise(1e9, half_x, half_y, velocity, K, KAPPA)
@@ -259,7 +239,7 @@ def test_a_moving_ellipse_is_between_one_at_rest_and_a_fast_band(half_x, half_y)
     assert rise(-3.0) == rise(3.0)
 
 
-@pytest.mark.parametrize("peclet", [0.1, 1.0, 3.0, 10.0, 100.0])
+@pytest.mark.parametrize("peclet", [0.1, 3.0, 100.0])
 def test_a_moving_circle_is_that_of_tian_and_kennedy(peclet):
     velocity = peclet * 2 * KAPPA / 1e-4
     fit = 2.32 * 1e9 * 1e-4 / (K * math.sqrt(math.pi * (1.234 + peclet)))

@@ -18,31 +18,9 @@ def dense(d, c):
     return d * np.eye(len(NODES)) + c / SHAPE[1] * (rows[:, None] == rows)
 
 
-@pytest.mark.parametrize("c", [0.0, 1.0, 1e6])
-def test_products_and_solutions_are_those_of_the_matrix(c):
-    metric, matrix = RowMetric(2.0, c / SHAPE[1], NODES // SHAPE[1]), dense(2.0, c)
-    vector = np.random.default_rng(0).normal(size=len(NODES))
-    assert metric.square(vector) == pytest.approx(vector @ matrix @ vector)
-    assert metric.raised(matrix @ vector) == pytest.approx(vector, abs=1e-9)
-
-
-def test_nodes_may_come_in_any_order():
-    rng = np.random.default_rng(2)
-    order, vector = rng.permutation(len(NODES)), rng.normal(size=len(NODES))
-    rows = NODES // SHAPE[1]
-    metric, other = RowMetric(2.0, 0.7, rows), RowMetric(2.0, 0.7, rows[order])
-    assert other.square(vector[order]) == pytest.approx(metric.square(vector))
-    assert other.raised(vector[order]) == pytest.approx(metric.raised(vector)[order])
-    nearest = metric.nearest(vector, 3.0, 0.8)
-    assert other.nearest(vector[order], 3.0, 0.8) == pytest.approx(nearest[order])
-
-
 @pytest.mark.parametrize("c", [1.0, 1e3])
 @pytest.mark.parametrize("highest", [np.inf, 0.8])
-@pytest.mark.parametrize("at_once", [True, False])
-def test_nearest_equals_bounded_least_squares(c, highest, at_once, monkeypatch):
-    if not at_once:
-        monkeypatch.setattr(RowMetric, "_shifted_at_once", lambda *_: None)
+def test_nearest_equals_bounded_least_squares(c, highest):
     metric, matrix = RowMetric(2.0, c / SHAPE[1], NODES // SHAPE[1]), dense(2.0, c)
     q, total = np.random.default_rng(1).normal(size=len(NODES)), 3.0
     root = cholesky(matrix)
@@ -57,7 +35,7 @@ def test_nearest_equals_bounded_least_squares(c, highest, at_once, monkeypatch):
     assert nearest.sum() == pytest.approx(total, rel=1e-14)
 
 
-@pytest.mark.parametrize("softness", [1e-2, 1.0, 1e2, 1e4, 1e8])
+@pytest.mark.parametrize("softness", [1.0, 1e8])
 @pytest.mark.parametrize("hardness", [np.inf, 3e9])
 def test_iterations_do_not_grow_with_the_wear_of_a_step(softness, hardness):
     grid = Grid((64, 64), (2e-6, 2e-6))

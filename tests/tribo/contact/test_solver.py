@@ -62,11 +62,10 @@ def assert_certified(contact, solid, z, load, hardness, tolerance):
 
 @pytest.mark.parametrize("periodic", [(False, False), (False, True), (True, False)])
 @pytest.mark.parametrize("hardness", [math.inf, 2.2, 1.3])
-@pytest.mark.parametrize("seed", [0, 1])
-def test_equals_an_independent_bounded_least_squares_solution(periodic, hardness, seed):
+def test_equals_an_independent_bounded_least_squares_solution(periodic, hardness):
     grid = Grid((8, 7), (1.0, 1.2), periodic)
     solid = ElasticHalfSpace(grid, 1.0)
-    z = 2 * np.random.default_rng(seed).uniform(size=grid.shape)
+    z = 2 * np.random.default_rng(0).uniform(size=grid.shape)
     load = 0.8 * grid.area
     contact = solve_contact(solid, z, load, hardness, tolerance=1e-10)
     reference, approach = bounded_least_squares(
@@ -149,9 +148,7 @@ def test_the_start_changes_the_way_but_not_the_answer():
 @pytest.mark.parametrize(
     ("periodic", "curvature", "load", "hardness", "most"),
     [
-        ((True, True), 0.0, 12.0, math.inf, 62),  # rough, a twentieth touches
-        ((True, True), 0.0, 60.0, math.inf, 72),  # a fifth
-        ((True, True), 0.0, 60.0, 6.6e9, 78),  # part of which yields
+        ((True, True), 0.0, 60.0, 6.6e9, 78),  # rough, a fifth touches, part of which yields
         ((False, True), 500.0, 8.0, 6.6e9, 35),
         ((False, False), 100.0, 1.0, math.inf, 30),
     ],
@@ -168,36 +165,6 @@ def test_a_cold_start_takes_few_iterations(periodic, curvature, load, hardness, 
     assert contact.iterations <= most
 
 
-@pytest.mark.parametrize(("hardness", "tolerance"), [(math.inf, 1e-3), (2e9, 1e-2)])
-def test_a_known_displacement_saves_iterations(hardness, tolerance):
-    grid = Grid((64, 64), (2e-6, 2e-6))
-    solid = ElasticHalfSpace(grid, E_STAR)
-    z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.1e-6, 0.8, 8e-6, 0)
-    first, second = (solve_contact(solid, z, load, hardness, 1e-6) for load in (2.2, 2.1))
-    guess = 2 * second.pressure - first.pressure  # which exceeds the bounds at 2.0 N
-    assert guess.min() < 0
-    contacts = [
-        solve_contact(
-            solid,
-            z,
-            2.0,
-            hardness,
-            tolerance,
-            initial_pressure=guess,
-            initial_displacement=displacement,
-        )
-        for displacement in (None, solid(guess))
-    ]
-    assert contacts[1].iterations < contacts[0].iterations
-    for contact in contacts:
-        assert_certified(contact, solid, z, 2.0, hardness, tolerance)
-    # What is not the displacement misleads, but no further than into more iterations.
-    contact = solve_contact(
-        solid, z, 2.0, hardness, 1e-6, initial_pressure=guess, initial_displacement=z
-    )
-    assert_certified(contact, solid, z, 2.0, hardness, 1e-6)
-
-
 def test_no_load_and_the_most_that_hardness_carries():
     grid = Grid((6, 5), (1e-6, 1e-6))
     solid = ElasticHalfSpace(grid, E_STAR)
@@ -208,16 +175,6 @@ def test_no_load_and_the_most_that_hardness_carries():
     saturated = solve_contact(solid, z, 1e9 * grid.area, 1e9)
     assert saturated.pressure == pytest.approx(1e9)
     assert saturated.gap.max() == 0
-
-
-def test_a_spike_is_a_contact_of_one_element():
-    grid = Grid((9, 9), (1e-6, 1e-6), (False, False))
-    solid = ElasticHalfSpace(grid, E_STAR)
-    z = np.full(grid.shape, 1e-3)
-    z[3, 4] = 0.0
-    contact = solve_contact(solid, z, 1e-3)
-    assert np.flatnonzero(contact.pressure).tolist() == [3 * 9 + 4]
-    assert contact.approach == pytest.approx(solid.self_influence * 1e-3 / grid.element_area)
 
 
 def rough_line(n, tolerance, criterion="gap", guess=None, load=80.0):
@@ -255,7 +212,7 @@ def test_a_small_change_of_pressure_is_no_convergence():
     assert by_change.iterations < by_gap.iterations
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-10, 1e-14])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-14])
 def test_a_tiny_change_of_pressure_comes_with_the_solution(tolerance):
     contact, exact = rough_line(48, tolerance, "pressure-change"), rough_line(48, 1e-11)
     # 1e-14 is the paper's; rounding of the pressures alone leaves about 1e-16 a node.

@@ -6,15 +6,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import small_scene
-from tribo import Ball, Motion, Ramp, Wear, simulate, solve_contact
+from tribo import Ball, Motion, Ramp, Wear, simulate
 from tribo.numerics import Grid
 from tribo.simulation import (
     contacts,
-    forget_contacts,
-    forget_kernels,
     heated,
     inseparable,
-    loading_step,
 )
 
 
@@ -25,7 +22,6 @@ def ball():
 
 
 FAMILY = {
-    "swept": small_scene("swept"),
     "local": small_scene("local"),
     "coarse history": small_scene("swept", history_coarsening=2, wear_scheme="sdirk2"),
     "few elements": small_scene("swept", pixels_per_element=4, fewest_elements=500),
@@ -67,32 +63,3 @@ def test_a_pin_that_stands_still_at_one_velocity_wears_otherwise_there():
     assert inseparable(scene, (0.5, 1.0)) is None
     assert "stands still" in inseparable(scene, (0.5, 1.0, 2.0))
     assert inseparable(replace(scene, wear=None), (0.5, 1.0, 2.0)) is None
-
-
-def test_without_wear_the_contact_at_a_load_is_solved_once_for_all_velocities_and_materials(
-    monkeypatch,
-):
-    solved = []
-
-    def counted(*arguments, **options):
-        solved.append(solve_contact(*arguments, **options))
-        return solved[-1]
-
-    monkeypatch.setattr(loading_step, "solve_contact", counted)
-    scene = small_scene(wear=False, pixels_per_element=2)
-    insulating = replace(scene, disk=replace(scene.disk, thermal_conductivity=20.0))
-    forget_kernels()
-    first = list(simulate(scene, 750.0, 0.5, asked=(4, 8)))
-    count = len(solved)
-    assert count == len(first) == 3
-    for system, velocity in ((scene, 1.0), (scene, -2.0), (insulating, 0.5)):
-        shared = list(simulate(system, 750.0, velocity, asked=(4, 8)))
-        assert len(solved) == count
-        forget_contacts()
-        for one, alone in zip(shared, simulate(system, 750.0, velocity, asked=(4, 8)), strict=True):
-            assert np.array_equal(one.heat.rise, alone.heat.rise)
-            assert one.sliding_distance == alone.sliding_distance
-        count = len(solved)
-    list(simulate(replace(scene, wear=Wear(1e-15)), 750.0, 0.5))
-    list(simulate(replace(scene, fidelity=small_scene().fidelity), 750.0, 0.5))
-    assert len(solved) > count + 3

@@ -60,10 +60,10 @@ def test_both_discs_are_warmed_by_their_own_turns(load):
     assert added(of_both, columns) == pytest.approx(SHARE * pin + (1 - SHARE) * disk, rel=0.01)
 
 
-@pytest.mark.parametrize(("load", "kelvin"), [(3000.0, 25.6), (5000.0, 34.3), (8000.0, 42.3)])
+@pytest.mark.parametrize(("load", "kelvin"), [(3000.0, 25.6), (8000.0, 42.3)])
 def test_a_disc_as_wide_as_the_contact_loses_no_heat_to_its_sides(load, kelvin):
     """The table of PHYSICS.md, section 14, whose sum leaves out the factor of the strip."""
-    velocity = {3000.0: 6.6, 5000.0: 4.1, 8000.0: 2.5}[load]
+    velocity = {3000.0: 6.6, 8000.0: 2.5}[load]
     columns = record([load / 500.0], [load], velocity, rise=1e9)
     narrow = replace(TRACK, body_width=WIDTH)
     of_both = tribo.Corrections(track=narrow, pin_track=narrow, motion=ROLLING)

@@ -34,6 +34,7 @@ def test_every_state_carries_its_load_and_the_time_of_the_ramp():
     scene = small_scene()
     loads = []
     for state in simulate(scene, 430.0, 1.25):
+        assert state.heat or np.isnan(measures(scene, state)["max_rise"])
         on_patch = state.normal_load / scene.pin.patches(scene.grid)
         assert state.pressure.sum() * scene.grid.element_area == pytest.approx(on_patch)
         assert state.time == pytest.approx(state.normal_load / 150.0)
@@ -75,10 +76,9 @@ def test_parts_that_do_not_fit_make_no_scene(change, said):
         replace(small_scene(), **change)
 
 
-@pytest.mark.parametrize("pattern", ["local", "swept"])
-def test_single_precision_agrees_within_the_tolerance_that_it_allows(pattern):
+def test_single_precision_agrees_within_the_tolerance_that_it_allows():
     double, single = (
-        last(small_scene(pattern, contact_tolerance=1e-3, precision=name), 600.0, 1.25).heat
+        last(small_scene(contact_tolerance=1e-3, precision=name), 600.0, 1.25).heat
         for name in ("double", "single")
     )
     # Both pressures are within 1e-3 of the exact one; temperatures average over many elements.
@@ -125,14 +125,14 @@ def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
 
 
 def test_options_change_the_result_as_much_as_they_should():
-    plain = last(small_scene(increments=20), 600.0, 1.25)
+    plain = last(small_scene(), 600.0, 1.25)
     for option, low, high in (
         ({"kernel": "nearest-image"}, 1e-4, 0.1),
         ({"wear_scheme": "sdirk2"}, 1e-4, 0.1),
         ({"heat_model": "history"}, 1e-3, 0.02),
         ({"contact_criterion": "pressure-change"}, 0.0, 1e-4),
     ):
-        other = last(small_scene(increments=20, **option), 600.0, 1.25)
+        other = last(small_scene(**option), 600.0, 1.25)
         assert low <= abs(other.heat.mean_rise / plain.heat.mean_rise - 1) < high
 
 
@@ -169,12 +169,3 @@ def test_options_that_do_not_fit_are_refused():
     for field in ("kernel", "wear_scheme", "heat_model", "contact_criterion"):
         with pytest.raises(InputError, match=f"{field} is 'none'; allowed are"):
             Fidelity(**{field: "none"})
-
-
-def test_local_wear_is_solved_tightly_enough_to_add_up():
-    loose, tighter = (
-        small_scene("local", contact_tolerance=tolerance) for tolerance in (0.1, 0.03)
-    )
-    one, other = (last(scene, 600.0, 1.25) for scene in (loose, tighter))
-    assert np.array_equal(one.heat.rise, other.heat.rise)
-    assert small_scene("swept", contact_tolerance=0.1).contact_tolerance == 0.1

@@ -64,12 +64,9 @@ def touching(scene, places):
 @pytest.mark.parametrize(
     ("place", "named"),
     [
-        ((0, 5), "x edge"),
         ((-1, 5), "x edge"),
         ((5, 0), "y edge"),
-        ((5, -1), "y edge"),
         ((0, 0), "x edge and y edge"),
-        ((1, 1), None),
         ((-2, -2), None),
     ],
 )
@@ -82,14 +79,7 @@ def test_each_free_edge_is_looked_at(place, named):
     assert not named or f"the window's {named} at 100 N" in edges[0].text
 
 
-def test_an_edge_beyond_which_the_patch_goes_on_is_none():
-    scene = small_scene()
-    assert not texts(scene, touching(scene, (5, 0)), WarningKind.CONTACT_AT_EDGE)
-
-
-@pytest.mark.parametrize(
-    ("nodes", "words"), [(0, None), (1, "only 1 elements"), (399, "only 399"), (400, None)]
-)
+@pytest.mark.parametrize(("nodes", "words"), [(0, None), (399, "only 399 elements"), (400, None)])
 def test_from_400_elements_on_there_are_enough(nodes, words):
     scene = replace(small_scene(pixels_per_element=2), pixels=Grid((96, 64), (4e-6, 4e-6)))
     state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
@@ -111,7 +101,6 @@ def test_a_ball_that_the_roughness_passes_needs_more(nodes, words):
 @pytest.mark.parametrize(
     ("scheme", "steps", "words"),
     [
-        ("implicit", 0, None),
         ("implicit", 1, "reached in a single step"),
         ("implicit", 2, "reached in 2 steps"),
         ("implicit", 3, None),
@@ -131,9 +120,7 @@ def test_wear_in_few_steps_warns(scheme, steps, words):
     ("changes", "words"),
     [
         ({"pixels_per_element": 2}, "take smaller elements"),
-        ({"history_coarsening": 2}, "compute several surfaces"),
         ({}, "compute several surfaces"),  # each pixel is an element: there are no smaller ones
-        ({"pixels_per_element": 2, "roughness": False}, "take smaller elements"),
         ({"roughness": False}, None),  # whose pixels are judged by how many lie across
     ],
 )
@@ -146,11 +133,9 @@ def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, words):
     ("pin", "places", "words"),
     [
         (BALL, np.s_[10:21, 1:15], "11 elements across"),
-        (BALL, np.s_[10:40, 2:13], "window.pixel_size"),
         (BALL, np.s_[10:22, 2:14], None),
         (None, np.s_[10:15], "5 elements across"),
         (None, np.s_[10:16], None),
-        (None, np.s_[0:0], None),
     ],
 )
 def test_a_contact_of_few_elements_across_warns_in_every_fidelity(pin, places, words):
@@ -197,7 +182,6 @@ def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, words):
         (Motion(slide_roll_ratio=2.0), 1.0, None),  # at rest at every velocity
         (Motion(entrainment_velocity=1.0), 2.0, "stands still at this very velocity"),
         (Motion(entrainment_velocity=1.0), 1.9, "turns 4 times"),
-        (Motion(entrainment_velocity=1.0), 1.0, None),
         (None, 1.0, None),
     ],
 )
@@ -215,19 +199,12 @@ def test_a_pin_that_hardly_turns_warns(motion, velocity, words):
         ({"pixels_per_element": 2}, 0.02, "about 1.2 % too warm"),
         ({}, 0.2, "about 0.6 % too warm"),
         ({}, 1.0, None),  # by 0.3 %
-        ({}, 0.0, None),
         ({"heat_model": "history"}, 0.02, None),
     ],
 )
 def test_the_present_heat_warns_where_a_contact_has_grown_slowly(changes, velocity, words):
     scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
     assert_told(words, scene, last(scene, 600.0, velocity), WarningKind.PRESENT_HEAT)
-
-
-def test_the_present_heat_does_not_warn_long_after_a_contact_has_grown():
-    loading = Ramp(rate=150.0, reference_load=600.0, hold=50.0, hold_steps=1)
-    scene = replace(small_scene(), loading=loading)
-    assert not texts(scene, last(scene, 600.0, 0.05), WarningKind.PRESENT_HEAT)
 
 
 def test_a_ball_worn_at_speed_whose_rise_hardly_grows_with_the_velocity_warns():

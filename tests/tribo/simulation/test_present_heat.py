@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear
-from tribo.simulation import heat, start
+from tribo.simulation import start
 from tribo.simulation.present_heat import _late_warming, excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
@@ -42,18 +42,17 @@ def true_excess(scene, load, velocity):
 
 
 @pytest.mark.parametrize(
-    ("scene", "load"),
+    ("scene", "load", "velocity"),
     [
-        (small_scene(roughness=False, increments=20), 600.0),
-        (WORN, 600.0),
-        (with_(WORN, heat_kernel="endless"), 300.0),
-        (with_(WORN, heat_kernel="nearest-image"), 600.0),
-        (replace(WORN, disk=ALUMINA, wear=Wear(1.2e-14, "local")), 600.0),
-        (BALL, 20.0),
+        (small_scene(roughness=False, increments=20), 600.0, 0.001),
+        (WORN, 600.0, 1.0),
+        (with_(WORN, heat_kernel="endless"), 300.0, 0.001),
+        (with_(WORN, heat_kernel="nearest-image"), 600.0, 1.0),
+        (replace(WORN, disk=ALUMINA, wear=Wear(1.2e-14, "local")), 600.0, 0.001),
+        (BALL, 20.0, 1.0),
     ],
     ids=["smooth", "worn", "endless", "nearest image", "alumina", "ball"],
 )
-@pytest.mark.parametrize("velocity", [0.001, 1.0])
 def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
     foretold = excess_of_present_heat(scene, last(scene, load, velocity))
     assert foretold / true_excess(scene, load, velocity) == WITHIN
@@ -71,7 +70,7 @@ def test_a_hold_makes_it_less():
     assert abs(excess_of_present_heat(at_once, last(at_once, 600.0, 0.001))) < 1e-3
 
 
-@pytest.mark.parametrize(("velocity", "least"), [(0.05, 0.1), (1.0, 0.04)])
+@pytest.mark.parametrize(("velocity", "least"), [(0.05, 0.1)])
 def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows(velocity, least):
     jumping = MeasuredLoad(np.array([0.0, 1.0, 30.0, 30.1]), np.array([0.0, 60.0, 60.0, 600.0]))
     late = with_(replace(WORN, loading=jumping), contact_tolerance=1e-3)
@@ -95,12 +94,6 @@ def test_without_heat_there_is_none():
     assert excess_of_present_heat(cold, last(cold, 100.0, 0.1)) == 0.0
     assert excess_of_present_heat(WORN, last(WORN, 100.0, 0.0)) == 0.0
     assert excess_of_present_heat(WORN, start(WORN)) == 0.0
-
-
-def test_the_direction_of_sliding_does_not_matter():
-    forwards, backwards = (excess_of_present_heat(WORN, last(WORN, 300.0, v)) for v in (0.1, -0.1))
-    assert backwards == pytest.approx(forwards, rel=0.1)
-    assert np.isfinite(heat(WORN, last(WORN, 300.0, -0.1), -0.1).max_rise)
 
 
 @pytest.mark.parametrize("time", [1e-3, 5.0])

@@ -26,7 +26,7 @@ from tribo import (
 )
 from tribo.simulation import leads_to
 
-few = settings(deadline=None, derandomize=True, max_examples=12)
+few = settings(deadline=None, derandomize=True, max_examples=6)
 
 TOLERANCE = 1e-9
 
@@ -185,7 +185,7 @@ def test_the_order_of_a_sweep_changes_no_bit(drawn, velocity, shares):
 NAMED = {"certified", "InputError", "ConvergenceError", "RangeError"}
 
 
-@settings(deadline=None, derandomize=True, max_examples=40)
+@settings(deadline=None, derandomize=True, max_examples=20)
 @given(st.integers(0, 2**31), st.sampled_from([0.0, 0.5, 1.0, 2.0, 4.0]))
 @example(19457, 0.0)  # all in contact at the hardness, so that no node is left to solve for
 def test_every_scene_ends_in_a_proven_result_or_a_named_error(seed, wildness):

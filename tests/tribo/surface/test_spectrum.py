@@ -13,7 +13,7 @@ from tribo import Grid, InputError, fit_self_affine, self_affine
 )
 def test_known_parameters_are_found_within_their_errors(hurst, lengths, spacing):
     deviations = []
-    for seed in range(4):
+    for seed in range(3):
         whole = self_affine(Grid((300, 300), spacing), 0.3e-6, hurst, lengths, seed)
         patch = whole[:200, :160]  # which does not repeat
         fit = fit_self_affine(patch - patch.mean(), spacing)
@@ -22,13 +22,13 @@ def test_known_parameters_are_found_within_their_errors(hurst, lengths, spacing)
         deviations.append((np.array(values) - [hurst, *lengths]) / errors)
         assert fit.misfit < 1.6
     rms = np.sqrt(np.mean(np.square(deviations), axis=0))
-    assert ((rms > 0.2) & (rms < 2.2)).all()  # 12 values of a normal distribution
+    assert ((rms > 0.2) & (rms < 2.2)).all()  # 9 values of a normal distribution
     assert abs(np.mean(deviations)) < 1.0
 
 
 def test_a_turned_surface_has_its_lay_at_that_angle():
-    whole = self_affine(Grid((512, 512), (1e-6, 1e-6)), 0.3e-6, 0.8, (20e-6, 5e-6), seed=4)
-    turned = ndimage.rotate(whole, 30.0, reshape=False, order=3)[128:384, 128:384]
+    whole = self_affine(Grid((384, 384), (1e-6, 1e-6)), 0.3e-6, 0.8, (20e-6, 5e-6), seed=4)
+    turned = ndimage.rotate(whole, 30.0, reshape=False, order=3)[96:288, 96:288]
     fit = fit_self_affine(turned - turned.mean(), (1e-6, 1e-6))
     # From x, which points down the rows, towards y.
     assert fit.lay == pytest.approx(30.0, abs=4 * fit.lay_error)

@@ -45,7 +45,7 @@ def test_entries_equal_the_heat_source_integral(case, nodes, error):
 
 
 @pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize("velocity", [0.0, 1e-6, 0.3, -1.25, 12.0, 4e3, -1e5])
+@pytest.mark.parametrize("velocity", [0.0, 0.3, 12.0, -1e5])
 def test_no_heat_is_lost_while_the_window_holds_the_wake(periodic, velocity):
     # Free axes lose exp(-(window/s)²), below 1e-16 as long as the window is six s wide.
     # Periodic ones lose none at any time: the last time is 400 turns of the window.
@@ -71,7 +71,7 @@ def test_square_at_rest_reaches_its_steady_temperature():
     assert kernel[0, 0] == pytest.approx(exact, rel=1e-8)
 
 
-@pytest.mark.parametrize("peclet", [0.05, 1.0, 20.0, 400.0])
+@pytest.mark.parametrize("peclet", [0.05, 1.0, 400.0])
 def test_a_band_heats_a_moving_half_space_as_jaeger_found(peclet):
     half_width, n = 1e-4, 40
     velocity = peclet * 2 * STEEL.thermal_diffusivity / half_width
@@ -100,7 +100,7 @@ def test_a_moving_square_is_hottest_as_tabulated(peclet):
 
 
 @pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize("velocity", [0.7, 30.0, 1e4])
+@pytest.mark.parametrize("velocity", [0.7, 1e4])
 def test_the_opposite_velocity_mirrors_the_kernel(periodic, velocity):
     grid = Grid((10, 9), ELEMENT, periodic)
     forward, backward = (thermal_influence(grid, STEEL, v, 1e-5) for v in (velocity, -velocity))
@@ -150,7 +150,7 @@ def summed(ny, whole, velocity, time):
 
 
 @pytest.mark.parametrize("ny", [8, 9])
-@pytest.mark.parametrize("whole", [0, 1, 3])
+@pytest.mark.parametrize("whole", [0, 3])
 @pytest.mark.parametrize(("velocity", "time"), [(0.0, 1e-6), (0.0, 1.0), (0.3, 1e-4), (-5.0, 1.0)])
 def test_the_mean_along_a_pin_is_that_of_the_images_within_its_length(ny, whole, velocity, time):
     grid = Grid((24, ny), ELEMENT, (False, True))
@@ -168,7 +168,7 @@ def test_the_mean_along_a_pin_is_that_of_the_images_within_its_length(ny, whole,
         np.testing.assert_allclose(kernel, images, rtol=0, atol=4e-3 * images.max())
 
 
-@pytest.mark.parametrize("periods", [1.0, 3.0, 7.456, 100.0])
+@pytest.mark.parametrize("periods", [1.0, 7.456])
 @pytest.mark.parametrize("elements", [(41, 12), (41, 1)])
 def test_a_band_as_long_as_the_pin_is_a_rectangle_at_its_middle(elements, periods):
     grid = Grid(elements, (2e-6, 24e-6 / elements[1]), (False, True))
@@ -201,7 +201,7 @@ def test_without_ends_a_pin_is_endless_bit_for_bit():
 
 
 @pytest.mark.parametrize("ny", [8, 9])
-@pytest.mark.parametrize(("velocity", "time"), [(0.0, 1e-8), (0.0, 1.0), (0.3, 1e-4), (-5.0, 1.0)])
+@pytest.mark.parametrize(("velocity", "time"), [(0.0, 1.0), (-5.0, 1.0)])
 def test_the_nearest_image_is_added_as_it_leaks(ny, velocity, time):
     """T(x, |y|) + T(x, L − |y|), as in the elastic kernel of that name."""
     grid = Grid((24, ny), ELEMENT, (False, True))
@@ -222,29 +222,18 @@ def test_impossible_lengths_are_named():
         thermal_influence(free, STEEL, 0.0, 1.0, length="nearest-image")
 
 
-@pytest.mark.parametrize("periodic", [(False, True), (True, True), (True, False)])
+@pytest.mark.parametrize("periodic", [(False, True), (True, True)])
 def test_more_nodes_change_no_entry_at_any_velocity(periodic):
     # Many velocities, since the ways to compute a panel change over somewhere within.
     grid = Grid((14, 3), ELEMENT, periodic)
-    for velocity in np.geomspace(1e-2, 1e3, 70):
+    for velocity in np.geomspace(1e-2, 1e3, 30):
         few, many = (thermal_influence(grid, STEEL, velocity, 1e-5, n) for n in (10, 24))
         np.testing.assert_allclose(few, many, rtol=0, atol=TEN_NODES * many[0, 0])
 
 
-def test_similar_problems_have_similar_temperatures():
-    # T ~ q·length/K at equal Fourier and Péclet numbers.
-    copper = Material(120e9, 0.34, 390.0, 8960.0, 385.0)
-    grow, kappa_ratio = 7.0, copper.thermal_diffusivity / STEEL.thermal_diffusivity
-    large = Grid((6, 4), (ELEMENT[0] * grow, ELEMENT[1] * grow))
-    steel = thermal_influence(Grid((6, 4), ELEMENT), STEEL, 2.0, 1e-5)
-    other = thermal_influence(large, copper, 2.0 * kappa_ratio / grow, 1e-5 * grow**2 / kappa_ratio)
-    scale = grow * STEEL.thermal_conductivity / copper.thermal_conductivity
-    np.testing.assert_allclose(other, scale * steel, rtol=1e-9, atol=1e-13 * other.max())
-
-
 @pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3), (1e-3, 1e-6), (1e-3, 1e-3)])
-@pytest.mark.parametrize("velocity", [0.0, 1e-6, -1.25, 1e5])
+@pytest.mark.parametrize("spacing", [(1e-6, 1e-3), (1e-3, 1e-6)])
+@pytest.mark.parametrize("velocity", [0.0, -1.25, 1e5])
 def test_extremes_give_finite_kernels_that_create_no_heat(periodic, spacing, velocity):
     for shape, time in itertools.product([(1, 7), (5, 1), (6, 3)], [1e-15, 1e-4, 1e9]):
         kernel = thermal_influence(Grid(shape, spacing, periodic), STEEL, velocity, time)
@@ -263,8 +252,8 @@ def test_extremes_give_finite_kernels_that_create_no_heat(periodic, spacing, vel
             assert kernel[0, 0] == pytest.approx(once, rel=0.02)
 
 
-@pytest.mark.parametrize("n", [1, 3, 240])
-@pytest.mark.parametrize("velocity", [0.01, -1.25, 50.0])
+@pytest.mark.parametrize("n", [1, 240])
+@pytest.mark.parametrize("velocity", [0.01, -1.25])
 def test_a_kernel_has_settled_once_the_heat_of_one_end_has_passed_the_other(n, velocity):
     grid = Grid((n, 4), ELEMENT)
     # By a thousandth earlier: from an element's edge to the centre of the last one, and the rear
@@ -278,9 +267,7 @@ def test_a_kernel_has_settled_once_the_heat_of_one_end_has_passed_the_other(n, v
     "wrong",
     [
         {"time": -1.0},
-        {"time": math.nan},
         {"time": math.inf},
-        {"velocity": math.inf},
         {"velocity": math.nan},
         {"quadrature_nodes": 0},
     ],

@@ -28,7 +28,7 @@ def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25):
     return split, past
 
 
-@pytest.mark.parametrize("times", [[5.0], np.arange(1, 21) / 4, [0.01, 0.3, 0.31, 2.0, 4.9, 5.0]])
+@pytest.mark.parametrize("times", [[5.0], [0.01, 0.3, 0.31, 2.0, 4.9, 5.0]])
 def test_linear_ramp_in_one_dimension_is_the_closed_form_whatever_the_steps(times):
     fluxes = [np.full(PLANE.shape, 1e6 * time) for time in times]
     split, _ = run(PLANE, fluxes, times)
@@ -41,8 +41,8 @@ def test_linear_ramp_in_one_dimension_is_the_closed_form_whatever_the_steps(time
 
 def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
     rng = np.random.default_rng(4)
-    times = np.cumsum(rng.uniform(0.01, 1.0, size=30))
-    strengths = rng.uniform(-1e6, 2e6, size=30)
+    times = np.cumsum(rng.uniform(0.01, 1.0, size=10))
+    strengths = rng.uniform(-1e6, 2e6, size=10)
     split, _ = run(PLANE, [np.full(PLANE.shape, flux) for flux in strengths], times)
     corners = np.concatenate(([0.0], times))
     slopes = np.diff(np.concatenate(([0.0], strengths / 2))) / np.diff(corners)
@@ -55,7 +55,7 @@ def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
 
 
 @pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize("velocity", [0.0, 0.01, 1.25, -40.0])
+@pytest.mark.parametrize("velocity", [0.0, 1.25, -40.0])
 def test_hats_that_add_up_to_a_constant_flux_have_its_rise(periodic, velocity):
     grid = Grid((12, 9), ELEMENT, periodic)
     ages = (0.0, 1e-7, 3e-5, 0.02, 0.04, 3.0)
@@ -84,20 +84,6 @@ def test_heat_that_has_not_crossed_half_an_element_is_one_dimensional(begin):
     integral = 2 / 3 * (end**1.5 - begin**1.5) - 2 * begin * (end**0.5 - begin**0.5)
     exact = integral / (end - begin) / (math.sqrt(math.pi) * EFFUSIVITY)
     np.testing.assert_allclose(spectrum, exact, rtol=1e-9)  # rounding where begin is near end
-
-
-def test_a_spectrum_keeps_only_the_columns_that_have_not_faded():
-    grid = Grid((20, 48), ELEMENT)
-    young, old = (
-        flux_history_spectrum(grid, STEEL, 0.0, (age, 2 * age, 3 * age), (0.0, 1.0, 0.0))
-        for age in (1e-7, 0.05)
-    )
-    assert young.shape == (40, 25)
-    assert old.shape == (40, 1)
-    gone = flux_history_spectrum(grid, STEEL, 10.0, (0.05, 0.1, 0.15), (0.0, 1.0, 0.0))
-    assert gone.shape == (40, 0)  # the surface has moved on by many windows
-    with pytest.raises(InputError, match=r"at least 0\.1"):
-        flux_history_spectrum(grid, STEEL, 1.0, (0.1, 0.05), (1.0, 1.0))
 
 
 def test_temperature_with_history_depends_little_on_the_steps():
@@ -171,22 +157,6 @@ def test_a_constant_flux_in_many_steps_is_one_that_acted_all_the_time_whatever_t
         # Of either flux the split differs a little between the steps, being older or younger.
         assert split.rise.max() == pytest.approx(elapsed.rise.max(), rel=2e-3)
         assert split.pin_share == pytest.approx(elapsed.pin_share, rel=5e-3)
-
-
-def test_bulk_difference_is_felt_with_history_as_without():
-    grid = Grid((24, 8), (20e-6, 20e-6))
-    flux = np.zeros(grid.shape)
-    flux[10:14] = 1e8
-    bodies = Conductor(STEEL, 0.0), Conductor(STEEL, 1.0)
-    once, twice, neither = (
-        partition_with_history(
-            grid, *bodies, HeatHistory(), 1.0, flux, flux > 0, bulk_difference=difference
-        )[0].rise
-        for difference in (20.0, 40.0, 0.0)
-    )
-    # Affine in the difference; the solver's tolerance is 1e-8.
-    np.testing.assert_allclose(twice - once, once - neither, atol=1e-6 * once.max())
-    assert (once - neither)[flux > 0].min() > 0
 
 
 def test_what_cannot_be_continued_is_refused():

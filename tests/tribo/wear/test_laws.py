@@ -84,10 +84,6 @@ def test_what_is_no_law_is_refused():
         replace(small_scene(), wear=object())
 
 
-def test_a_scene_names_its_law_and_no_rate_of_it():
-    assert "RunningIn(initial_rate=6e-15" in repr(replace(small_scene(), wear=LAW))
-
-
 @dataclass(frozen=True)
 class Dimples:
     depth: float = 1e-6
