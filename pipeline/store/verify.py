@@ -234,10 +234,11 @@ def faults_at(store: Store, indices: Iterable[_Index]) -> Iterator[tuple[Point, 
 
 def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool = True) -> str:
     """Fault of a point by its entries, of which lost ones are None; empty if it has none."""
-    entries = {name: entries[name] for name in entries if is_done or name in RECORDS}
+    told = RECORDS.keys() - {"steps"}  # of a point that failed, whose chunk may have no steps yet
+    entries = {name: entries[name] for name in entries if is_done or name in told}
     if lost := sorted(name for name, values in entries.items() if values is None):
         return f"{', '.join(lost)} cannot be read"
-    steps = int(entries["steps"])
+    steps = int(entries.get("steps", 0))
     data = {name: entries[name][-steps:] for name in entries.keys() & STEPPED.keys()}
     data |= {name: entries[name] for name in entries.keys() & {*AT_END, "warning_flags"}}
     expected = checksum(store.simulated.at(point), point, data)

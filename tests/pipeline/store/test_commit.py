@@ -48,7 +48,7 @@ def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
             assert set(tribo.WarningKind(flags)) == {warning.kind for warning in result.warnings}
 
 
-@pytest.mark.parametrize("files", [0, 8, 16, 24, 10**6])
+@pytest.mark.parametrize("files", [8, 24, 10**6])
 def test_a_commit_killed_before_any_change_of_a_file_leaves_points_whole(path, monkeypatch, files):
     """Those of the last commit are done or not; those of earlier ones stay."""
     commit(path, SWEEP, [POINT])
@@ -65,6 +65,7 @@ def test_a_commit_killed_before_any_change_of_a_file_leaves_points_whole(path, m
 
 def test_a_failed_point_says_why_and_can_be_tried_again(path):
     fail(path, SWEEP, OTHER, "it did not converge – é")
+    assert verify_store(path).is_clean  # though no point of the store is done
     assert summary(path).failed == (FailedPoint(600.0, 1.5, "it did not converge – é"),)
     with open_sweep(path) as ds:
         assert ds["message"].sel(load=600, velocity=1.5).item() == "it did not converge – é"
@@ -76,14 +77,16 @@ def test_a_failed_point_says_why_and_can_be_tried_again(path):
     assert_is_as_computed(path, [OTHER])
 
 
-@pytest.mark.parametrize("message", ["long " * 3_400_000, "a\0b\n", "not text: \udcff"])
-def test_any_message_is_stored_and_none_grows_the_store(path, message):
-    commit(path, SWEEP, [POINT])
-    fail(path, SWEEP, OTHER, message)
+def test_any_message_is_stored_and_none_grows_the_store(path):
+    messages = {150.0: "long " * 3_400_000, 250.0: "a\0b\n", 600.0: "not text: \udcff"}
+    for load, message in messages.items():
+        fail(path, SWEEP, Point(load, 1.0), message)
     assert verify_store(path).is_clean
-    (failed,) = summary(path).failed
-    assert failed.message[:10] == message[:10].encode(errors="backslashreplace").decode()[:10]
-    assert len(failed.message) < 10_000
+    for failed in summary(path).failed:
+        expected = messages[failed.load][:10].encode(errors="backslashreplace").decode()
+        assert failed.message[:10] == expected[:10]
+        assert len(failed.message) < 10_000
+    assert len(summary(path).failed) == 3
 
 
 def test_a_full_disk_is_an_error_that_says_so_and_costs_no_point(path, monkeypatch):
@@ -215,7 +218,7 @@ def warnings_of_growth():
 
 def test_a_point_that_is_read_beside_a_writer_is_whole(growing):
     reads, has_grown = 0, False
-    while reads < 30 or not has_grown:
+    while reads < 12 or not has_grown:
         assert summary(growing).running  # or there is no more to wait for
         with warnings_of_growth() as grew:
             ds = open_sweep(growing).load()
