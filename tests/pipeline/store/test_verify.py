@@ -3,9 +3,7 @@
 import errno
 import itertools
 import shutil
-from dataclasses import replace
 
-import numpy as np
 import pytest
 import zarr
 
@@ -86,10 +84,7 @@ def test_a_store_without_damage_is_clean_and_left_as_it_is(copy):
 
 @pytest.mark.parametrize(
     ("name", "harm"),
-    [
-        *((name, HARMS[0]) for name in ("time", "rise_quantile", "checksum", *ABOUT)),
-        *((name, HARMS[2]) for name in ("time", "message")),
-    ],
+    [("time", HARMS[0]), ("checksum", HARMS[0]), ("message", HARMS[0]), ("wall_time", HARMS[2])],
 )
 def test_damage_to_data_is_named_and_computed_again(copy, name, harm):
     harm(*chunks(copy, name))
@@ -120,10 +115,9 @@ def test_data_in_the_place_of_others_are_found(copy):
     assert reasons(verify_store(copy).damaged) == {POINT: OTHER, Point(150.0, 0.5): OTHER}
 
 
-@pytest.mark.parametrize("also", [(), ABOUT])
-def test_points_in_the_places_of_each_other_are_found(copy, also):
+def test_points_in_the_places_of_each_other_are_found(copy):
     """Data with their checksums, with which they agree, but not with their place."""
-    for name in (*COLUMNS, *FIELDS, "checksum", *also):
+    for name in (*COLUMNS, *FIELDS, "checksum", *ABOUT):
         array = values(copy, name)
         array[1, 1], array[2, 1] = array[2, 1], array[1, 1]
     assert reasons(verify_store(copy).damaged) == {POINT: OTHER, NEXT: OTHER}
@@ -136,40 +130,9 @@ def test_warnings_in_the_places_of_each_other_are_found(copy):
     array, (i, j) = values(copy, "warning_flags"), map(opened(copy).index, (first, second))
     array[i], array[j] = array[j], array[i]
     assert reasons(verify_store(copy).damaged) == {first: OTHER, second: OTHER}
-    assert_repaired(copy, {first, second})
 
 
-@pytest.fixture
-def wide(tmp_path):
-    """A store of several chunks."""
-    path = tmp_path / "wide.zarr"
-    many = tiny.sweep(loads=(150.0,), velocities=tuple(np.arange(1.0, 1026.0)))
-    chosen = [Point(150.0, 1.0), Point(150.0, 1025.0)]
-    with writing(path, many) as store:
-        store.commit(
-            replace(
-                result := record(Point(150.0, velocity)),
-                point=point,
-                data={name: result.data[name][-1:] for name in COLUMNS},
-            )
-            for point, velocity in zip(chosen, (0.5, 1.0), strict=True)
-        )
-    return path, chosen
-
-
-def test_chunks_in_the_places_of_each_other_are_found(wide):
-    path, chosen = wide
-    first, last = chunks(path, "max_rise")
-    assert verify_store(path).is_clean
-    content = first.read_bytes()
-    first.write_bytes(last.read_bytes())
-    last.write_bytes(content)
-    assert reasons(verify_store(path).damaged) == dict.fromkeys(chosen, OTHER)
-
-
-@pytest.mark.parametrize(
-    ("name", "harm"), [("load", HARMS[1]), ("step", HARMS[2]), ("x", HARMS[1])]
-)
+@pytest.mark.parametrize(("name", "harm"), [("load", HARMS[1]), ("step", HARMS[2])])
 def test_lost_coordinates_are_not_read_and_are_restored(copy, alone, name, harm):
     """The root has them too, and a hash over them."""
     harm(*chunks(copy, name))
@@ -180,8 +143,10 @@ def test_lost_coordinates_are_not_read_and_are_restored(copy, alone, name, harm)
     assert_is_as_computed(copy, ALL)
 
 
-@pytest.mark.parametrize(("name", "harm"), [("status", HARMS[0]), ("asked", HARMS[2])])
-@pytest.mark.parametrize("with_data", [True, False])
+@pytest.mark.parametrize(
+    ("name", "harm", "with_data"),
+    [("status", HARMS[0], True), ("status", HARMS[0], False), ("asked", HARMS[2], True)],
+)
 def test_lost_statuses_cost_no_sound_point(copy, name, harm, with_data):
     """Also if no point of the same chunk is sound."""
     harm(*chunks(copy, name))
@@ -240,7 +205,7 @@ def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
 def test_a_repair_that_is_killed_leaves_no_damaged_point_done(copy, monkeypatch):
     cut(copy / "time" / "c.0.0.0")
     harmed = shutil.copytree(copy, copy.with_name("harmed.zarr"))
-    for count in itertools.count(0, 5):
+    for count in itertools.count(0, 12):
         shutil.rmtree(copy)
         shutil.copytree(harmed, copy)
         with killed_after(monkeypatch, count) as was_killed:
