@@ -28,6 +28,7 @@ from pipeline.scene.units import display
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.plain import made
 from pipeline.sweep.unknown import Unknown
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
@@ -286,7 +287,7 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
             elif not (path.startswith("roughness.") and _DIGEST.fullmatch(str(value))):
                 entries[entry] = in_usual_unit(path, value)
     for data in attributes.get("unknown") or []:
-        path, _, distribution = str(Unknown.from_dict(data)).partition(": ")
+        path, _, distribution = str(made(Unknown, data)).partition(": ")
         entries[f'unknown."{path}"'] = distribution
     return entries
 

@@ -9,12 +9,9 @@ import hashlib
 import itertools
 import json
 import math
-import sys
-from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, fields, is_dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from types import UnionType
-from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple
 
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import holder_of
@@ -31,6 +28,7 @@ from pipeline.store.place import (
 from pipeline.store.schema import FORMAT, is_coordinate
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.plain import made, record_of
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.stations import Stations
@@ -39,72 +37,19 @@ from pipeline.sweep.unknown import Unknown
 from tribo import Fidelity
 from tribo.errors import near_path
 
-_GREATEST = {float: sys.float_info.max, int: 2**63 - 1}
-
-
-def _fits(value: Any, kind: Any) -> bool:
-    """True if plain data are of a kind, with finite numbers.
-
-    A kind is a type or a dataclass, a tuple of kinds that a value may have, a list of the kind of
-    its entries, or a record of kinds by name: a name that ends in "?" may be missing, and with an
-    ellipsis there may be others.
-    """
-    origin, inner = get_origin(kind), get_args(kind)
-    if isinstance(kind, tuple) or origin in (Union, UnionType):
-        return any(_fits(value, one) for one in inner or kind)
-    if kind is Any or origin is Literal:
-        return kind is Any or value in inner
-    if isinstance(kind, list) or origin in (list, tuple):
-        if not isinstance(value, list):
-            return False
-        is_long = origin is not tuple or ... in inner
-        kinds = list(inner or kind)[: 1 if is_long else None] * (len(value) if is_long else 1)
-        return len(value) == len(kinds) and all(map(_fits, value, kinds))
-    if origin is dict:
-        return isinstance(value, dict) and all(_fits(one, inner[1]) for one in value.values())
-    if isinstance(kind, dict) or is_dataclass(kind):
-        return isinstance(value, dict) and not any(_misfits(value, _record_of(kind)))
-    kinds = [int, float] if kind is float else [kind]
-    return type(value) in kinds and (kind not in _GREATEST or abs(value) <= _GREATEST[kind])
-
-
-def _misfits(value: Mapping[str, Any], record: Mapping[Any, Any]) -> Iterator[str]:
-    """Names in plain data that are not those of a record, or not of its kinds."""
-    names = {name.removesuffix("?"): name for name in record if name is not ...}
-    for name in dict.fromkeys([*names, *value]):
-        if name not in value:
-            is_fit = names[name].endswith("?")
-        else:
-            is_fit = _fits(value[name], record[names[name]]) if name in names else ... in record
-        if not is_fit:
-            yield name
-
-
-def _record_of(kind: Any) -> dict[Any, Any]:
-    """A record, or what a dataclass is made from as one."""
-    if isinstance(kind, dict):
-        return kind
-    hints = get_type_hints(kind)
-    return {
-        field.name + "?" * (field.default is not MISSING): hints[field.name]
-        for field in fields(kind)
-        if field.init
-    }
-
-
 _VERSIONS = {"tribo": str, "numpy": str, "scipy": str, "zarr": str}
 _OF_SCENE = {
-    "fidelity": {**_record_of(Fidelity), "type": str},
+    "fidelity": {**record_of(Fidelity), "type": str},
     "loading": {"hold?": float, ...: Any},
     "friction_heat": bool,
     "unequal_bulks": bool,
-    "samples?": {**_record_of(Design), "inputs": dict[str, Unknown]},
+    "samples?": {**record_of(Design), "inputs": dict[str, Unknown]},
     ...: Any,
 }
-_CONDITIONS = {**_record_of(Conditions), "criterion_hash?": str}
+_CONDITIONS = {**record_of(Conditions), "criterion_hash?": str}
 del _CONDITIONS["own_criterion?"]
 _FOLLOWING = {
-    "selection": {**_record_of(Selection), "points": [{"load": float, "velocity": float}]},
+    "selection": {**record_of(Selection), "points": [{"load": float, "velocity": float}]},
     "lubrication": Lubrication,
     "name": str,
     "title": str,
@@ -146,7 +91,7 @@ ATTRIBUTES: dict[Any, Any] = {
     "samples?": int,
     "sample_seed?": int,
     "unknown?": list[Unknown],
-    "fixed?": [{**_record_of(Unknown), "value": float}],
+    "fixed?": [{**record_of(Unknown), "value": float}],
     "over?": list[str],
     "scenes?": [_ROW],
     "axes": {...: Any},
@@ -313,7 +258,9 @@ def _fault(root: Root) -> str:
             "its axes"
         )
     kinds = ATTRIBUTES | {"axes": {n: AXES.get(str(root.arrays[n]["data_type"])) for n in sizes}}
-    if wrong := next(_misfits(root.attributes, kinds), None):
+    try:
+        made(kinds, root.attributes)
+    except ValueError as wrong:
         kind = "is missing, or not of the kind that a run writes"
         return f"is damaged: its attribute {wrong} {kind}"
     if not _are_rows(root):

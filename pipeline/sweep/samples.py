@@ -16,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
+from pipeline.sweep.plain import made
 from pipeline.sweep.unknown import Fixed, Unknown, sequence
 from tribo.types import Array
 
@@ -121,10 +122,8 @@ class Design:
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Design:
         """Make one from what `as_dict` returned."""
-        inputs = tuple(Unknown.from_dict(entries) for entries in data["inputs"].values())
-        low, high = data["velocities"]
-        layers = tuple(data["layers"])
-        return cls(inputs, layers, (low, high), data["seed"], data["per_contact"])
+        design: Design = made(cls, {**data, "inputs": list(data["inputs"].values())})
+        return design
 
 
 @dataclass(frozen=True, slots=True)

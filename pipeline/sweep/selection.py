@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from pipeline.sweep.plain import made
 from tribo import PRESETS, Fidelity
 
 KEPT_FIELDS = ("heat_model", "heat_kernel")
@@ -72,13 +73,9 @@ class Selection:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Selection:
         """Make a selection from what `as_dict` returned."""
-        trials = (trial | {"fidelity": Fidelity(**trial["fidelity"])} for trial in data["trials"])
-        nested = {
-            "fidelity": Fidelity(**data["fidelity"]),
-            "trials": tuple(Trial(**trial) for trial in trials),
-            "points": tuple((place["load"], place["velocity"]) for place in data["points"]),
-        }
-        return cls(**{**data, **nested})
+        points = [(place["load"], place["velocity"]) for place in data["points"]]
+        selection: Selection = made(cls, {**data, "points": points})
+        return selection
 
     @property
     def largest_error(self) -> float:

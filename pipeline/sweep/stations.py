@@ -11,6 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.plain import made
 from tribo import MeasuredLoad, Scene
 from tribo.loading import Station
 
@@ -29,7 +30,8 @@ class Stations:
     def of(cls, sweep: Sweep) -> Self:
         """Stations of a sweep at its present loads."""
         if sweep.record.stations:
-            return cls.from_dict(sweep.record.stations)
+            stations: Self = made(cls, sweep.record.stations)
+            return stations
         steps = sweep.record.steps or _usual(sweep)
         if steps == "end":
             return cls(steps)
@@ -50,11 +52,6 @@ class Stations:
             places = _even([step.time for step in trunk], interval, end)
             loads |= {trunk[place].normal_load for place in places}
         return cls(steps, tuple(sorted(loads)), interval)
-
-    @classmethod
-    def from_dict(cls, parts: dict[str, Any]) -> Self:
-        """Stations as `as_dict` gives them."""
-        return cls(parts["steps"], tuple(parts["loads"]), parts["interval"])
 
     def as_dict(self) -> dict[str, Any]:
         """As plain data."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.plain import made
 from tribo import (
     Grid,
     MeasuredRoughness,
@@ -158,16 +159,8 @@ class Lubrication:
     @classmethod
     def stored(cls, attributes: Mapping[str, Any]) -> Self | None:
         """Take what the attributes of a stored sweep say; None if they say nothing of it."""
-        stored = attributes.get("lubrication")
-        if not stored:
-            return None
-        oil: dict[str, Any] = {
-            name: tuple(value) if isinstance(value, list) else value
-            for name, value in stored["oil"].items()
-        }
-        motion = stored.get("motion")
-        parts = {"oil": Oil(**oil), "motion": Motion(**motion) if motion else None}
-        return cls(**{**stored, **parts})
+        stored: Self | None = made((cls, type(None)), attributes.get("lubrication"))
+        return stored
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data, which `stored` reads."""

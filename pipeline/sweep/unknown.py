@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
+from pipeline.sweep.plain import made
 from tribo import InputError
 from tribo.types import Array
 
@@ -123,17 +124,6 @@ class Unknown:
         rare = {"written": self.written, "correlated": self.correlated}
         return {k: v for k, v in (asdict(self) | lists).items() if rare.get(k, True)}
 
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Unknown:
-        """Make one from what `as_dict` returned."""
-        written = data.get("written")
-        unit = Unit(**written) if written else None
-        tuples = {
-            "parameters": tuple(data["parameters"]),
-            "correlated": tuple(map(tuple, data.get("correlated", ()))),
-        }
-        return cls(**{**data, **tuples, "written": unit})
-
     def __str__(self) -> str:
         unit = self.shown.suffix
         values = [f"{self.shown.of(value):.6g}" for value in self.parameters]
@@ -163,9 +153,8 @@ class Fixed:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Fixed:
         """Make one from what `as_dict` returned."""
-        return cls(
-            Unknown.from_dict({k: v for k, v in data.items() if k != "value"}), data["value"]
-        )
+        unknown = {name: value for name, value in data.items() if name != "value"}
+        return cls(made(Unknown, unknown), data["value"])
 
     def __str__(self) -> str:
         unit = self.unknown.shown

@@ -34,6 +34,7 @@ from pipeline.analysis.scenes import taken
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions, with_corrections_of_row
+from pipeline.sweep.plain import made
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
@@ -166,7 +167,7 @@ class Ensemble:
             raise InputError("samples are judged at one --friction at a time; give one")
         changed = with_conditions(at, changed)
         conditions = conditions_of(ds, **changed)
-        unknown = tuple(Unknown.from_dict(quantity) for quantity in about["unknown"])
+        unknown = tuple(made(Unknown, quantity) for quantity in about["unknown"])
         stored = tuple(map(Fixed.from_dict, about.get("fixed", ())))
         paths = [quantity.path for quantity in design.inputs]
         movable = [one for one in stored if one.unknown.path in paths]
