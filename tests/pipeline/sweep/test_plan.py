@@ -1,6 +1,5 @@
 """Points, chains and the computation of one point (pipeline/sweep/plan.py)."""
 
-import itertools
 import pickle
 from dataclasses import replace
 
@@ -24,29 +23,17 @@ SWEEP = tiny.sweep()
 def same(first, second):
     """True if two results and the trunks that they hand on agree bit for bit."""
     assert first.columns.keys() == second.columns.keys()
-    assert all(
-        first.columns[name].tobytes() == second.columns[name].tobytes() for name in first.columns
-    )
-    assert all(
-        first.fields[name].tobytes() == second.fields[name].tobytes() for name in first.fields
-    )
+    for name, values in (first.columns | first.fields).items():
+        assert values.tobytes() == (second.columns | second.fields)[name].tobytes(), name
     assert first.warnings == second.warnings
-    return same_trunks(first.trunk, second.trunk)
-
-
-def same_trunks(first, second):
-    one, other = (trunk.ends[()] for trunk in (first, second))
+    one, other = (result.trunk.ends[()] for result in (first, second))
     for load in one.keys() & other.keys():
         assert all(np.array_equal(one[load][name], other[load][name]) for name in one[load])
-    return first.state.pressure.tobytes() == second.state.pressure.tobytes()
-
-
-def test_every_load_meets_every_velocity_once():
-    assert len(points(SWEEP)) == len(set(points(SWEEP))) == 9
-    assert Point(250.0, 1.5) in points(SWEEP)
+    return first.trunk.state.pressure.tobytes() == second.trunk.state.pressure.tobytes()
 
 
 def test_chains_ascend_in_load_at_one_velocity():
+    assert len(set(points(SWEEP))) == 9
     for chain in chains(reversed(points(SWEEP)), SWEEP):
         assert [point.load for point in chain] == list(tiny.LOADS)
         assert len({point.velocity for point in chain}) == 1
@@ -57,7 +44,7 @@ def test_independent_points_are_chains_of_their_own():
     assert chains(points(alone), alone) == tuple((point,) for point in points(alone))
 
 
-@pytest.mark.parametrize(("load", "count"), [(150.0, 1), (250.0, 2), (400.0, 3), (600.0, 3)])
+@pytest.mark.parametrize(("load", "count"), [(150.0, 1), (400.0, 3)])
 def test_a_point_has_a_row_for_each_of_its_stations(load, count):
     result = run_point(SWEEP, load, 1.0)
     assert Stations.of(SWEEP).count(SWEEP.scene, load) == count
@@ -73,7 +60,6 @@ WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, hold_steps=2)
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
 SMALLER = {"pixels_per_element": 2, "history_coarsening": 2, "fewest_elements": 100}
-SECOND_ORDER, HEAVY = {"wear_scheme": "sdirk2"}, tribo.Wear(1e-14)
 PHYSICS = {
     "plain": {},
     "no wear": {"wear": None},
@@ -90,10 +76,9 @@ PHYSICS = {
         "loading": RAMP,
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
-    "steps with a short end": {"fidelity": SECOND_ORDER, "wear": HEAVY},
     "steps with a short end and heat of the past": {
-        "fidelity": SECOND_ORDER | {"heat_model": "history"},
-        "wear": HEAVY,
+        "fidelity": {"wear_scheme": "sdirk2", "heat_model": "history"},
+        "wear": tribo.Wear(1e-14),
     },
     "explicit wear": {"fidelity": {"wear_scheme": "explicit"}},
     "as published": {
@@ -118,7 +103,7 @@ def _few_positions(monkeypatch):
 
 @pytest.mark.parametrize(
     ("physics", "steps"),
-    [("plain", "loads"), ("plain", "end"), ("few elements", 2), *((one, "all") for one in PHYSICS)],
+    [("plain", "loads"), ("few elements", 2), *((one, "all") for one in PHYSICS)],
 )
 def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
     """250 N is a step of the trunk, so that its end lies on another's."""
@@ -130,14 +115,15 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
         assert len(result.columns["time"]) == Stations.of(sweep).count(sweep.scene, load)
         assert all(np.isfinite(values).all() for values in result.columns.values())
         trunk = pickle.loads(pickle.dumps(result.trunk))
-        assert same(highest, run_point(sweep, 625.0, 1.0, trunk=trunk))
+    assert same(highest, run_point(sweep, 625.0, 1.0, trunk=trunk))
 
 
 @pytest.mark.parametrize(
     ("physics", "steps"),
     [
-        *((name, "loads") for name in PHYSICS if "load" not in name),
-        *itertools.product(("plain", "few elements", "heat of the past"), (3, "all")),
+        *((name, "loads") for name in ("no wear", "few elements", "heat of the past", "ball")),
+        *(("plain", steps) for steps in (3, "all")),
+        ("steps with a short end and heat of the past", "all"),
     ],
 )
 def test_a_station_is_the_end_of_the_point_at_its_load_bit_for_bit(physics, steps):

@@ -77,9 +77,7 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 
 
-@pytest.mark.parametrize("patience", [forecast._PATIENCE, 0.0], ids=["a ramp", "a point"])
-def test_the_time_is_that_of_a_whole_run_within_its_factor(monkeypatch, patience):
-    monkeypatch.setattr(forecast, "_PATIENCE", patience)
+def test_the_time_is_that_of_a_whole_run_within_its_factor():
     sweep = SWEEP.changed(fidelity=PRESETS["standard"])
     for point in points(sweep)[:1]:
         run_point(sweep, *point)  # what is imported and computed once

@@ -49,8 +49,7 @@ def test_without_a_velocity_there_is_no_boundary():
         near_the_boundary(SWEEP.changed(velocities=(0.0,)), [Target(300.0)])
 
 
-@pytest.mark.parametrize("exponent", [0.05, 1.0, 8.0])
-@pytest.mark.parametrize("root", [0.11, 3.0, 9.5])
+@pytest.mark.parametrize(("exponent", "root"), [(0.05, 3.0), (1.0, 0.11), (8.0, 9.5)])
 def test_a_crossing_of_any_power_is_found_within_its_tolerance(exponent, root):
     asked = []
 

@@ -37,6 +37,7 @@ LARGE = {
 }
 SMALL = {
     "no wear, few pixels": SCENES["no wear"].changed(
+        loads=(200.0, 750.0),
         pixels=Grid((64, 32), (6e-6, 6e-6)),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (12e-6, 12e-6), seed=0),
     )
