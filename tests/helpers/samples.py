@@ -38,8 +38,8 @@ _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 
 def fewer_draws(monkeypatch):
-    """Weigh half as many as users do, which tell means and spreads well enough."""
-    for name, count in {"_FIRST": 2**12, "_TEMPERED": 2**10, "_ENOUGH": 200}.items():
+    """Weigh a quarter as many as users do, which tell means and spreads well enough."""
+    for name, count in {"_FIRST": 2**11, "_TEMPERED": 2**9, "_ENOUGH": 100}.items():
         monkeypatch.setattr(weigh, name, count)
 
 

@@ -9,8 +9,7 @@ import pytest
 import pipeline
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain.answers import risk_lines
-from pipeline.uncertain.inputs import Draws
-from pipeline.uncertain.sensitivity import _first_of, indices
+from pipeline.uncertain.sensitivity import indices
 from tests.helpers.samples import (
     ALL,
     CRITICAL,
@@ -36,7 +35,7 @@ def samples():
     return ensemble()
 
 
-@pytest.mark.parametrize(("load", "velocity"), [(400.0, 1.6), (400.0, 2.0), (300.0, 2.4)])
+@pytest.mark.parametrize(("load", "velocity"), [(400.0, 1.6), (300.0, 2.4)])
 def test_the_probability_is_that_of_2000_direct_samples_within_its_error(load, velocity):
     risk = pipeline.risk(ensemble(noise=0.01), load, velocity)
     direct = drawn(ALL, 99, 2000)
@@ -61,11 +60,8 @@ def test_the_error_of_the_preset_widens_every_answer(samples):
     low, high = (pipeline.risk(samples, 400.0, 2.0 * by).probability for by in (1 / 1.08, 1.08))
     assert (rough.risk.lowest, rough.risk.highest) == pytest.approx((low, high), abs=0.01)
     assert rough.risk.error == exact.risk.error
-
-
-def test_samples_whose_error_is_not_known_decide_nothing(samples):
-    unknown = dataclasses.replace(samples, velocity_error=None)
     assert pipeline.risk(samples, 400.0, 0.8).verdict == "mild"
+    unknown = dataclasses.replace(samples, velocity_error=None)
     assert pipeline.risk(unknown, 400.0, 0.8).verdict == "not decided"
 
 
@@ -116,7 +112,6 @@ def test_an_input_fixed_by_a_condition_is_not_unknown_any_more():
     [
         ({LENGTH.path: "9 um"}, r"correlation_length is 9e-06 m, beyond the samples; give one fr"),
         ({LENGTH.path: "9 N"}, r'correlation_length: "9 N" cannot be converted'),
-        ({"pin.radius": "4 mm"}, r"pin\.radius is not an unknown input of these samples"),
         ({"friction.coefficient": "much"}, r"friction is 'much'"),
     ],
 )
@@ -141,7 +136,6 @@ def test_draws_that_no_contact_allows_do_no_harm():
     severe = rise(direct, 400.0, 2.0, (CRITICAL, wide)) > (direct[:, 0] - 298.15) / friction
     risk = pipeline.risk(wider, 400.0, 2.0)
     assert risk.probability == pytest.approx(severe.mean(), abs=0.012)
-    assert np.isfinite(pipeline.posterior(wider).draws.weights).all()
     assert np.isfinite(pipeline.sensitivity(wider).first).all()
 
 
@@ -181,6 +175,7 @@ def test_indices_of_the_boundary_are_those_of_the_closed_form(samples):
     assert indices.first[1] == pytest.approx(np.array(alone) / y.var(), abs=0.02)
     assert (indices.first_interval[0] <= indices.first + 0.02).all()
     assert (indices.first_interval[1] >= indices.first - 0.02).all()
+    assert (indices.first_interval[1] - indices.first_interval[0] < 0.15).all()
     assert max(indices.velocity_error) < 0.002
 
 
@@ -194,34 +189,3 @@ def test_correlated_inputs_have_first_indices_alone_which_count_what_they_share(
     x = np.log(direct)
     expected = [np.corrcoef(x[:, k], y)[0, 1] ** 2 for k in range(4)]
     assert indices.first[1] == pytest.approx(expected, abs=0.03)
-
-
-def test_intervals_of_indices_stay_narrow_where_few_samples_suffice():
-    seed = Unknown("disk.roughness.seed", "list", tuple(map(float, range(6))))
-    indices = pipeline.sensitivity(ensemble((*ALL, seed), 96))
-    assert (indices.first_interval[1] - indices.first_interval[0] < 0.15).all()
-    assert (indices.first_interval[0] <= indices.first).all()
-    assert (indices.first <= indices.first_interval[1]).all()
-
-
-def test_weighted_first_indices_are_the_variance_of_means_less_what_chance_gives_them():
-    draw = np.random.default_rng(4)
-    column = draw.choice([1.0, 2.0, 5.0], 40)
-    column[0] = 9.0  # a part with a single draw, which tells nothing
-    y = 0.3 * column + draw.normal(size=40)
-    weights = draw.exponential(size=40)
-    weights /= weights.sum()
-    y -= weights @ y
-    chance = sum((w * rise) ** 2 for w, rise in zip(weights, y, strict=True))
-    explained = 0.0
-    for value in set(column) - {9.0}:
-        rows = [(w, rise) for w, rise, x in zip(weights, y, column, strict=True) if x == value]
-        part = sum(w for w, _ in rows)
-        mean = sum(w * rise for w, rise in rows) / part
-        scatter = sum((w * (rise - mean)) ** 2 for w, rise in rows) / part**2
-        scatter /= 1 - sum(w**2 for w, _ in rows) / part**2  # as n - 1 in place of n
-        explained += part * (mean**2 - scatter)
-    expected = (explained + chance) / (weights @ y**2 + chance)
-    index = _first_of(Draws(column[:, None], weights), 3.0 + y[:, None])
-    assert 0.1 < expected < 0.9
-    assert index == pytest.approx(np.array([[expected]]), rel=1e-9)

@@ -41,7 +41,7 @@ def test_a_certificate_says_how_far_the_emulator_is_off(samples, monkeypatch, fa
 
 def test_bands_hold_nine_of_ten_runs_at_the_loads_and_between_them_and_of_places_left_out():
     noise, chance = 0.01, np.random.default_rng(1)
-    samples = ensemble(count=128, noise=noise)
+    samples = ensemble(noise=noise)
     assert 0.85 <= samples.left_out.held <= 0.97
     inputs = drawn(ALL, 7, 400)
     for load in (200.0, 290.0, 750.0):
@@ -54,8 +54,8 @@ def test_bands_hold_nine_of_ten_runs_at_the_loads_and_between_them_and_of_places
 
 def test_bands_of_few_contacts_hold_waves_between_them_and_are_not_said_to_suffice():
     unknown, held = ALL[:3], []
-    inputs, velocities = drawn(unknown, 7, 40), np.geomspace(0.6, 5.0, 40)
-    for phase in range(5):
+    inputs, velocities = drawn(unknown, 7, 30), np.geomspace(0.6, 5.0, 30)
+    for phase in range(3):
 
         def wave(rate, velocity, phase=phase):
             return 0.02 * np.sin(10 * np.log(rate * velocity / 1e-15) + phase)
@@ -85,7 +85,7 @@ def test_the_constants_of_an_emulator_are_found_once(samples, monkeypatch):
         dataclasses.replace(samples).excess(np.array([draws]), 400.0, 2.0)
 
 
-@pytest.mark.parametrize("place", [-0.4, 0.299, 0.31, 0.9])
+@pytest.mark.parametrize("place", [-0.4, 0.299, 0.9])
 def test_a_boundary_is_found_where_the_rise_jumps(place):
     def excess(log_velocity):
         return 0.7 * (log_velocity - 0.3) + math.copysign(0.005, log_velocity - 0.3)

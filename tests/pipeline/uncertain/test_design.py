@@ -29,7 +29,7 @@ def hottest(place, share):
     return 298.15 + np.quantile(direct[:, 2] * rise(direct, *place, UNKNOWN), share)
 
 
-@pytest.mark.parametrize("risk", [0.3, 0.05, 0.01])
+@pytest.mark.parametrize("risk", [0.3, 0.01])
 def test_the_limit_is_where_direct_draws_have_the_risk(samples, risk):
     limit = pipeline.design(samples, Goal((HERE,), risk), WIDE.path)
     assert limit.side == "at least"
@@ -63,17 +63,13 @@ def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkey
     assert again.agrees_with(0.01)
 
 
-def test_a_margin_asks_for_that_much_more(samples):
-    with_margin = pipeline.design(samples, Goal((HERE,), 0.05, margin=20.0), WIDE.path)
-    without = pipeline.design(samples, Goal((HERE,), 0.05), WIDE.path)
-    assert with_margin.value - without.value == pytest.approx(20.0, abs=0.2)
-
-
-def test_of_several_points_the_worst_one_binds(samples):
-    duty = (Place(200.0, 1.0), HERE, Place(300.0, 1.2))
-    limit = pipeline.design(samples, Goal(duty, 0.05), WIDE.path)
+def test_of_several_points_the_worst_one_binds_and_a_margin_asks_for_that_much_more(samples):
+    duty = (Place(200.0, 1.0), HERE)
+    limit = pipeline.design(samples, Goal(duty, 0.3), WIDE.path)
     assert limit.binding == HERE
-    assert limit.value == pipeline.design(samples, Goal((HERE,), 0.05), WIDE.path).value
+    assert limit.value == pytest.approx(hottest(HERE, 0.7), abs=1.5)
+    with_margin = pipeline.design(samples, Goal(duty, 0.3, margin=20.0), WIDE.path)
+    assert with_margin.value - limit.value == pytest.approx(20.0, abs=0.2)
 
 
 def test_an_input_that_is_not_enough_says_what_it_reaches(samples):
@@ -81,8 +77,6 @@ def test_an_input_that_is_not_enough_says_what_it_reaches(samples):
     assert (none.side, none.value, none.safe) == ("none", None, None)
     assert none.best[0] == 3e-6  # where the rise is least
     assert none.best[1] == min(none.probabilities)
-    everything = pipeline.design(samples, Goal((Place(200.0, 0.6),), 0.5), LENGTH.path)
-    assert (everything.side, everything.value) == ("any", None)
 
 
 def test_a_second_entry_moves_the_limit_of_the_first(samples):
@@ -94,19 +88,10 @@ def test_a_second_entry_moves_the_limit_of_the_first(samples):
     assert (high - 298.15) / (low - 298.15) == pytest.approx(1.03 / 0.97, rel=0.01)
 
 
-@pytest.mark.parametrize(
-    ("path", "fault"),
-    [
-        (FRICTION.path, r"friction\.coefficient is normal, .*; a design needs a range"),
-        ("pin.radius", r"pin\.radius is not an unknown input .* range are temperature\.critical"),
-    ],
-)
-def test_an_entry_without_a_range_is_refused(samples, path, fault):
-    with pytest.raises(InputError, match=fault):
-        pipeline.design(samples, Goal((HERE,), 0.05), path)
-
-
-def test_an_entry_that_is_fixed_is_said_to_be(samples):
+def test_an_entry_that_no_design_can_move_is_refused(samples):
+    goal = Goal((HERE,), 0.05)
+    with pytest.raises(InputError, match=r"coefficient is normal, .*; a design needs a range"):
+        pipeline.design(samples, goal, FRICTION.path)
     fixed = replace(samples, unknown=(WIDE, RATE, FRICTION), fixed=(Fixed(LENGTH, 4e-6),))
     with pytest.raises(InputError, match=r"correlation_length is fixed at 4e-06 m; leave that out"):
-        pipeline.design(fixed, Goal((HERE,), 0.05), LENGTH.path)
+        pipeline.design(fixed, goal, LENGTH.path)

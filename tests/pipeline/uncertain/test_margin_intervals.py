@@ -7,7 +7,6 @@ import pytest
 
 import pipeline
 from pipeline.sweep.unknown import drawn
-from pipeline.uncertain.inputs import Draws
 from tests.helpers.samples import ALL, CRITICAL, critical_velocity, ensemble, limit, rise
 from tribo import InputError
 
@@ -34,12 +33,6 @@ def test_intervals_are_those_of_the_closed_form():
     at_velocity = np.quantile((limit(DIRECT) / rise(DIRECT, 1.0, 2.0)) ** (1 / 0.58), SHARES)
     assert values(intervals.critical_load) == pytest.approx(at_velocity, rel=0.015)
     assert intervals.risk.probability == pytest.approx(np.mean(hot > DIRECT[:, 0]), abs=0.01)
-
-
-def test_an_interval_leaves_out_a_twentieth_at_either_end():
-    draws = Draws(np.empty((1001, 0)), np.full(1001, 1 / 1001))
-    interval = draws.interval(np.random.default_rng(0).permutation(1001.0 * np.arange(1001)))
-    assert interval == pytest.approx(1001.0 * np.array([49.55, 500.0, 950.45]), rel=1e-9)
 
 
 def test_what_samples_scatter_by_widens_the_interval():

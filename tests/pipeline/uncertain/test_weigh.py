@@ -9,10 +9,8 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
-from pipeline.uncertain.answers import risk_lines
 from pipeline.uncertain.inputs import prior
 from tests.helpers.samples import (
-    ALL,
     CRITICAL,
     EXPONENT,
     FRICTION,
@@ -23,7 +21,6 @@ from tests.helpers.samples import (
     critical_velocity,
     dataset,
     ensemble,
-    fewer_draws,
     rise,
 )
 from tribo import Corrections, InputError
@@ -42,11 +39,6 @@ def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=Non
         }
         for load, factor in zip(loads, factors, strict=True)
     ]
-
-
-@pytest.fixture(autouse=True)
-def _fewer_draws(monkeypatch):
-    fewer_draws(monkeypatch)
 
 
 def alone(limit, load):
@@ -73,22 +65,6 @@ def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
     assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
 
 
-def test_90_percent_intervals_hold_most_of_5_hidden_truths():
-    """Of 200 in `tests.promises.laboratories`."""
-    truths = drawn(ALL, 7, 8)[:5]
-    held = []
-    for number, truth in enumerate(truths):
-        measured = transitions(truth, seed=number)
-        posterior = pipeline.posterior(ensemble(tests=measured))
-        inside = [
-            row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
-            for row, value in zip(posterior.summary(), truth, strict=False)
-        ]
-        held.append(inside)
-    assert 0.8 <= np.mean(held) <= 1.0
-    assert (np.mean(held, axis=0) >= 0.7).all()
-
-
 # The friction of the rig
 
 
@@ -99,8 +75,7 @@ def idle_tests(frictions, error=0.0):
     return [place | {"friction": float(friction)} | error for friction in frictions]
 
 
-@pytest.mark.parametrize("error", [0.0, 0.003])
-@pytest.mark.parametrize("spread", [0.0, 0.02, 0.08])
+@pytest.mark.parametrize(("spread", "error"), [(0.0, 0.0), (0.08, 0.003)])
 def test_the_friction_of_a_rig_is_learnt_with_its_scatter_between_tests(spread, error):
     scores = np.array([-1.3, -0.6, -0.2, 0.3, 0.7, 1.2])
     measured = 0.104 * np.exp(math.hypot(spread, error / 0.1) * scores)
@@ -141,16 +116,6 @@ def test_a_friction_that_few_tests_measured_acts_in_the_others_too():
     assert 0.5 < (middle - begin) / (end - begin) < 1.0
 
 
-def test_planned_tests_count_on_the_friction_that_they_measure():
-    tests = idle_tests([0.1, 0.1004, 0.0996])
-    for same_rig, most in ((True, 0.5), (False, 1.0)):
-        samples = dataclasses.replace(ensemble((FRICTION,), tests=tests[:1]), same_rig=same_rig)
-        *_, last = pipeline.plan_tests(pipeline.posterior(samples), 6, None, ["25 degC"])
-        assert last.spread <= most * last.before * (1 + 1e-9)
-        if not same_rig:
-            assert last.spread > 0.95 * last.before
-
-
 def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
     truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
     posterior = pipeline.posterior(ensemble(tests=transitions(truth, 0.01)), 0.02)
@@ -161,44 +126,13 @@ def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behi
     assert pair[2] < -0.6
 
 
-def test_a_transition_measured_outside_the_samples_is_named():
-    away = [{"normal_load": 900.0, "velocity": 1.1, "friction": None}]
-    message = r"test at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to 750"
-    with pytest.raises(InputError, match=message):
-        pipeline.posterior(ensemble(tests=away))
-
-
-def test_a_measurement_that_nothing_allows_is_told():
-    wild = [{"normal_load": 400.0, "velocity": 0.55, "friction": 0.1}]
-    with pytest.raises(InputError, match=r"hardly any draw agrees with the tests.*widen"):
-        pipeline.posterior(ensemble(tests=wild), 0.01)
-
-
-def test_given_the_measurements_the_risk_is_sharper():
-    posterior = pipeline.posterior(
-        ensemble(tests=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6]), friction=None))
-    )
-    planes = [
-        pipeline.probabilities(posterior.ensemble, draws, loads=LOADS)
-        for draws in (prior(posterior.ensemble.unknown, 1), posterior.draws)
-    ]
-    assert float(planes[1].max()) == pytest.approx(1.0)
-    before, after = (risk_lines(plane)[1] for plane in planes)
-    assert (np.diff(np.log(after[1]))).sum() < 0.8 * np.diff(np.log(before[1])).sum()
-    indices = pipeline.sensitivity(posterior.ensemble, posterior.draws)
-    assert np.isnan(indices.total).all()
-    assert (indices.first < 1.0).all()
-
-
 @pytest.mark.parametrize(
     ("scatters", "share"),
     [
-        ({"velocity_scatter": 0.06}, EXPONENT * 0.03),
         (
-            {"load_scatter": 16.0, "velocity_scatter": 0.02},
+            {"velocity_scatter": 0.02, "load_scatter": 16.0},
             math.hypot(EXPONENT * 0.01, 0.58 * 0.04),
         ),
-        ({"friction_scatter": 0.004, "velocity_scatter": 0.02}, math.hypot(EXPONENT * 0.01, 0.04)),
         (
             {"velocity_scatter": 0.04, "load_scatter": 8.0, "friction_scatter": 0.002},
             math.hypot(EXPONENT * 0.02, 0.58 * 0.02, 0.02),
@@ -217,16 +151,22 @@ def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
     assert marginal["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
 
 
-def test_a_load_scatters_only_where_other_loads_tell_what_that_makes():
-    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "load_scatter": 5.0}
+@pytest.mark.parametrize(
+    ("test", "loads", "message"),
+    [
+        ((900.0, 1.1, {}), 3, r"test at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to"),
+        ((400.0, 0.55, {"velocity_scatter": 0.005}), 3, r"hardly any draw agrees with the tests.*"),
+        ((200.0, 2.0, {"load_scatter": 5.0}), 1, r"has a load_scatter.*give more sweep\.loads"),
+    ],
+)
+def test_a_test_that_cannot_be_weighed_is_named(test, loads, message):
+    load, velocity, scatter = test
+    entry = {"normal_load": load, "velocity": velocity, "friction": 0.1} | scatter
     samples = ensemble(tests=[entry])
-    alone = dataclasses.replace(
-        samples, loads=LOADS[1:2], rises=samples.rises[:, 1:2], widths=samples.widths[:, 1:2]
-    )
-    with pytest.raises(
-        InputError, match=r"400 N and 2 m/s has a load_scatter.*give more sweep\.loads"
-    ):
-        pipeline.posterior(alone)
+    parts = {name: getattr(samples, name)[:, :loads] for name in ("rises", "widths")}
+    fewer = dataclasses.replace(samples, loads=LOADS[:loads], **parts)
+    with pytest.raises(InputError, match=message):
+        pipeline.posterior(fewer, 0.01)
 
 
 def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_says():
@@ -259,7 +199,7 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
     assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
     assert pipeline.draw_posterior(sharp).axes
-    many = prior(sharp.unknown, 5, 2**19)
+    many = prior(sharp.unknown, 5, 2**17)
     likelihood = np.zeros(len(many.inputs))
     for entry in measured:
         limit = (many.inputs[:, 0] - 298.15) / entry["friction"]
@@ -283,35 +223,17 @@ EIGHT = (200.0, 250.0, 300.0, 400.0, 500.0, 600.0, 700.0, 750.0)
 
 def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
-    low, middle, high = np.mean(
-        [
-            pipeline.posterior(
-                ensemble(tests=transitions(truth, 0.15, seed, loads=EIGHT))
-            ).inferred_scatter
-            for seed in range(3)
-        ],
-        axis=0,
-    )
+    logged = transitions(truth, 0.15, seed=1, loads=EIGHT)
+    low, middle, high = pipeline.posterior(ensemble(tests=logged)).inferred_scatter
     assert 0.05 < low < middle < high
     assert middle == pytest.approx(0.14, rel=0.3)
 
 
-def test_a_test_that_tells_nothing_leaves_the_scatter_that_is_said():
-    obvious = {"normal_load": 750.0, "velocity": 6.0, "outcome": "severe", "friction": 0.1}
-    uninformed = pipeline.posterior(ensemble(tests=[obvious]))
-    said = pipeline.posterior(ensemble())
-    # Factors are half a standard deviation apart.
-    assert uninformed.inferred_scatter == pytest.approx(said.inferred_scatter, rel=0.06)
-
-
 def test_a_test_that_all_others_contradict_is_named():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
-    sound = pipeline.posterior(ensemble(tests=transitions(truth, 0.03, seed=1, loads=EIGHT)))
-    assert not any(judged.contradicts for judged in sound.judged)
     measured = transitions(truth, 0.03, seed=1, loads=EIGHT, off=2)
     posterior = pipeline.posterior(ensemble(tests=measured))
-    assert [judged.contradicts for judged in posterior.judged].index(True) == 2
-    assert sum(judged.contradicts for judged in posterior.judged) == 1
+    assert np.flatnonzero([judged.contradicts for judged in posterior.judged]).tolist() == [2]
 
 
 WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
@@ -319,8 +241,6 @@ WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
 
 def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_test():
     measured = transitions(np.array([418.15, 1.2e-15, 0.1, 4.5e-6]), 0.03, seed=1, loads=EIGHT)
-    sound = pipeline.posterior(ensemble((WIDE, RATE, FRICTION), tests=measured))
-    assert sound.fits
     falling = [
         dict(entry, velocity=entry["velocity"] ** 1.4)  # as µ ~ V to the power -0.2 makes it
         for entry in measured
@@ -339,8 +259,8 @@ def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():
     posterior = pipeline.posterior(ensemble((cool, LENGTH), tests=transitions(hot, 0.02, seed=3)))
     assert not posterior.fits
     assert "of its probability at the ends of its range" in " ".join(posterior.faults)
-    usual = pipeline.posterior(ensemble((WIDE, LENGTH), tests=transitions(hot - [20, 0, 0, 0])))
-    assert usual.fits
+    usual = ensemble((WIDE, LENGTH), tests=transitions(hot - [20, 0, 0, 0]))
+    assert pipeline.posterior(usual).fits
 
 
 def test_a_scatter_beyond_those_considered_is_cut_off_and_says_so():
@@ -349,7 +269,6 @@ def test_a_scatter_beyond_those_considered_is_cut_off_and_says_so():
     posterior = pipeline.posterior(ensemble(tests=wild), 0.02)
     assert posterior.cut_off == "above"
     assert posterior.as_dict()["inferred_scatter_cut_off"] == "above"
-    assert pipeline.posterior(ensemble(tests=wild), 0.2).cut_off == ""
 
 
 def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
@@ -414,19 +333,10 @@ def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
 # The next test
 
 
-def test_candidates_are_ranked_by_the_spread_that_they_leave():
-    ranked = pipeline.candidates(pipeline.posterior(ensemble((CRITICAL, FRICTION), 32)))
-    spreads = [candidate.spread for candidate in ranked]
-    assert spreads == sorted(spreads)
-    by_name = {candidate.what.split(",")[0]: candidate for candidate in ranked}
-    # Of two inputs that act alike, knowing the wider one leaves the other.
-    assert by_name["temperature.critical"].spread < by_name["friction"].spread
-
-
 OBVIOUS = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild", "friction": 0.1}
 
 
-def searched(place, kelvins, seed, scatter_is_said):
+def searched(place, kelvins, seed):
     """A transition of a critical temperature; severe wear at 0.5 m/s where it lies below."""
     load, bulk = place["normal_load"], place["bulk_temperature"]
     critical = alone((kelvins - bulk) / 0.1, load)
@@ -434,30 +344,22 @@ def searched(place, kelvins, seed, scatter_is_said):
     entry = OBVIOUS | place | {"velocity": max(float(critical * noise), 0.5), "outcome": "severe"}
     if entry["velocity"] > 0.5:
         del entry["outcome"]
-    if scatter_is_said:
-        entry["velocity_scatter"] = 0.05 * entry["velocity"]
-    return entry
+    return entry | {"velocity_scatter": 0.05 * entry["velocity"]}
 
 
-@pytest.mark.parametrize(
-    ("bulk", "most_beyond", "scatter_is_said"),
-    [("25 degC", 0, False), ("110 degC", 6, True)],
-)
-def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond, scatter_is_said):
-    log = OBVIOUS | ({"velocity_scatter": 0.025} if scatter_is_said else {})
-    before = pipeline.posterior(ensemble((CRITICAL,), tests=[log]))
-    ranked = pipeline.candidates(before, CRITICAL.path, [bulk])
+def test_a_planned_transition_promises_the_spread_that_is_had():
+    """Also where it is so hot that some lie below the velocities of the samples."""
+    before = pipeline.posterior(
+        ensemble((CRITICAL,), tests=[OBVIOUS | {"velocity_scatter": 0.025}])
+    )
+    ranked = pipeline.candidates(before, CRITICAL.path, ["110 degC"])
     planned = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
     place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
-    tests = [
-        searched(place, kelvins, seed, scatter_is_said)
-        for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 8)[:, 0])
-    ]
+    truths = drawn((CRITICAL,), 3, 8)[:, 0]
+    tests = [searched(place, kelvins, seed) for seed, kelvins in enumerate(truths)]
     after = (pipeline.posterior(ensemble((CRITICAL,), tests=[test])) for test in tests)
     had = [next(outcome.summary())["posterior"]["sd"] for outcome in after]
-    beyond = sum("outcome" in test for test in tests)
-    assert (beyond > 2) == (most_beyond > 0)
-    assert beyond <= most_beyond
+    assert 2 < sum("outcome" in test for test in tests) <= 6
     assert math.sqrt(np.mean(np.square(had))) == pytest.approx(planned.spread, rel=0.2)
 
 
@@ -466,9 +368,9 @@ def test_many_planned_tests_promise_the_spread_that_is_had():
     idle = OBVIOUS | {"friction_scatter": 0.002}
     samples = ensemble((WIDE, RATE, FRICTION, LENGTH), tests=[idle])
     before = pipeline.posterior(samples)
-    batch = pipeline.plan_tests(before, 12, CRITICAL.path, ["25 degC", "60 degC"])
+    batch = pipeline.plan_tests(before, 8, CRITICAL.path, ["25 degC", "60 degC"])
     had = []
-    for number, truth in enumerate(drawn((WIDE, RATE, FRICTION, LENGTH), 7, 8)[:4]):
+    for number, truth in enumerate(drawn((WIDE, RATE, FRICTION, LENGTH), 7, 8)[:2]):
         chance = np.random.default_rng(number)
         tests = []
         for planned in batch:
@@ -486,18 +388,6 @@ def test_many_planned_tests_promise_the_spread_that_is_had():
         after = pipeline.posterior(dataclasses.replace(samples, tests=tuple(tests)))
         had.append(next(after.summary())["posterior"]["sd"])
     assert 0.8 < batch[-1].spread / math.sqrt(np.mean(np.square(had))) < 1.2
-
-
-def test_tests_are_planned_at_the_friction_that_the_log_has():
-    """A rig's own friction, not the one that is known before, decides where its wear turns."""
-    planned = {}
-    for friction in (0.1, 0.08):
-        entry = OBVIOUS | {"friction": friction, "friction_scatter": 0.001}
-        posterior = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=[entry]))
-        ranked = pipeline.candidates(posterior, CRITICAL.path, ["25 degC"])
-        next_one = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
-        planned[friction] = next_one.test["velocity"]
-    assert planned[0.08] / planned[0.1] == pytest.approx(1.25 ** (1 / EXPONENT), rel=0.05)
 
 
 def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from():
