@@ -13,7 +13,7 @@ from pipeline.sweep.samples import Design, samples_per_contact
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain import weigh
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.inputs import BULK
+from pipeline.uncertain.inputs import BULK, prior
 from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
 from tribo import QUANTILES
@@ -41,6 +41,7 @@ def fewer_draws(monkeypatch):
     """Weigh a quarter as many as users do, which tell means and spreads well enough."""
     for name, count in {"_FIRST": 2**11, "_TEMPERED": 2**9, "_ENOUGH": 100}.items():
         monkeypatch.setattr(weigh, name, count)
+    monkeypatch.setattr(prior, "__defaults__", (2**10,))
 
 
 def rise(inputs, load, velocity, unknown=ALL):
