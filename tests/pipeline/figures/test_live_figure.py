@@ -40,7 +40,8 @@ def test_a_figure_of_a_point_waits_until_it_is_done(monkeypatch, tmp_path):
     monkeypatch.setattr(live, "summary", lambda store: next(states))
     status = iter([{(750.0, 4.0): PENDING}, {}])
     monkeypatch.setattr(live, "_INTERVAL", 0.0)
-    watched = {"read": lambda: synthetic.sweep(status=next(status)), "progress": [].append}
+    axes = (400.0, 750.0), (2.0, 4.0)
+    watched = {"read": lambda: synthetic.sweep(*axes, status=next(status)), "progress": [].append}
     watched |= {"load": 750.0, "velocity": 4.0}
     assert live.watch("out.zarr", tmp_path / "r.png", "ramp", **watched) == over
     assert (tmp_path / "r.png").exists()

@@ -58,7 +58,7 @@ def contour(axes, gid):
     ]
 
 
-def test_diagram_says_its_conditions(sweep, drawn):
+def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
     assert legend.get_title().get_text() == (
         "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C"
@@ -73,10 +73,6 @@ def test_diagram_says_its_conditions(sweep, drawn):
         "measured transition",
         "computed at the test's own conditions",
     ]
-    (legend,) = diagram(sweep, friction=0.2, bulk_temperature=373.15, share=0).legends
-    assert legend.get_title().get_text() == (
-        "severe wear: any of the contact above 145 °C; friction 0.2, bulk 100 °C"
-    )
 
 
 def test_boundary_in_the_diagram_is_the_known_one(drawn):
@@ -113,7 +109,7 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
 
 
 def test_a_band_that_is_cut_at_what_was_computed_says_so():
-    whole = synthetic.sweep(friction_band=[0.099, 0.103])
+    whole = synthetic.sweep(velocities=[0.5, 1.0, 1.5, 2.0, 4.0], friction_band=[0.099, 0.103])
     searched = whole.assign_attrs(velocities=[0.5, 4.0]).sel(velocity=slice(1.0, 2.0))
     searched = searched.sel(load=slice(400, 700))  # severe from 2.07 m/s at 400 N, 1.88 at 450 N
     cut = [label for label in labels(diagram(searched).legends[0]) if "friction 0.099" in label]
@@ -121,7 +117,7 @@ def test_a_band_that_is_cut_at_what_was_computed_says_so():
     assert "beyond what was computed at 1 of 7 loads" in cut[0]
 
 
-@pytest.mark.parametrize("friction", [0.05, 0.1, 0.2])
+@pytest.mark.parametrize("friction", [0.05, 0.2])
 def test_names_stand_inside_their_regions(sweep, friction):
     axes = diagram(sweep, friction=friction).axes[0]
     axes.figure.draw_without_rendering()
@@ -140,35 +136,30 @@ def test_names_stand_inside_their_regions(sweep, friction):
 
 
 @pytest.mark.parametrize(
-    "ds",
+    ("axes", "options"),
     [
-        synthetic.sweep(loads=[400.0]),
-        synthetic.sweep(velocities=[0.0, 2.0]),
-        synthetic.sweep(velocities=[0.0], measured=[]),
-        synthetic.sweep(loads=[200.0, 300.0], velocities=[0.5, 1.0]),
-        synthetic.sweep(
-            loads=[200.0, 300.0],
-            velocities=[0.5, 1.0],
-            status={(F, V): PENDING for F in (200.0, 300.0) for V in (0.5, 1.0)},
-        ),
+        (([200.0, 600.0], [0.0, 2.0]), {}),
+        (([200.0, 600.0], [0.0]), {"measured": []}),
+        (([200.0], [0.5, 1.0]), {"status": {(200.0, V): PENDING for V in (0.5, 1.0)}}),
     ],
-    ids=["one load", "velocity 0", "nothing moves", "all mild", "nothing done"],
+    ids=["velocity 0", "nothing moves", "nothing done"],
 )
-def test_diagram_of_next_to_nothing(ds, tmp_path):
-    assert plot(ds, "diagram", tmp_path / "figure.png").stat().st_size > 10_000
+def test_diagram_of_next_to_nothing(axes, options):
+    figure = diagram(synthetic.sweep(*axes, **options))
+    figure.draw_without_rendering()
+    assert figure.legends[0].get_texts()
 
 
-@pytest.mark.parametrize("kind", ["diagram", "temperature"])
-def test_figures_are_drawn_on_axes_of_the_caller(sweep, kind):
+def test_figures_are_drawn_on_axes_of_the_caller(sweep):
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     left, right = figure.subplots(1, 2)
-    assert plot(sweep, kind, ax=right) is figure
+    assert plot(sweep, "temperature", ax=right) is figure
     assert right.has_data()
     assert not left.has_data()
     assert right.get_legend().get_texts()
     assert tuple(figure.get_size_inches()) == (9.0, 4.0)
     with pytest.raises(InputError, match="ax: out and width are those of its figure"):
-        plot(sweep, kind, ax=right, width="8 cm")
+        plot(sweep, "diagram", ax=right, width="8 cm")
 
 
 def test_ramp_shows_the_ends_of_all_loads_at_the_velocity_nearest_to_the_transition(sweep):
@@ -251,15 +242,12 @@ def test_a_sweep_without_results_has_no_ramp():
         ramp(synthetic.sweep(loads=[400.0], status=status))
     with pytest.raises(InputError, match="no point at 400 N is done"):
         ramp(synthetic.sweep(status=status), load=400.0)
-    assert labels(ramp(synthetic.sweep(), friction=0).legends[0]) == ["750 N, 4 m/s"]
 
 
-@pytest.mark.parametrize(
-    ("suffix", "magic"), [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".SVG", b"<?xml")]
-)
+@pytest.mark.parametrize(("suffix", "magic"), [(".pdf", b"%PDF"), (".SVG", b"<?xml")])
 def test_the_suffix_decides_the_format(sweep, tmp_path, suffix, magic):
     out = tmp_path / f"figure{suffix}"
-    assert plot(sweep, "temperature", out) == out
+    assert plot(sweep.isel(load=[0, -3], velocity=[2, 6]), "fields", out) == out
     assert out.read_bytes().startswith(magic)
 
 
@@ -270,6 +258,8 @@ def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
         plot(sweep, "diagram", load=750.0)
     with pytest.raises(InputError, match=r"suffix must be one of .pdf, .png, .svg"):
         plot(sweep, "diagram", tmp_path / "figure.gif")
+    with pytest.raises(InputError, match="width is 1 cm; it must be from 4"):
+        plot(sweep, "diagram", width=0.01)
     with pytest.raises(InputError, match=r"cannot write .*there is no folder"):
         plot(sweep, "diagram", tmp_path / "missing" / "figure.png")
     assert list(tmp_path.iterdir()) == []
@@ -282,7 +272,8 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     (line,) = contour(axes, "Λ = 1, mixed beyond")
     film = Lubrication.stored(ds.attrs).film_parameter(line[:, 1], line[:, 0], 298.15)
     assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
-    thick = diagram(synthetic.sweep(lubrication=OILED | {"rms_height": 2e-6}))
+    oil = OILED | {"rms_height": 2e-6}
+    thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], lubrication=oil))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
 

@@ -9,7 +9,6 @@ import pipeline
 from pipeline.figures.report import sections_of_samples
 from pipeline.scene.along import OperatingPoints
 from tests.helpers import samples, synthetic
-from tribo import InputError
 
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (
@@ -21,7 +20,8 @@ HEADINGS = (
 
 @pytest.fixture
 def sweep():
-    return synthetic.sweep().assign_attrs(
+    velocities = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)
+    return synthetic.sweep((200.0, 400.0, 600.0, 750.0), velocities).assign_attrs(
         scene={"pin": {"type": "Ball", "radius": 5e-3}, "fidelity": {"increments": 5}},
         preset="draft",
         library=[{"key": "disk.density", "value": "7800 kg/m^3", "source": "a <handbook>"}],
@@ -41,21 +41,12 @@ def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
     assert not re.search(r'(src|href)="(?!data:|#)', page)
 
 
-def test_a_report_of_an_unfinished_sweep_says_so(tmp_path):
-    status = {(load, velocity): 0 for load in synthetic.LOADS for velocity in (3.0, 3.5)}
-    page = pipeline.report(synthetic.sweep(status=status), tmp_path / "report.html").read_text()
-    assert "The sweep is not finished" in page
-
-
-def test_another_ending_is_refused_with_those_allowed(sweep, tmp_path):
-    with pytest.raises(InputError, match=r"the suffix must be \.html"):
-        pipeline.report(sweep, tmp_path / "report.pdf")
-
-
-def test_a_report_without_a_critical_temperature_says_what_it_lacks(tmp_path):
-    ds = synthetic.sweep()
+def test_a_report_says_what_it_lacks(tmp_path):
+    status = {(load, 3.0): 0 for load in (200.0, 400.0)}
+    ds = synthetic.sweep((200.0, 400.0), (1.0, 3.0), status=status)
     conditions = ds.attrs["conditions"] | {"critical_temperature": None}
     page = pipeline.report(ds.assign_attrs(conditions=conditions), tmp_path / "report.html")
+    assert "The sweep is not finished" in page.read_text()
     assert "Not in this report" in page.read_text()
 
 

@@ -95,12 +95,6 @@ def searched_surfaces():
     return xr.concat(parts, xr.Variable("realization", np.arange(5)), combine_attrs="override")
 
 
-def by_mean():
-    """A sweep whose mean temperature decides."""
-    conditions = synthetic.CONDITIONS | {"criterion": "mean"}
-    return held().assign_attrs(one().attrs | {"conditions": conditions})
-
-
 def of_a_warm_pin():
     """Bodies of unequal bulk temperatures, the pin the warmer one, judged by the mean."""
     conditions = synthetic.CONDITIONS | {"bulk_temperature": 378.15, "disk_temperature": 298.15}
@@ -128,10 +122,8 @@ KINDS = {
     "zero velocity": with_zero_velocity,
     "several surfaces": over_surfaces,
     "a hold": held,
-    "boundary only": along_boundary,
     "searched surfaces": searched_surfaces,
     "two bulk temperatures": of_two_bulks,
-    "mean temperature": by_mean,
     "a warm pin": of_a_warm_pin,
 }
 

@@ -7,46 +7,35 @@ import json
 import re
 
 import numpy as np
-import pytest
 from PIL import Image
 
 import pipeline
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
-from pipeline.figures.page.content import bridged, content, error_of_lines, pieces_of
+from pipeline.figures.page.content import content
 from pipeline.figures.page.pictures import packed_point
 from tests.helpers import synthetic
 from tests.pipeline.figures.page import sweeps
-from tribo import InputError
 
 
 def unpacked(text, dtype):
     return np.frombuffer(base64.b64decode(text), dtype)
 
 
-def test_a_page_is_one_file_that_names_no_address(tmp_path):
-    page = pipeline.explore(synthetic.sweep(), tmp_path / "page.html")
+def test_a_page_is_one_file_that_names_no_address_and_runs_its_own_script_alone(tmp_path):
+    title = '</script><script>alert("1")</script><!-- & é ${data} \u2028'
+    page = pipeline.explore(synthetic.sweep(title=title), tmp_path / "page.html")
+    assert page.size == page.path.stat().st_size
     text = page.path.read_text()
     assert re.findall(r"https?://[^\"'\s]*", text) == ["http://www.w3.org/2000/svg"]
     assert not re.search(r"\b(src|href)=", text)
     assert not re.search(r"@import|url\(|fetch\(|XMLHttpRequest|import\(", text)
-    assert page.size == page.path.stat().st_size
-
-
-def test_the_policy_of_a_page_allows_its_own_script_and_style_alone(tmp_path):
-    text = pipeline.explore(synthetic.sweep(), tmp_path / "page.html").path.read_text()
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', text)
     for name in ("script", "style"):
         (source,) = re.findall(rf"<{name}>(.*?)</{name}>", text, re.DOTALL)
         digest = base64.b64encode(hashlib.sha256(source.encode()).digest()).decode()
         assert f"{name}-src 'sha256-{digest}'" in policy
     assert policy.startswith("default-src 'none'")
-
-
-def test_no_text_of_a_sweep_ends_the_element_that_holds_it(tmp_path):
-    title = '</script><script>alert("1")</script><!-- & é ${data} \u2028'
-    ds = synthetic.sweep(title=title)
-    text = pipeline.explore(ds, tmp_path / "page.html").path.read_text()
     (held,) = re.findall(r'id="content">(.*?)</script>', text, re.DOTALL)
     assert "<" not in held
     assert json.loads(held)["title"] == title
@@ -64,22 +53,6 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
         expected = decisive_rise(held, synthetic.conditions(share)).values
         place = page["shares"].index(share)
         np.testing.assert_allclose(at_points[..., place], expected, rtol=1e-6)
-
-
-@pytest.mark.parametrize(("others", "parts"), [(25, (4, 3)), (2000, (1, 1))])
-def test_intervals_have_as_many_parts_as_there_is_room_for(others, parts):
-    assert pieces_of(loads=12, velocities=19, others=others) == parts
-
-
-def test_what_lies_beside_a_missing_point_is_interpolated_across_it():
-    done, missing = np.array([1, 0, 1, 1], bool), np.array([0, 1, 0, 0], bool)
-    assert np.flatnonzero(bridged(done, missing, 2)).tolist() == [1, 2, 3]
-
-
-def test_straight_lines_of_logarithms_err_only_where_a_rise_is_no_power():
-    velocity = np.array([1.0, 2.0, 4.0])
-    assert error_of_lines(100 * velocity**0.7, velocity, 2) < 1e-12
-    assert 1e-4 < error_of_lines(np.array([100.0, 150.0, 160.0]), velocity, 2) < 0.05
 
 
 def test_points_are_asked_for_on_their_own_surface():
@@ -119,19 +92,6 @@ def test_fields_of_the_points_nearest_to_the_transition_are_held(tmp_path):
     rise = decisive_rise(ds, synthetic.conditions()).values
     distance = np.abs(rise - synthetic.limit())
     assert sorted(distance[place] for place in chosen) == sorted(distance.ravel())[:5]
-
-
-@pytest.mark.parametrize(
-    ("out", "options", "words"),
-    [
-        ("page.pdf", {}, "the suffix must be one of .html"),
-        ("no/such/page.html", {}, "cannot write .*: there is no folder .*no/such"),
-        ("page.html", {"most_fields": -1}, "most_fields is -1"),
-    ],
-)
-def test_what_cannot_be_written_is_refused(tmp_path, out, options, words):
-    with pytest.raises(InputError, match=words):
-        pipeline.explore(synthetic.sweep(), tmp_path / out, **options)
 
 
 def test_the_command_writes_beside_the_store_and_says_what(alone, tmp_path, capsys, monkeypatch):

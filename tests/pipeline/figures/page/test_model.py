@@ -28,7 +28,7 @@ return argument.map((given) => {
 """
 
 
-def random_conditions(ds, count=6):
+def random_conditions(ds, count=4):
     """Conditions of all kinds, the first those of the sweep."""
     draw = np.random.default_rng(ds.sizes["velocity"])
     yield {}
@@ -81,7 +81,7 @@ def test_the_boundary_is_that_of_the_command(kind):
     assert crossings > 20
 
 
-@pytest.mark.parametrize("kind", ["one surface", "a hold", "two bulk temperatures", "a warm pin"])
+@pytest.mark.parametrize("kind", ["a hold", "two bulk temperatures"])
 def test_the_place_of_an_operating_point_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
     margin = """
@@ -94,8 +94,8 @@ def test_the_place_of_an_operating_point_is_that_of_the_command(kind):
     });
     """
     draw = np.random.default_rng(3)
-    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(10)]
-    places += [[450.0, 1.55], [333.0, 1.8]]
+    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(5)]
+    places += [[333.0, 1.8]]
     for place, (error, temperature, along, up) in zip(places, run(ds, margin, places), strict=True):
         (expected,) = pipeline.margins(ds, *place)
         if np.isfinite(temperature):  # else beyond the points computed there
@@ -111,7 +111,7 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
     fine, velocities = run(ds, "return [sweep.fine.load, sweep.drawn([0], chosen.conditions)[0]];")
     rise = decisive_rise(ds, synthetic.conditions())
     stored, loads = ds["velocity"].values, np.array(fine)
-    places = np.linspace(stored[0], stored[-1], 2000)
+    places = np.linspace(stored[0], stored[-1], 500)
     rows = np.array([interpolated(stored, row, places) for row in rise.values])
     plane = np.array([interpolated(ds["load"].values, column, loads) for column in rows.T]).T
     expected = [crossing(places, row, synthetic.limit()) for row in plane]
@@ -123,17 +123,19 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
 def test_no_line_is_drawn_beyond_what_was_computed():
     ds = sweeps.along_boundary()
     drawn = """
-    chosen.conditions = { ...chosen.conditions, friction: argument };
-    return [sweep.drawn([0], chosen.conditions)[0], isCut([argument])];
+    return argument.map((friction) => {
+      chosen.conditions = { ...chosen.conditions, friction };
+      return [sweep.drawn([0], chosen.conditions)[0], isCut([friction])];
+    });
     """
-    for friction in (0.02, 0.05, 0.1, 0.3):
+    frictions = [0.02, 0.05, 0.1, 0.3]
+    for friction, (line, is_cut) in zip(frictions, run(ds, drawn, frictions), strict=True):
         outcomes = pipeline.boundary(ds, friction)["outcome_at_load"].values
-        line, is_cut = run(ds, drawn, friction)
         assert np.isfinite(line).any() == (outcomes == CROSSES).any()
         assert is_cut or not np.isin(outcomes, (ABOVE, BELOW)).any()
 
 
-@pytest.mark.parametrize("kind", ["one surface", "zero velocity", "several surfaces"])
+@pytest.mark.parametrize("kind", ["one surface", "zero velocity"])
 def test_straight_lines_err_by_no_more_than_the_page_says(kind):
     ds = sweeps.KINDS[kind]()
     said = content(ds, 0)["error"]
