@@ -89,9 +89,8 @@ def plot(
     Examples
     --------
     >>> import pipeline
-    >>> figure = pipeline.plot("results/first_try.zarr", "diagram", friction=0.12)
-    >>> pipeline.plot("results/first_try.zarr", "ramp", "ramp.svg", load="600 N").name
-    'ramp.svg'
+    >>> pipeline.plot("results/first_try.zarr", "diagram", "diagram.svg", friction=0.12).name
+    'diagram.svg'
     """
     if kind not in KINDS:
         raise InputError(f"kind is {kind!r}; allowed are {', '.join(KINDS)}")

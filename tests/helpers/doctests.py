@@ -19,6 +19,8 @@ extends = "workflows/first_try.toml"
 [unknown]
 "friction.coefficient" = { mean = 0.1, sd = 0.005 }
 "temperature.critical" = { mean = "145 degC", sd = "8 K" }
+[window]
+pixels = [576, 120]
 [sweep]
 samples = 16
 """
@@ -57,10 +59,12 @@ def _compute(scene, path):
     from pipeline.sweep.plan import chains, points, run_points
 
     sweep = pipeline.load_scene(scene)
+    records = []
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
         for chain in chains(points(sweep), sweep):
             trunk = None
             for _, places in itertools.groupby(chain, key=lambda point: point.load):
                 results = run_points(sweep, tuple(places), trunk)
                 trunk = results[0].trunk
-                store.commit(result.record(sweep.record.fields) for result in results)
+                records += [result.record(sweep.record.fields) for result in results]
+        store.commit(records)
