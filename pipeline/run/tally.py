@@ -6,7 +6,7 @@ import re
 import sys
 import threading
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
@@ -24,8 +24,7 @@ from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from tribo.types import Mask
 
-# Time since the first points [s], and points since then on each worker, that tell the pace.
-_ENOUGH, _SEVERAL = 1.0, 4
+_SEVERAL = 4  # points on each worker that tell the pace
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
@@ -61,10 +60,10 @@ class Tally:
     ) -> None:
         self._progress, self._began = progress, began
         self._connection: Connection | None = None
-        self._worked = 0.0
-        self._known = 0
-        self._marks: deque[tuple[float, float, int]] = deque()
-        self._first = 0.0
+        self._ended = 0  # points since the first ones
+        # Time of all workers since then, and what they have worked in it [s].
+        self._offered = self._worked = 0.0
+        self._looked: float | None = None
         self._failures: Counter[str] = Counter()
         self.computed = 0
         self._take(store, ())
@@ -81,12 +80,13 @@ class Tally:
         """Take note of how long points have taken, but of the first of a worker, which starts."""
         for record in records:
             if record.data is not None:
-                self._known += 1
-                self._worked += record.wall_time
+                self._ended += self._looked is not None
+                self._worked += record.wall_time * (self._looked is not None)
                 self._durations[self._store.index(record.point)] = record.wall_time
         if self._connection:
-            self._marks.append((self._connection.clock(), self._worked, self._known))
-            self._first = self._marks[-1][0] if len(self._marks) == 1 else self._first
+            now = self._connection.clock()
+            self._offered += self._connection.workers * (now - (self._looked or now))
+            self._looked = now
         self._report()
 
     def note(self, records: Iterable[PointRecord]) -> None:
@@ -138,25 +138,10 @@ class Tally:
         return self._slowness(link) * float(points * np.nanmean(self._durations))
 
     def _slowness(self, link: Connection) -> float:
-        """Time that passes while all workers do a second of work each [s]; 1 if few points tell it.
-
-        By the later half of the time since the first points, as workers may come one by one.
-        """
-        if not self._marks:
+        """Time of a worker for a second of work [s]; 1 as long as few points tell it."""
+        if self._ended < _SEVERAL * link.workers:
             return 1.0
-        now, worked, known = self._marks[-1]
-        several = _SEVERAL * link.workers
-        enough = max(_ENOUGH, (now - self._first) / 2)
-
-        def tells(mark: tuple[float, float, int]) -> bool:
-            return now - mark[0] >= enough and known - mark[2] >= several
-
-        while len(self._marks) > 1 and tells(self._marks[1]):
-            self._marks.popleft()
-        began, before, _ = self._marks[0]
-        if not tells(self._marks[0]):
-            return 1.0
-        return max(1.0, (now - began) * link.workers / (worked - before))
+        return max(1.0, self._offered / self._worked)
 
 
 @contextmanager

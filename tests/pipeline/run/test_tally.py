@@ -21,15 +21,16 @@ START, COUNT = 10.0, 100
 def tallied(tmp_path, monkeypatch):
     """A function that tells a tally of points that end at these times; the time to go."""
 
-    def run(ends, absent=0.0, workers=1):
+    def run(ends, absent=0.0, workers=1, since=0.0):
         now, reports, link = 0.0, [], Connection(None)
         monkeypatch.setattr(time, "monotonic", lambda: now)
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
             tally = Tally(store, reports.append, now)
             tally.begin(store, link, chains(points(sweep), sweep))
-            link.absent, link.workers = absent, workers
-            for now, velocity in zip(ends, sweep.plane.velocities, strict=False):  # noqa: B007
+            link.absent = absent
+            for now, velocity in zip(ends, sweep.plane.velocities, strict=False):
+                link.workers = workers if now > since else 1
                 point = Point(150.0, velocity)
                 store.flags[store.index(point)] = DONE
                 tally.learn([PointRecord(point, {}, wall_time=1.0)])
@@ -54,8 +55,8 @@ LATER = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number 
         ([START + 2.0 * number for number in range(20)], {}, 2 * (COUNT - 20)),
         # The first worker comes after an hour, and finishes a point in each second.
         ([3601.0, 3602.0], {"absent": 3600.0}, COUNT - 2),
-        # One worker for 20 s, ten from then on, by the mean pace of both: 40 points are left.
-        (LATER, {"workers": 10}, 10.0),
+        # One worker for 20 s, ten from then on: 40 points are left.
+        (LATER, {"workers": 10, "since": 20.0}, 4.0),
     ],
     ids=["start", "first point", "last points", "schedule", "queue", "later workers"],
 )
