@@ -38,14 +38,9 @@ def chosen_points(
     """Find the indices of the points asked for, or of the one nearest to the transition."""
     rises = decisive_rise(ds, conditions).values
     is_finite = np.isfinite(rises)
-    if not is_finite.any():
-        raise PendingError(
-            "no point of the sweep is done yet; go on with irg run, "
-            "with --retry-failed if points failed"
-        )
     loads, velocities = indices_of(ds, "load", load), indices_of(ds, "velocity", velocity)
-    points = []
-    for i in loads or [int(np.flatnonzero(is_finite.any(axis=1))[-1])]:
+    points, reached = list[tuple[int, int]](), np.flatnonzero(is_finite.any(axis=1))
+    for i in loads or reached[-1:].tolist() or [0]:
         require_done_at(ds["load"].values[i], is_finite[i])
         judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf

@@ -119,12 +119,10 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
     return x[right - 1] - low / slope, slope, right
 
 
-def log_boundary(
-    ensemble: Ensemble, inputs: Array, loads: Axis, with_error: bool = True
-) -> tuple[Array, Array]:
+def log_boundary(ensemble: Ensemble, inputs: Array, loads: Axis) -> tuple[Array, Array]:
     """Logarithm of the critical velocity by draw and load, and its standard error."""
     velocities = np.geomspace(*ensemble.velocities, STEPS)
-    excess = ensemble.excess(inputs, loads, velocities, with_error)
+    excess = ensemble.excess(inputs, loads, velocities)
     log_velocities, slope, right = log_crossings(velocities, excess.values)
     error = np.take_along_axis(excess.error, right[..., None], axis=-1)[..., 0]
     return log_velocities, error / slope

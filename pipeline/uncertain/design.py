@@ -176,18 +176,15 @@ def designed(ensemble: Ensemble, path: str) -> Unknown:
     for fixed in ensemble.fixed:
         if fixed.unknown.path == path:
             raise InputError(f"{fixed}; leave that out to seek its value")
-    if path not in by_path:
+    entry = by_path.get(path)
+    if entry is None or entry.kind != "uniform":
+        said = str(entry).replace(":", " is", 1)
+        if entry is None:
+            said = f"{path} is not an unknown input of these samples"
         ranges = ", ".join(one.path for one in by_path.values() if one.kind == "uniform")
         raise InputError(
-            f"{path} is not an unknown input of these samples; those with a range are "
-            f"{ranges or 'none'}: give one, or run the scene with it as {{ from, to }} in [unknown]"
-        )
-    entry = by_path[path]
-    if entry.kind != "uniform":
-        distribution = str(entry).partition(": ")[2]
-        raise InputError(
-            f"{path} is {distribution}; a design needs a range: give it as {{ from, to }} in "
-            "[unknown]"
+            f"{said}; a design needs a range, which {ranges or 'none'} has: give one of these, or "
+            "run the scene with it as { from, to } in [unknown]"
         )
     return entry
 

@@ -73,19 +73,15 @@ class Emulator:
     whitener: Array
     check: LeftOut
 
-    def __call__(
-        self, features: Array, between: Array, with_error: bool = True
-    ) -> tuple[Array, Array, Array]:
+    def __call__(self, features: Array, between: Array) -> tuple[Array, Array, Array]:
         """Sums of outputs, their standard error, and that of their smooth part, each (n, m).
 
         Outputs are summed with weights ``between`` (m, n_output), as to interpolate. The first
         error is that against a simulation, which has something of its own; the second one
-        neighbours share. Both are 0 if not asked for.
+        neighbours share.
         """
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
         outputs = (self.mean + smooth @ self.weights) @ between.T
-        if not with_error:
-            return outputs, *np.zeros((2, *outputs.shape))
         a, b, c, s, n = np.exp(2 * self.constants[:5])
         square = np.sum(features**2, axis=1)
         prior = a * (1 + square) + b * square**2 + c

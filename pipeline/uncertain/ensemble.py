@@ -220,16 +220,13 @@ class Ensemble:
         """Lowest and highest velocity between which samples lie [m/s]."""
         return self.design.velocities
 
-    def excess(
-        self, draws: Array, load: Axis | float, velocity: Axis | float, with_error: bool = True
-    ) -> Excess:
+    def excess(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
         """Logarithm of the rise over the limit above which wear is severe.
 
-        Draws (n, n_unknown) are values of the unknown inputs [SI]; without errors, which are 0
-        then, it is faster. Raise an `InputError` at a load [N] or a velocity [m/s] outside the
-        sweep, or if no critical temperature is known.
+        Draws (n, n_unknown) are values of the unknown inputs [SI]. Raise an `InputError` at a load
+        [N] or a velocity [m/s] outside the sweep, or if no critical temperature is known.
         """
-        rise = self._emulated(self._rise, draws, load, velocity, with_error)
+        rise = self._emulated(self._rise, draws, load, velocity)
         return rise._replace(values=(rise.values.T - self.log_limit(draws)).T)
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
@@ -289,9 +286,8 @@ class Ensemble:
         return fitted(*features, self.contacts, np.log(values), self.keeper)
 
     def _emulated(
-        self, emulator: Emulator, draws: Array, load: Axis | float, velocity: Axis | float,
-        with_error: bool = True,
-    ) -> Excess:  # fmt: skip
+        self, emulator: Emulator, draws: Array, load: Axis | float, velocity: Axis | float
+    ) -> Excess:
         """Outputs of an emulator by draw, load and velocity in place of the excess."""
         loads, velocities = np.atleast_1d(load), np.atleast_1d(np.asarray(velocity, float))
         self.require_within(loads, velocities)
@@ -304,7 +300,7 @@ class Ensemble:
         at_nodes = []
         for node, wider in zip(nodes, self._widening(emulator, nodes).tolist(), strict=True):
             features, _ = features_of(self.design, columns, np.full(len(draws), node))
-            values, *errors = emulator(features, weights, with_error)
+            values, *errors = emulator(features, weights)
             at_nodes.append([values, *(wider * np.hypot(error, bends) for error in errors)])
         parts = [np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True)]
         if len(velocities) > _NODES:

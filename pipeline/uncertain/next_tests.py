@@ -221,9 +221,7 @@ class _Plan:
                 return self._features.of_input(number)[None]
         wanted = loads if target is None else np.array([load_of_target(self._posterior, target)])
         return self._features.slopes(
-            lambda inputs: (
-                log_boundary(self._ensemble, self._of_sweep(inputs), wanted, with_error=False)[0].T
-            )
+            lambda inputs: log_boundary(self._ensemble, self._of_sweep(inputs), wanted)[0].T
         )[1]
 
     def _scatters_of_truths(self) -> Array:
@@ -265,7 +263,7 @@ class _Plan:
     def _others(self) -> Iterator[Observable]:
         """What could be measured beside tests: worn widths, and inputs."""
         truths, loads = self._of_sweep(self._features.truths), self._ensemble.loads
-        boundary, _ = log_boundary(self._ensemble, truths, loads, with_error=False)
+        boundary, _ = log_boundary(self._ensemble, truths, loads)
         for load, column in zip(loads.tolist(), boundary.T, strict=True):
             middle = math.exp(float(np.median(column)))
             velocity = float(np.clip(middle, *self._ensemble.velocities))

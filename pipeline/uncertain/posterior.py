@@ -242,7 +242,7 @@ def contrasts(posterior: Posterior) -> Iterator[Contrast]:
     high = min(float(one.loads[-1]) for one in posterior.ensembles)
     if low <= high:
         load = math.sqrt(low * high)
-        first, second = (log_boundary(*pair, [load], with_error=False)[0][:, 0] for pair in pairs)
+        first, second = (log_boundary(*pair, [load])[0][:, 0] for pair in pairs)
         yield _difference(posterior, f"critical velocity at {load:.3g} N", "1", second - first)
 
 

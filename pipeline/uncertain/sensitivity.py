@@ -97,7 +97,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         both, by_points = np.array([first, np.full_like(first, np.nan)]), np.zeros(1)
     else:
         both, by_points = indices(
-            lambda inputs: log_boundary(ensemble, inputs, ensemble.loads, with_error=False)[0],
+            lambda inputs: log_boundary(ensemble, inputs, ensemble.loads)[0],
             ensemble.unknown, _POINTS, ensemble.design.seed,
         )  # fmt: skip
     # An error of the share e of the spread moves an index S by 2e√S + e² at most.

@@ -69,14 +69,14 @@ def log_rise(unknown, inputs, load):
     return np.log(rise(inputs, load, 1.0, unknown) * (by_steel / 45.0) ** -0.6)
 
 
-def _excess(self, draws, load, velocity, with_error=True):
+def _excess(self, draws, load, velocity):
     """`Ensemble.excess` without an emulator."""
     loads, velocities = np.atleast_1d(load), np.atleast_1d(velocity)
     by_load = np.stack([log_rise(self.unknown, draws, one) for one in loads], axis=1)
     values = by_load[:, :, None] + EXPONENT * np.log(velocities)
     values = values - self.log_limit(draws)[:, None, None]
     values = values.reshape(len(draws), *np.shape(load), *np.shape(velocity))
-    error = np.full(values.shape, 1e-4 if with_error else 0.0)
+    error = np.full(values.shape, 1e-4)
     return Excess(values, error, error)
 
 

@@ -83,13 +83,13 @@ def weighed(ensemble, tests, scatter=SCATTER):
 _excess, _of_prior = Ensemble.excess, {}
 
 
-def _kept(ensemble, draws, load, velocity, with_error=True):
+def _kept(ensemble, draws, load, velocity):
     """`Ensemble.excess`, kept for the draws of the prior, which are those of all truths."""
     if len(draws) < _FIRST:
-        return _excess(ensemble, draws, load, velocity, with_error)
+        return _excess(ensemble, draws, load, velocity)
     key = id(ensemble._rise), draws.tobytes(), tuple(load), tuple(velocity)
     if key not in _of_prior:
-        _of_prior[key] = _excess(ensemble, draws, load, velocity, with_error)
+        _of_prior[key] = _excess(ensemble, draws, load, velocity)
     return _of_prior[key]
 
 
@@ -132,7 +132,7 @@ class Rig:
         conditions = replace(self.ensemble.conditions, bulk_temperature=bulk)
         at_bulk = replace(self.ensemble, conditions=conditions)
         vars(at_bulk)["_rise"] = self.ensemble._rise
-        guess = at_bulk.excess(self.truth[None], load, nodes, with_error=False)
+        guess = at_bulk.excess(self.truth[None], load, nodes)
         low, high = np.log(self.ensemble.velocities).tolist()
         place = float(np.clip(log_crossings(nodes, guess.values)[0][0], low, high))
         excess = functools.partial(self._excess, load, bulk)

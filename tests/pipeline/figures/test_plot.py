@@ -238,7 +238,7 @@ def test_points_that_are_not_there_are_refused(sweep, draw):
 
 def test_a_sweep_without_results_has_no_ramp():
     status = {(400.0, V): PENDING for V in VELOCITIES}
-    with pytest.raises(InputError, match="no point of the sweep is done"):
+    with pytest.raises(InputError, match="no point at 400 N is done"):
         ramp(synthetic.sweep(loads=[400.0], status=status))
     with pytest.raises(InputError, match="no point at 400 N is done"):
         ramp(synthetic.sweep(status=status), load=400.0)
