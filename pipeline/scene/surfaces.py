@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import warnings
+import zipfile
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,8 @@ from pipeline.scene.text_scan import TEXT, read_text
 from tribo import InputError, read_heights
 from tribo.errors import reason_of, require_file
 from tribo.types import Array
+
+_MOST_BYTES = 2**30  # that an archive may unpack to
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +76,7 @@ def _of_text(path: Path, height_unit: float | None) -> MeasuredSurface:
 
 def _of_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of one of SurfaceTopography's formats."""
-    require_file(path)
+    _require_small_file(path)
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")
     except ImportError as error:
@@ -96,6 +99,19 @@ def _of_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
         elif "physical_sizes" in reason[0]:  # an option of the library, which a scene does not have
             reason = ["it does not say how large its pixels are; save the heights as .npy or .csv"]
         raise InputError(f"{path}: cannot be read as a surface: {reason[0]}") from error
+
+
+def _require_small_file(path: Path) -> None:
+    """Raise for a file without an end, and for an archive that unpacks to more than a surface."""
+    require_file(path)
+    if zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+        if size > _MOST_BYTES:
+            raise InputError(
+                f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB "
+                "are read. Crop or average the surface first"
+            )
 
 
 def _converted(path: Path, topography: Any, height_unit: float | None) -> MeasuredSurface:

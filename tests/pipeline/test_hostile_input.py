@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tracemalloc
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ import tribo
 from pipeline import load_scene
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
+from pipeline.scene import surfaces
 from pipeline.scene.surfaces import read_surface
 from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
@@ -49,6 +51,14 @@ def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     for scene in (fifo("a.toml"), "/dev/zero"):
         assert main(["check", str(scene)]) == 2
         assert "not a file" in capsys.readouterr().err
+
+
+def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path, monkeypatch):
+    monkeypatch.setattr(surfaces, "_MOST_BYTES", 2**20)
+    with zipfile.ZipFile(tmp_path / "a.x3p", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("bin", bytes(2**21))
+    with pytest.raises(tribo.InputError, match="unpacks to"):
+        read_surface(tmp_path / "a.x3p")
 
 
 def test_a_fifo_in_place_of_a_chunk_or_root_is_damage(alone, tmp_path):
