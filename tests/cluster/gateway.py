@@ -14,7 +14,7 @@ from botocore.exceptions import BotoCoreError, ClientError
 from tests.cluster.daemons import Daemons, free_ports
 
 CEPH = ("ceph-mon", "ceph-osd", "radosgw", "radosgw-admin", "ceph", "ceph-authtool", "monmaptool")
-BUCKET, _KEY, _SECRET = "irg", "nobody", "secret"
+_BUCKET, _KEY, _SECRET = "irg", "nobody", "secret"
 _START = 120.0  # [s]
 _CONFIGURATION = """\
 [global]
@@ -129,7 +129,7 @@ class Gateway(Daemons):
                     aws_secret_access_key=_SECRET,
                     region_name="us-east-1",
                 )
-                client.create_bucket(Bucket=BUCKET)
+                client.create_bucket(Bucket=_BUCKET)
             except (BotoCoreError, ClientError) as error:
                 words = f"the gateway does not start ({error}); its logs are in {self.folder}"
                 assert time.monotonic() < end, words

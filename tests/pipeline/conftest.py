@@ -42,6 +42,12 @@ def alone(tmp_path_factory):
 
 
 @pytest.fixture
+def path(tmp_path):
+    """Where a store may be made."""
+    return tmp_path / "tiny.zarr"
+
+
+@pytest.fixture
 def copy(alone, tmp_path):
     """A copy of this store, to be changed."""
     return shutil.copytree(alone, tmp_path / "tiny.zarr")

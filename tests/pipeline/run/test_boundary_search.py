@@ -49,11 +49,6 @@ def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, ben
         assert boundary_of(rises, load) == pytest.approx(true, rel=tolerance)
 
 
-def test_loads_share_their_velocities():
-    rises, _ = searched(bent)
-    assert len({point.velocity for point in rises}) < len(LOADS)
-
-
 def test_where_rises_are_powers_of_the_velocity_two_points_a_load_are_enough():
     rises, _ = searched(lambda load, v: 50 * load**0.45 * v**0.55, loads=(200.0, 750.0))
     assert len(rises) == 4

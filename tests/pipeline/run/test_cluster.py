@@ -27,7 +27,7 @@ from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
 from pipeline.run.cluster import Connection, client_of, connected, sent_once, threads_of
 from pipeline.run.sweep import run_sweep
-from pipeline.run.work import ExecutionError
+from pipeline.run.work import ExecutionError, hash_of_code, versions
 from pipeline.store.progress import summary
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
@@ -178,6 +178,20 @@ def test_workers_of_another_user_need_not_see_the_store(tmp_path, alone):
             outcome = run_sweep(SWEEP, hidden / "out.zarr", client=client)
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(hidden / "out.zarr") == content(alone)
+
+
+def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothing(tmp_path):
+    for package in "tribo", "pipeline":
+        shutil.copytree(ROOT / package, tmp_path / package)
+    shutil.copytree(ROOT / "tests" / "helpers", tmp_path / "tests" / "helpers")
+    code = tmp_path / "tribo" / "thermal" / "factors.py"
+    code.write_text(code.read_text().replace("0.5", "0.51"))
+    theirs = hash_of_code(tmp_path / package for package in ("tribo", "pipeline"))
+    cluster, out = Cluster(tmp_path, code=tmp_path), tmp_path / "out.zarr"
+    refused = pytest.raises(ExecutionError, match=rf"tcp://127.*{theirs} .*{versions()['code']} ")
+    with closing(cluster), client_of(cluster.address) as client, refused:
+        run_sweep(SHORT, out, client=client)
+    assert summary(out).done == 0
 
 
 class Deadly:

@@ -37,11 +37,6 @@ ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
 
 
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "tiny.zarr"
-
-
 def content(path, names=(*COLUMNS, *FIELDS, "message", "steps", "status")):
     """The bytes of what was computed."""
     with xr.open_zarr(path, chunks=None) as ds:

@@ -3,18 +3,16 @@
 import errno
 import itertools
 import os
-import threading
-from contextlib import contextmanager
 
 import pytest
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
-from pipeline.store.create import grown, writing
+from pipeline.store.create import writing
 from pipeline.store.place import StoreError, larger
 from pipeline.store.progress import FailedPoint, summary
-from pipeline.store.schema import COLUMNS, DONE, FIELDS, PENDING
+from pipeline.store.schema import COLUMNS, FIELDS, PENDING
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
@@ -30,11 +28,6 @@ from tests.helpers.stores import (
 )
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
-
-
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "tiny.zarr"
 
 
 def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
@@ -165,74 +158,6 @@ def test_opening_reads_no_field(copy):
 
 
 LATER = tiny.full(loads=(*tiny.LOADS, 900.0), velocities=(0.25, *tiny.VELOCITIES))
-
-
-def batches(every):
-    return [every[i : i + 3] for i in range(0, len(every), 3)]
-
-
-@pytest.fixture
-def growing(path):
-    """A store that is written all the time, with points that are forgotten and done again."""
-    begun, stop, errors = threading.Event(), threading.Event(), []
-
-    def write():
-        with writing(path, SWEEP) as store:
-            begun.set()
-            for number in itertools.count():
-                for batch in batches(points(LATER)) if number else [points(SWEEP)]:
-                    if stop.is_set():
-                        return
-                    store.commit(map(record, batch))
-                    if number % 2:
-                        store.forget(batch[1:])
-                store = grown(store.place, LATER, store.lock)
-
-    def written():
-        try:
-            write()
-        except BaseException as error:
-            errors.append(error)
-
-    every = [record(point) for point in points(LATER)]
-    assert len(every) == 16
-    thread = threading.Thread(target=written)
-    thread.start()
-    begun.wait(60)
-    yield path
-    stop.set()
-    thread.join()
-    assert not errors
-
-
-@contextmanager
-def warnings_of_growth():
-    said = []
-    try:
-        yield said
-    except StoreError as error:
-        if "has grown since it was opened" not in str(error):
-            raise
-        said.append(error)
-
-
-def test_a_point_that_is_read_beside_a_writer_is_whole(growing):
-    reads, has_grown = 0, False
-    while reads < 12 or not has_grown:
-        assert summary(growing).running  # or there is no more to wait for
-        with warnings_of_growth() as grew:
-            ds = open_sweep(growing).load()
-        if grew:
-            continue
-        has_grown = ds.sizes["load"] == 4
-        for load, velocity in itertools.product(ds["load"].values, ds["velocity"].values):
-            point, stored = Point(load, velocity), ds.sel(load=load, velocity=velocity)
-            if stored["status"] != DONE:
-                assert all(stored[name].isnull().all() for name in (*COLUMNS, *FIELDS))
-                continue
-            reads += 1
-            for name, values in record(point).data.items():
-                assert stored[name].values[-len(values) :].tobytes() == values.tobytes(), name
 
 
 def test_a_dataset_that_was_opened_before_a_growth_gives_no_point_for_another(copy):

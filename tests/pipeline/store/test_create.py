@@ -8,6 +8,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -38,7 +39,6 @@ from pipeline.sweep.variants import drawn_rows, surfaces
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
-    Killed,
     assert_is_as_computed,
     commit,
     contents,
@@ -52,12 +52,20 @@ LARGER = tiny.full(loads=(150.0, 700.0, 1500.0), velocities=(0.5, 2.0))
 ADDED = Point(1500.0, 2.0)
 
 
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "tiny.zarr"
-
-
 # Creation
+
+
+def test_axes_are_exact_and_attributes_say_what_was_computed(path):
+    sweep = tiny.sweep(loads=(0.1 + 0.2, 100 / 3), velocities=(1 / 7, 1.1))
+    commit(path, sweep, ())
+    with xr.open_zarr(path, chunks=None) as ds:
+        assert tuple(ds["load"].values) == sweep.plane.loads
+        assert tuple(ds["velocity"].values) == sweep.plane.velocities
+        assert ds["cooler_share"].values.tolist() == list(tribo.QUANTILES)
+    assert ds.attrs["scene"]["pin"]["radius"] == 8e-3
+    assert ds.attrs["versions"]["numpy"] == np.__version__
+    assert ds.attrs["conditions"]["critical_temperature"] == 418.15
+    assert ds.attrs["measured"][1] == {"normal_load": 200.0, "velocity": 3.75, "friction": None}
 
 
 def test_a_store_that_threads_open_side_by_side_writes_empty_chunks(alone, tmp_path):
@@ -89,23 +97,6 @@ def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
     subprocess.run([sys.executable, "-c", command], check=True, cwd="/", timeout=60)
 
 
-def test_axes_have_the_exact_loads_and_velocities(path):
-    sweep = tiny.sweep(loads=(0.1 + 0.2, 100 / 3), velocities=(1 / 7, 1.1))
-    commit(path, sweep, ())
-    with xr.open_zarr(path, chunks=None) as ds:
-        assert tuple(ds["load"].values) == sweep.plane.loads
-        assert tuple(ds["velocity"].values) == sweep.plane.velocities
-        assert ds["cooler_share"].values.tolist() == list(tribo.QUANTILES)
-
-
-def test_attributes_say_what_was_computed(alone):
-    attributes = xr.open_zarr(alone).attrs
-    assert attributes["scene"]["pin"]["radius"] == 8e-3
-    assert attributes["versions"]["numpy"] == np.__version__
-    assert attributes["conditions"]["critical_temperature"] == 418.15
-    assert attributes["measured"][1] == {"normal_load": 200.0, "velocity": 3.75, "friction": None}
-
-
 @pytest.mark.parametrize("files", [20, 39, 40])
 def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, files):
     with killed_after(monkeypatch, files) as was_killed:
@@ -129,22 +120,15 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
 
 
 def test_a_creation_cut_short_goes_on_whatever_the_names_of_its_axes(path, monkeypatch):
-    sweep = over_oils()
-    with killed_after(monkeypatch, 10**6), monkeypatch.context() as patch:
-        patch.setattr(create, "root_document", lambda *_: exit_as_killed())
-        make(path, sweep)
+    oils = ["oil A", "Shell Ondina 32"]
+    sweep = load_scene("first_try", overrides={"sweep.over": {"oil": oils}})
+    with monkeypatch.context() as patch:
+        patch.setattr(create, "root_document", mock.Mock(side_effect=KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            make(path, sweep)
     assert (path / "oil" / "c.0").exists()
     make(path, sweep)
-    assert open_sweep(path)["oil"].values.tolist() == ["oil A", "Shell Ondina 32"]
-
-
-def over_oils():
-    oils = ["oil A", "Shell Ondina 32"]
-    return load_scene("first_try", overrides={"sweep.over": {"oil": oils}})
-
-
-def exit_as_killed():
-    raise Killed
+    assert open_sweep(path)["oil"].values.tolist() == oils
 
 
 def test_a_store_is_made_onto_an_empty_folder_and_where_a_link_leads(path):
@@ -314,38 +298,25 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     assert contents(alone) == before
 
 
-ONE = surfaces((1,))
-MISMATCHES = {
-    "fields later": (
-        several(),
-        several(fields=True),
-        "fields: False in the store, True in the scene",
-    ),
-    "surfaces later": (
-        several(),
-        several(variants=surfaces((1,))),
-        "none in the store, realization in",
-    ),
-    "surfaces before": (
-        several(variants=surfaces((1,))),
-        several(),
-        "realization in the store, none in",
-    ),
-    "samples later": (several(), several(variants=sampled()), "none in the store, variant in"),
-    "another seed": (
-        several(variants=sampled()),
-        several(variants=sampled(seed=1)),
-        "scene.samples.seed: 0 in the store, 1 in the scene",
-    ),
-}
-
-
-@pytest.mark.parametrize(("made", "asked", "complaint"), MISMATCHES.values(), ids=MISMATCHES)
+@pytest.mark.parametrize(
+    ("made", "asked", "complaint"),
+    [
+        ({}, {"fields": True}, "fields: False in the store, True in the scene"),
+        ({}, {"variants": surfaces((1,))}, "none in the store, realization in"),
+        ({"variants": surfaces((1,))}, {}, "realization in the store, none in"),
+        (
+            {"variants": sampled()},
+            {"variants": sampled(seed=1)},
+            "scene.samples.seed: 0 in the store, 1 in the scene",
+        ),
+    ],
+    ids=["fields later", "surfaces later", "surfaces before", "another seed"],
+)
 def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, complaint):
-    commit(path, made, ())
+    commit(path, several(**made), ())
     before = contents(path)
     with pytest.raises(StoreMismatchError, match=complaint):
-        commit(path, asked, ())
+        commit(path, several(**asked), ())
     assert contents(path) == before
 
 

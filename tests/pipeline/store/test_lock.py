@@ -88,18 +88,13 @@ def test_a_process_that_was_killed_holds_nothing(path):
     assert_is_as_computed(path, [POINT])
 
 
-@pytest.mark.parametrize("left", ["", "process 7 on elsewh\0", "\udcff"])
-def test_a_lock_that_was_cut_short_is_free(path, left):
+@pytest.mark.parametrize(
+    "left", ["", "process 7 on elsewhere\n", "process 7 on elsewh\0", "\udcff"]
+)
+def test_on_a_disk_of_this_machine_what_a_killed_process_of_any_host_left_is_free(path, left):
     (path / LOCK).write_bytes(left.encode(errors="surrogateescape"))
     assert summary(path).running is None
     commit(path, SWEEP, ())
-
-
-def test_on_a_disk_of_this_machine_what_a_killed_process_of_any_host_wrote_stops_nobody(path):
-    (path / LOCK).write_text("process 7 on elsewhere\n")
-    assert summary(path).running is None
-    commit(path, SWEEP, [OTHER])
-    assert_is_as_computed(path, [POINT, OTHER])
 
 
 def test_one_who_asks_for_the_holder_at_that_moment_does_not_stop_a_run(path):

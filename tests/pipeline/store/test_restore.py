@@ -1,6 +1,5 @@
 """Roots that are made again, and resumed runs that read what differs alone."""
 
-import json
 import os
 import shutil
 
@@ -120,14 +119,6 @@ def test_a_store_as_it_was_left_is_not_read_again(copy):
 def test_without_a_list_of_its_files_any_of_a_store_may_differ(copy, listed):
     (copy / "status" / "seen").write_text(listed)
     assert changed_chunks(opened(copy)) is None
-
-
-def test_a_list_of_strange_files_tells_of_no_chunk_of_points(copy):
-    noted(copy)
-    listed = json.loads((copy / "status" / "seen").read_text())
-    strange = {"rise/c.1": [1, 2], "time/c.a.0.0": 3, "../load/c.0.0": None}
-    (copy / "status" / "seen").write_text(json.dumps(listed | strange))
-    assert changed_chunks(opened(copy)) == set()
 
 
 def older(file):

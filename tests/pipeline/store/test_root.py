@@ -14,7 +14,6 @@ import pipeline
 from pipeline.cli import main
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.root import root_document
-from pipeline.store.schema import FORMAT
 from tests.helpers import tiny
 from tests.helpers.stores import commit, contents
 
@@ -111,21 +110,12 @@ def test_a_change_of_the_root_is_named(forged, alone, capsys, path, new):
     )
 
 
-@pytest.mark.parametrize("depth", [990, 10_000])
-@pytest.mark.parametrize("replaced", ['"A tiny sweep"', f'"format": {FORMAT}'])
-def test_a_root_without_a_bottom_is_refused(forged, alone, depth, replaced):
-    text, nested = (alone / ROOT).read_text(), "[" * depth + "]" * depth
-    new = replaced.replace(str(FORMAT), nested) if "format" in replaced else nested
-    assert replaced in text
-    (forged / ROOT).write_text(text.replace(replaced, new))
-    with pytest.raises(StoreError):
-        pipeline.summary(forged)
-
-
-@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"null", b"[]", b"1" * 5000])
-def test_a_root_that_is_no_document_is_refused(forged, content):
-    (forged / ROOT).write_bytes(content)
-    with pytest.raises(StoreError, match=r"zarr\.json is damaged; irg run with the scene"):
+@pytest.mark.parametrize(
+    "new", ["", "null", "1" * 5000, *("[" * n + "]" * n for n in (990, 10_000))]
+)
+def test_a_root_that_is_no_document_or_has_no_bottom_is_refused(forged, new):
+    (forged / ROOT).write_text(new)
+    with pytest.raises(StoreError, match=r"zarr\.json is damaged.*; irg run with the scene"):
         pipeline.summary(forged)
 
 

@@ -4,11 +4,10 @@ from dataclasses import asdict
 
 import pytest
 
-from pipeline.sweep.about import as_lines, on_plane
+from pipeline.sweep.about import as_lines
 from pipeline.sweep.model import Point
 from pipeline.sweep.selection import error_in_words, velocity_error
-from pipeline.sweep.stages import duration, staged
-from pipeline.sweep.surface import SurfaceFacts
+from pipeline.sweep.stages import duration
 from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from tribo import PRESETS
 
@@ -16,11 +15,6 @@ from tribo import PRESETS
 def test_rows_are_aligned_below_a_title():
     rows = [("pin", "cylinder"), ("wear", "<none>")]
     assert as_lines("A scene", rows) == "A scene\n  pin   cylinder\n  wear  <none>"
-
-
-def test_a_plane_is_said_by_its_ends():
-    said = "600 N, 3 velocities from 1 to 4 m/s"
-    assert on_plane([600.0], [1.0, 2.0, 4.0]) == ("sweep", said)
 
 
 def test_a_point_is_said_with_its_place_and_variant():
@@ -41,10 +35,6 @@ def test_inputs_are_said_in_the_unit_of_the_scene():
     assert str(Fixed(ra, 2e-7)) == "disk.roughness.ra is fixed at 0.2 µm"
 
 
-def test_a_random_surface_is_said_by_its_heights():
-    assert SurfaceFacts(False, 0.3e-6, 0.4e-6).words == "random: Ra 0.3 µm, Rq 0.4 µm, no lay"
-
-
 @pytest.mark.parametrize(
     ("seconds", "words"),
     [
@@ -56,15 +46,6 @@ def test_a_random_surface_is_said_by_its_heights():
 )
 def test_a_duration_is_said_in_the_unit_that_suits_it(seconds, words):
     assert duration(seconds) == words
-
-
-def test_a_stage_is_said_with_the_time_to_go():
-    times, said = iter([0.0, 0.0, 40.0]), []
-    assert [*staged(["coarse", "fine"], said.append, clock=lambda: next(times))] == [
-        "coarse",
-        "fine",
-    ]
-    assert said == ["1 of 2: coarse", "2 of 2: fine (about 40 s to go)"]
 
 
 def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured():
