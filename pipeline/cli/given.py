@@ -122,11 +122,11 @@ def scene_in(
         )
     if getattr(options, "accuracy", None) is None:
         return sweep
-    chosen = ["--preset"] if options.preset else []
-    chosen += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
-    if chosen:
+    named = ["--preset"] if options.preset else []
+    named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
+    if named:
         raise InputError(
-            f"--accuracy picks the numerical choices itself; leave out {', '.join(chosen)}"
+            f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
         )
     sweep = at_accuracy(
         sweep, options.accuracy, points, store, lambda line: tell(f"probing: {line}")

@@ -125,17 +125,17 @@ def is_unit(unit: str) -> bool:
 
 
 def columns_for(
-    headings: Sequence[Heading], wanted: Collection[str], chosen: Mapping[str, str] | None = None
+    headings: Sequence[Heading], wanted: Collection[str], named: Mapping[str, str] | None = None
 ) -> tuple[dict[str, int], list[str]]:
     """Places of the columns for wanted quantities, and faults.
 
     A column is one that the user chose, that names the quantity exactly, or the only one whose
     words and unit are of it.
     """
-    heads, chosen = [heading.text for heading in headings], chosen or {}
+    heads, named = [heading.text for heading in headings], named or {}
     places: dict[str, int] = {}
     faults = []
-    for name, head in chosen.items():
+    for name, head in named.items():
         if name not in wanted:
             hint = did_you_mean(name, wanted)
             faults.append(f"columns.{name}: no entry{hint}; give one of {', '.join(wanted)}")
@@ -143,7 +143,7 @@ def columns_for(
             places[name] = heads.index(head)
         else:
             faults.append(f"columns.{name}: there is no column {_listed([head])}")
-    for name in (name for name in wanted if name not in chosen):
+    for name in (name for name in wanted if name not in named):
         free = [place for place in range(len(heads)) if place not in places.values()]
         found = [place for place in free if headings[place].name == name]
         if name == "friction":  # one in newton is a force

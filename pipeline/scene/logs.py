@@ -67,10 +67,10 @@ class Log:
 def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table = TEST) -> Log:
     """Read the tests of a log by its columns, words and decimal mark, as a scene gives them."""
     given = entries or {}
-    chosen, words = given.get("columns") or {}, dict[str, str]()
-    sheet = read_sheet(path, row_of.keys, row_of.needed, chosen, given.get("decimal"))
+    named, words = given.get("columns") or {}, dict[str, str]()
+    sheet = read_sheet(path, row_of.keys, row_of.needed, named, given.get("decimal"))
     faults, places = [*sheet.faults], sheet.places
-    if faults and sheet.headings and not chosen:
+    if faults and sheet.headings and not named:
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
     needed = [places[name] for name in ("load", "velocity") if name in places]
     tested = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
