@@ -48,11 +48,6 @@ class Durable(LocalStore):
         """Replace the content of a key."""
         await asyncio.to_thread(self.set_sync, key, value)
 
-    async def set_if_not_exists(self, key: str, value: Buffer) -> None:
-        """Set the content of a key that has none."""
-        if not await self.exists(key):
-            await self.set(key, value)
-
     def set_sync(self, key: str, value: Buffer) -> None:
         """Replace the content of a key."""
         self._check_writable()
