@@ -14,7 +14,6 @@ import time
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
@@ -43,72 +42,8 @@ _LOCAL = {"tmpfs", "ramfs", "overlay", "zfs", "bcachefs"}
 _TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
 
 
-@dataclass(frozen=True, slots=True)
-class FileLock:
-    """A `flock` that this process holds: a file and its open descriptor."""
-
-    file: Path
-    descriptor: int
-
-    def is_in_place(self) -> bool:
-        """True if the file that was locked still lies at its path."""
-        try:
-            return os.path.samestat(os.fstat(self.descriptor), self.file.stat())
-        except OSError:  # also on a file server that no longer knows the folder
-            return False
-
-    def touch(self) -> None:
-        """Let machines that see this disk from elsewhere know that the lock is held."""
-        os.utime(self.descriptor)
-
-
-class Heartbeat:
-    """A lock that this process holds as long as its content is in the file of the lock."""
-
-    def __init__(self, place: StorePlace) -> None:
-        self._place = place
-        self._content = _this_process() + f"{_machine()} {uuid.uuid4().hex}\n".encode()
-
-    def is_in_place(self) -> bool:
-        """True if the lock is that of this process; raises an `OSError` if it cannot be read."""
-        return self._place.read(LOCK) == self._content
-
-    def take(self) -> None:
-        """Create the lock, or take one that is free; raise a `StoreError` if there is another."""
-        place = self._place
-        if place.create(LOCK, self._content):
-            return
-        if not place.read(LOCK):  # let go of, or just being made
-            time.sleep(SETTLE)
-        there = place.read(LOCK) or b""
-        if there and not _is_dead(there) and (age := _age(place)) < STALE:
-            raise _in_use(
-                place,
-                there,
-                f"; it was last heard of {max(age, 0):.0f} s ago, and {STALE:.0f} s after the last "
-                "sign of it the store is free",
-            )
-        with suppress(FileNotFoundError):  # another one that takes it was faster
-            if (place.read(LOCK) or b"") == there:
-                place.put({LOCK: self._content})
-        time.sleep(SETTLE)
-        if not self.is_in_place():
-            raise _in_use(place, place.read(LOCK))
-
-    def renew(self) -> None:
-        """Write the lock anew, unless another process has taken it."""
-        if self.is_in_place():
-            self._place.put({LOCK: self._content})
-
-    def let_go(self) -> None:
-        """Remove the lock, unless another process has taken it."""
-        with suppress(OSError):  # then it is free after a while
-            if self.is_in_place():
-                self._place.remove(LOCK)
-
-
-Lock = FileLock | Heartbeat
-"""A lock that this process holds."""
+Lock = Callable[[], bool]
+"""Tells whether a lock that this process took is still in its place."""
 
 
 @contextmanager
@@ -134,9 +69,16 @@ def held(place: StorePlace) -> Iterator[Lock]:
 
 
 @contextmanager
-def _flocked(folder: Folder, file: Path) -> Iterator[FileLock | None]:
+def _flocked(folder: Folder, file: Path) -> Iterator[Lock | None]:
     """Hold a `flock`; None if the disk has none."""
     descriptor = os.open(file, os.O_RDWR | os.O_CREAT | _AS_IT_IS, 0o666)
+
+    def is_in_place() -> bool:
+        try:
+            return os.path.samestat(os.fstat(descriptor), file.stat())
+        except OSError:  # also on a file server that no longer knows the folder
+            return False
+
     try:
         if not _is_flocked(folder, descriptor):
             yield None
@@ -146,10 +88,9 @@ def _flocked(folder: Folder, file: Path) -> Iterator[FileLock | None]:
             raise _in_use(folder, content)
         os.ftruncate(descriptor, 0)
         os.pwrite(descriptor, _this_process(), 0)
-        lock = FileLock(file, descriptor)
         try:
-            with _repeated(lock.touch):
-                yield lock
+            with _repeated(lambda: os.utime(descriptor)):
+                yield is_in_place
         finally:
             os.ftruncate(descriptor, 0)
     finally:
@@ -173,15 +114,47 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
 
 
 @contextmanager
-def _beating(place: StorePlace) -> Iterator[Heartbeat]:
+def _beating(place: StorePlace) -> Iterator[Lock]:
     """Hold the lock of a store by a heartbeat, at once or not at all."""
-    heart = Heartbeat(place)
-    heart.take()
+    content = _this_process() + f"{_machine()} {uuid.uuid4().hex}\n".encode()
+
+    def is_ours() -> bool:
+        return place.read(LOCK) == content
+
+    def renew() -> None:
+        if is_ours():  # and no other process has taken it
+            place.put({LOCK: content})
+
+    _take(place, content)
     try:
-        with _repeated(heart.renew):
-            yield heart
+        with _repeated(renew):
+            yield is_ours
     finally:
-        heart.let_go()
+        with suppress(OSError):  # then it is free after a while
+            if is_ours():
+                place.remove(LOCK)
+
+
+def _take(place: StorePlace, content: bytes) -> None:
+    """Create a lock, or take one that is free; raise a `StoreError` if there is another."""
+    if place.create(LOCK, content):
+        return
+    if not place.read(LOCK):  # let go of, or just being made
+        time.sleep(SETTLE)
+    there = place.read(LOCK) or b""
+    if there and not _is_dead(there) and (age := _age(place)) < STALE:
+        raise _in_use(
+            place,
+            there,
+            f"; it was last heard of {max(age, 0):.0f} s ago, and {STALE:.0f} s after the last "
+            "sign of it the store is free",
+        )
+    with suppress(FileNotFoundError):  # another one that takes it was faster
+        if (place.read(LOCK) or b"") == there:
+            place.put({LOCK: content})
+    time.sleep(SETTLE)
+    if (there := place.read(LOCK) or b"") != content:
+        raise _in_use(place, there)
 
 
 @contextmanager

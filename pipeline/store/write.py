@@ -244,7 +244,7 @@ class Store:
     def require_lock(self) -> None:
         """Raise a `StoreError` if the lock of this process is no longer that of the store."""
         with writes(self.place, _ADVICE):
-            is_lost = self.lock is not None and not self.lock.is_in_place()
+            is_lost = self.lock is not None and not self.lock()
         if is_lost:
             raise StoreError(
                 f"{self.place}: its lock ({LOCK}) was deleted or replaced while this run wrote; it "
