@@ -16,13 +16,10 @@ from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, SE
 from pipeline.cli import main
 from pipeline.cli.margins import document_of
 from pipeline.figures.diagram import diagram
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
-from tests.helpers import javascript, synthetic, tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.figures.page import sweeps
-from tribo import CRITERIA, QUANTILES, Corrections
-from tribo.thermal import Rule
+from tribo import Corrections
 
 
 def done_only(ds, is_done):
@@ -80,39 +77,6 @@ def slippery():
 def warm_pin():
     ds = sweeps.of_a_warm_pin()
     return ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "share"})
-
-
-def test_a_criterion_is_one_entry_and_every_command_knows_it(monkeypatch, capsys):
-    """The mean of the hottest tenth, about as the 95th percentile of an even distribution."""
-
-    def hottest_tenth(rises, _, quantiles):
-        shares = np.linspace(0.9, 1.0, 21)
-        return np.apply_along_axis(lambda row: np.interp(shares, quantiles, row).mean(), -1, rises)
-
-    rule = Rule("rise_quantile", hottest_tenth, "mean of the hottest tenth", "its tenth above")
-    monkeypatch.setitem(CRITERIA, "tenth", rule)
-    ds = synthetic.sweep()  # whose temperatures are spread evenly
-    crossings, expected = (
-        pipeline.boundary(ds, criterion="tenth"),
-        pipeline.boundary(ds, share=0.05),
-    )
-    xr.testing.assert_allclose(crossings["critical_velocity"], expected["critical_velocity"])
-    (margin,) = pipeline.margins(ds, 400.0, 2.0, criterion="tenth")
-    assert margin.critical_velocity == pytest.approx(float(crossings["critical_velocity"][4]))
-    figure = diagram(ds, criterion="tenth")
-    assert "its tenth above 145 °C" in figure.legends[0].get_title().get_text()
-    stored = ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "tenth"})
-    page = javascript.run(stored, "return summary().velocity.map(({ middle }) => middle);")
-    np.testing.assert_allclose(page, crossings["critical_velocity"], rtol=2e-3)
-    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
-    assert main(["boundary", "out.zarr", "--criterion", "tenth", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    np.testing.assert_allclose(document["critical_velocity"], crossings["critical_velocity"])
-    sweep = tiny.sweep(conditions=Conditions(0.1, 298.15, 418.15, criterion="tenth"))
-    result = pipeline.run_point(sweep, 600.0, 1.5)
-    rise = result.columns["rise_quantile"][-1]
-    expected = 298.15 + 0.1 * hottest_tenth(rise, 0.1, np.array(QUANTILES))
-    assert result.verdict(sweep.conditions).decisive_temperature == pytest.approx(float(expected))
 
 
 MILD_OR_SEVERE = ({}, {"friction": 0.05}, {"friction": 0.3})

@@ -17,12 +17,12 @@ for command in eval(sys.argv[1]):
 
 
 def test_what_only_reads_works_and_a_run_says_what_it_needs(alone, tmp_path):
-    scene, figure = str(tmp_path / "small.toml"), str(tmp_path / "figure.png")
+    scene = str(tmp_path / "small.toml")
     (tmp_path / "small.toml").write_text(SCENE)
     place = ["--load", "200 N", "--velocity", "1 m/s", "--set", "increments=1"]
     commands = [
         ["point", scene, *place],
-        ["plot", str(alone), "--kind", "ramp", "-o", figure],
+        ["boundary", str(alone)],
         ["run", scene, "-o", str(tmp_path / "out.zarr")],
     ]
     done = python("-c", WITHOUT_POSIX, repr(commands), variables={"OMP_NUM_THREADS": "1"})

@@ -187,17 +187,6 @@ def test_the_word_allows_the_files_of_the_folder_alone(strangers, ran, name):
     assert ran() == (name == "payload:__class__")
 
 
-@pytest.mark.parametrize("name", ["os:system", "shutil:rmtree"])
-def test_a_function_of_an_installed_module_is_no_law(strangers, ran, irg, name):
-    law = f'{{ law = "{name}", parameters = {{ command = "touch {strangers.parent}/ran" }} }}'
-    (strangers / "shell.toml").write_text(
-        f'extends = "first_try"\nwithout = ["wear"]\nwear = {law}\n'
-    )
-    said = irg("check", "shell.toml", "--own-laws", code=2)
-    assert f'"{name}": there is no file {name.partition(":")[0]}.py' in said
-    assert not ran()
-
-
 @pytest.mark.parametrize(
     ("kind", "name"),
     [(WEAR, "Flat"), (WEAR, "rule"), (WEAR, "pathlib"), (SURFACE, "Law"), (CRITERION, "Law")],

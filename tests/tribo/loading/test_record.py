@@ -33,15 +33,6 @@ def test_a_jump_has_half_of_the_steps_and_the_rest_are_equal_in_time():
     assert not any(s.on_trunk for s in stations)
 
 
-def test_the_noise_of_a_record_takes_no_steps():
-    times = np.linspace(0.0, 8.0, 801)
-    noise = 2.0 * np.random.default_rng(0).standard_normal(times.size)
-    still = np.where(times < 6.0, 30.0, 30.0 + 360.0 * (times - 6.0)) + noise
-    stations = list(MeasuredLoad(times, still, reference_load=700.0).stations(700.0, 40))
-    in_time = 20 * 6.0 / 8.0
-    assert sum(s.time < 6.0 for s in stations) == pytest.approx(in_time, abs=2)
-
-
 def test_another_load_is_the_record_in_proportion_at_the_same_times():
     whole, third = (list(smooth_record(5.0).stations(load, 20)) for load in (600.0, 200.0))
     assert [s.time for s in third] == [s.time for s in whole]
@@ -124,11 +115,6 @@ def test_what_is_no_record_is_refused(times, loads, said):
 def test_a_reference_load_beyond_the_record_is_refused():
     with pytest.raises(InputError, match="reaches 750 N; its reference load is 800 N"):
         MeasuredLoad(TIMES, np.linspace(0.0, 750.0, TIMES.size), reference_load=800.0)
-
-
-def test_a_load_that_the_record_begins_with_is_reached_at_its_start():
-    record = MeasuredLoad(np.array([2.0, 3.0, 4.0]), np.array([20.0, 60.0, 100.0]))
-    assert [record.time_at(share) for share in (0.1, 0.2, 0.6)] == [2.0, 2.0, 3.0]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tribo import Grid, InputError
-from tribo.numerics import Convolution, padded_shape, wrapped_offsets
+from tribo.numerics import Convolution, padded_shape
 
 AXES = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -101,19 +101,6 @@ def test_threads_may_share_a_map(single):
     with ThreadPoolExecutor(8) as threads:
         together = list(threads.map(convolve, fields))
     assert np.array_equal(together, alone)
-
-
-@pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize("n", [1, 2, 5, 8, 101])
-def test_every_offset_between_two_elements_has_its_place(periodic, n):
-    grid = Grid((n, n), (1.0, 1.0), periodic)
-    for axis in (0, 1):
-        offsets = wrapped_offsets(grid, axis)
-        if periodic[axis]:
-            assert sorted(offsets % n) == list(range(n))
-        else:
-            index = np.arange(-(n - 1), n)
-            assert offsets[index].tolist() == index.tolist()
 
 
 def test_a_spectrum_of_the_wrong_shape_is_refused():

@@ -82,15 +82,6 @@ def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
     assert 0.06 * added(corrections, columns) == pytest.approx(39.9, rel=0.01)
 
 
-def test_one_turn_leaves_one_strip_on_the_faster_disc_alone():
-    duration = 1.5 * AROUND / 2.5  # at 1 m/s; the pin has made 0.9 turns
-    columns = record([duration], [1000.0], 1.0)
-    both = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=ROLLING)
-    disk = left_by_turns(1.0, 2.5, 1 - SHARE, duration, 1000.0)
-    assert added(both, columns) == pytest.approx((1 - SHARE) * disk, rel=0.01)
-    assert added(both, columns) == added(replace(both, pin_track=None), columns)
-
-
 def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly():
     """Under a flux that grows as t the surface of a half-space warms by ⅔ 2q√t/(√π e)."""
     wide = tribo.Track(AROUND, 50.0, 1.0, DIFFUSIVITY, CAPACITY)

@@ -1,7 +1,6 @@
 """Balls and crowned pins: contact, heat, and wear that is swept along a free y."""
 
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -29,7 +28,6 @@ from tribo import (
     measures,
     simulate,
     solve_contact,
-    warnings,
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
 from tribo.simulation import disk_positions
@@ -195,19 +193,6 @@ def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monk
     expected = 1e-15 * 0.05 * math.pi * E_STAR / length
     depth = 1e-3 * parts(scene, Wear(1e-15, "local"), 0.05)
     assert depth == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
-
-
-def test_explicit_wear_counts_each_part_of_a_step():
-    stiffness = []
-    for pattern in ("swept", "local"):
-        scene = ball(wear_scheme="explicit", history_coarsening=1, increments=3)
-        scene = replace(scene, wear=Wear(1e-14, pattern))
-        state = next(iter(simulate(scene, 200.0, 1.0)))
-        warning, *_ = warnings(scene, state)
-        stiffness.append(float(re.search(r"k·dS is (\S+) times", warning.text)[1]))
-    count = parts(ball(), Wear(1e-14, "local"), state.sliding_distance)
-    assert count > 1
-    assert stiffness[0] * count == pytest.approx(stiffness[1], rel=1e-2)  # in print
 
 
 def test_a_ball_that_rolls_is_swept_over_and_wears_around():

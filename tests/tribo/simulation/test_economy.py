@@ -107,15 +107,6 @@ def test_without_wear_the_steps_are_those_that_are_asked_for():
     assert all(state.heat is not None for state in alone)
 
 
-def test_without_wear_a_temperature_on_the_way_changes_no_other():
-    scene = small_scene(wear=False, contact_tolerance=0.1)
-    (*_, alone), (*_, on_the_way) = (
-        simulate(scene, 600.0, 1.25, asked=asked) for asked in ((), range(0, 9, 3))
-    )
-    assert np.array_equal(alone.pressure, on_the_way.pressure)
-    assert np.array_equal(alone.heat.rise, on_the_way.heat.rise)
-
-
 # Both bodies smooth.
 
 

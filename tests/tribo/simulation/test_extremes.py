@@ -6,7 +6,6 @@ The table of all cases is EXTREMES.md; ``python -m tests.tribo.simulation.test_e
 import itertools
 import math
 import re
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -38,7 +37,6 @@ from tribo import (
     warnings,
 )
 from tribo.analytic import uniform_flux_rise
-from tribo.contact import elastic_influence
 from tribo.loading import MeasuredLoad
 from tribo.simulation import heat
 
@@ -398,32 +396,6 @@ def test_extremes_are_as_extreme_as_their_names_say(what, touching, yielding):
     assert np.count_nonzero(state.pressure == scene.hardness) == yielding
 
 
-def test_an_offset_of_a_metre_changes_nothing_but_the_digits_it_costs():
-    noise = 1e-7 * np.random.default_rng(0).uniform(size=SHAPE)
-    near, far = (measured(offset + noise)() for offset in (0.0, 1.0))
-    first, second = (
-        [*simulate(replace(scene, wear=None), 600.0, 1.25)][-1] for scene in (near, far)
-    )
-    # 1 m has digits of 1e-16 m, of the 1e-7 m that the bodies approach.
-    assert second.pressure == pytest.approx(first.pressure, abs=1e-5 * first.pressure.max())
-
-
-def test_a_spike_of_a_metre_leaves_the_rest_of_the_surface_its_digits():
-    grid = Grid(SHAPE, (8e-6, 8e-6))
-    solid = ElasticHalfSpace(grid, 115e9)
-    z = 1e-7 * np.random.default_rng(0).uniform(size=SHAPE)
-    spiked = z.copy()
-    spiked[20, 5] = -1.0
-    # The spike yields; the load on all others is the same.
-    load = 0.1 * 6.6e9 * grid.area
-    contact = solve_contact(solid, spiked, load, 6.6e9, tolerance=1e-11)
-    assert contact.residual <= 1e-11
-    assert contact.saturated_fraction == pytest.approx(1 / np.count_nonzero(contact.pressure))
-    gap = solid(contact.pressure) + spiked
-    free = (contact.pressure > 0) & (contact.pressure < 6.6e9)
-    assert np.ptp(gap[free]) < 2.1e-11 * solid.self_influence * contact.pressure.max()
-
-
 # The solver alone, on every kind of window.
 
 
@@ -495,23 +467,6 @@ def test_mostly_saturated_contacts_certify_themselves(saturation, periodic):
     assert contact.penetration <= 1.001e-9 * solid.self_influence * 6.6e9
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("hardness", [6.6e9, 1e9, 1e8])
-@pytest.mark.parametrize("saturation", [0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1 - 1e-9])
-def test_512_by_512_rough_periodic_capped(hardness, saturation, say):
-    grid = Grid((512, 512), (1e-6, 1.1e-6), (True, True))
-    solid = ElasticHalfSpace(grid, 115e9)
-    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
-    began = time.perf_counter()
-    contact = solve_contact(solid, z, saturation * hardness * grid.area, hardness, tolerance=1e-8)
-    say(
-        f"\n512², H {hardness:g} Pa, F/(HA) {saturation:.10g}: {contact.iterations} iterations,"
-        f" {time.perf_counter() - began:.2f} s, residual {contact.residual:.1e}"
-    )
-    assert contact.iterations < 1000
-    assert violation(contact, solid, z, hardness) <= 1.001e-8
-
-
 @pytest.mark.parametrize("tolerance", [1e-12, 1e-14, 1e-300])
 @pytest.mark.parametrize("saturation", [0.02, 0.9])
 def test_tolerances_near_rounding_are_kept_or_refused_soon(tolerance, saturation):
@@ -549,18 +504,13 @@ def test_no_number_of_iterations_is_exceeded():
     ("change", "said"),
     [
         ({"normal_load": 1.1e9 * 30e-12}, "hardness"),
-        ({"normal_load": -1.0}, "between 0"),
         ({"separation": np.full((6, 5), math.nan)}, "finite"),
-        ({"separation": np.zeros((5, 6))}, "shape"),
         ({"tolerance": 0.0}, "tolerance is 0.0"),
-        ({"max_iterations": 0}, "max_iterations is 0"),
         ({"hardness": 0.0}, "hardness is 0.0"),
         ({"normal_load": math.inf, "hardness": math.inf}, "must be finite"),
-        ({"normal_load": 1e-300}, "double precision cannot hold"),
         ({"normal_load": 1e300, "hardness": math.inf}, "double precision cannot hold"),
         ({"separation": np.full((6, 5), "a")}, "must hold real numbers"),
         ({"separation": [[0.0, 1.0], [2.0]]}, "not an array"),
-        ({"initial_pressure": np.zeros((2, 2))}, "initial_pressure has shape"),
         ({"initial_pressure": np.full((6, 5), math.nan)}, r"first at \(0, 0\)"),
     ],
 )
@@ -571,30 +521,7 @@ def test_impossible_arguments_of_the_solver_are_named(change, said):
         solve_contact(solid, **arguments)
 
 
-@pytest.mark.parametrize("guess", [0.0, -1.0, 1e-300, 1e300])
-def test_a_guess_without_sense_is_none(guess):
-    grid = Grid((12, 10), (1e-6, 1e-6))
-    solid = ElasticHalfSpace(grid, 115e9)
-    z = 1e-7 * np.random.default_rng(0).uniform(size=grid.shape)
-    initial = np.full(grid.shape, guess)
-    contact = solve_contact(solid, z, 1e-2, 6.6e9, initial_pressure=initial)
-    assert contact.pressure == pytest.approx(solve_contact(solid, z, 1e-2, 6.6e9).pressure)
-
-
 # Kernels.
-
-
-@pytest.mark.parametrize("ny", [1, 4])
-@pytest.mark.parametrize("cut", [7, 101])
-def test_elements_longer_than_the_period_are_the_sum_of_short_ones(ny, cut):
-    # Up to 101 times as long as the period; the parts are not longer than it.
-    long, short = (Grid((4 * n, ny), (1.0 * ny * cut / n, 1.0)) for n in (1, cut))
-    whole, parts = (elastic_influence(grid, 1 / np.pi) for grid in (long, short))
-    half = cut // 2
-    centred = np.arange(-half, half + 1)
-    summed = np.array([parts[i * cut + centred].sum(axis=0) for i in range(4)])
-    difference = (summed - summed[0, 0]) - (whole[:4] - whole[0, 0])
-    assert np.abs(difference).max() < 3e-12 * ElasticHalfSpace(long, 1 / np.pi).self_influence
 
 
 @pytest.mark.parametrize("peclet", [1e3, 1e6, 1e30])
@@ -691,16 +618,12 @@ def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_
     [
         (lambda: Grid((math.nan, 4), (1.0, 1.0)), "nx is nan"),
         (lambda: Grid((4, 4, 4), (1.0, 1.0)), "shape is .* two values"),
-        (lambda: Grid((4, 4), (1e-200, 1e-200)), "element_area is 0.0"),
         (lambda: Fidelity(increments=math.inf), "increments is inf"),
         (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
         (lambda: list(Ramp(1.0, 1.0).stations(1.0, math.nan)), "increments is nan"),
-        (lambda: list(Ramp(1.0, 1e-9).stations(1.0, 10)), "at most 1000000"),
-        (lambda: list(Ramp(1.0, 1.0, hold=1e9).stations(1.0, 10)), "at most 1000000"),
         (lambda: MeasuredRoughness(np.zeros((0, 4))), r"shape \(0, 4\)"),
         (lambda: MeasuredRoughness(np.array([["a"]])), "must hold real numbers"),
         (lambda: MeasuredRoughness([[1.0], [math.inf]]), r"1 of 2 places, the first at \(1, 0\)"),
-        (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
         (lambda: MeasuredLoad([0.0, 1.0], [0.0, math.nan]), "row 1"),
     ],
 )

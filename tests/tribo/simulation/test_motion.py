@@ -127,15 +127,6 @@ def test_a_slide_roll_ratio_of_2_is_a_pin_at_rest_bit_for_bit():
         assert np.array_equal(moving.wear_depth, resting.wear_depth)
 
 
-def test_identical_smooth_bodies_may_change_places():
-    slower, faster = (
-        end(twin_disc(Motion(slide_roll_ratio=ratio), elements=100), 3.0).heat
-        for ratio in (0.5, -0.5)
-    )
-    assert np.allclose(slower.rise_quantile, faster.rise_quantile, rtol=1e-7)
-    assert slower.pin_heat_share + faster.pin_heat_share == pytest.approx(1.0, rel=1e-7)
-
-
 @pytest.mark.parametrize(("preset", "pattern"), [("draft", "local"), ("standard", "swept")])
 def test_the_worn_volume_is_that_of_the_work_on_the_whole_track(preset, pattern):
     fidelity = replace(PRESETS[preset], increments=4, partition="local", precision="double")

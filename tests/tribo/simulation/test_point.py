@@ -23,13 +23,6 @@ from tribo import (
 from tribo.simulation import heat
 
 
-def assert_same(first, second):
-    assert np.array_equal(first.pressure, second.pressure)
-    assert np.array_equal(first.wear_depth, second.wear_depth)
-    assert np.array_equal(first.heat.rise, second.heat.rise)
-    assert (first.time, first.sliding_distance) == (second.time, second.sliding_distance)
-
-
 def test_every_state_carries_its_load_and_the_time_of_the_ramp():
     scene = small_scene()
     loads = []
@@ -153,14 +146,6 @@ def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     states = simulate(unworn, 600.0, 1.25, asked=range(100))
     rises = [state.heat.mean_rise for state in states]
     assert (np.diff(rises) >= 0).all()
-
-
-def test_the_end_of_the_ramp_has_its_temperature_besides_the_end_of_the_hold():
-    scene = small_scene()
-    held = replace(scene, loading=replace(scene.loading, hold=1.0))
-    ramp, *_, end = [state for state in simulate(held, 600.0, 1.25) if state.heat]
-    assert (ramp.time, end.time) == (4.0, 5.0)
-    assert_same(ramp, last(scene, 600.0, 1.25))
 
 
 def test_options_that_do_not_fit_are_refused():

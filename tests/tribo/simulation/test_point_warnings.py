@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, warnings
+from tribo import Ball, Grid, Motion, WarningKind, Wear, warnings
 from tribo.simulation import start
 from tribo.simulation.step_measures import touching_elements
 
@@ -30,12 +30,6 @@ def test_contact_at_the_window_s_edge_warns():
     kind = WarningKind.CONTACT_AT_EDGE
     assert "x edge" in texts(scene, last(scene, 750.0, 1.25), kind)[0]
     assert not texts(small_scene(), last(small_scene(), 400.0, 1.25), kind)
-
-
-def test_enough_of_everything_warns_of_nothing():
-    scene = replace(small_scene(), pixels=Grid((120, 64), (4e-6, 4e-6)))
-    scene = replace(scene, loading=Ramp(150.0, 400.0, hold=20.0, hold_steps=5))
-    assert warnings(scene, last(scene, 400.0, 1.25)) == []
 
 
 def test_kinds_keep_the_bits_that_stores_have():

@@ -153,16 +153,6 @@ def test_without_motion_or_friction_the_difference_alone_warms(heat_model):
         assert 0.0 < kelvins[0] <= kelvins[-1] < 1.0
 
 
-def test_a_plane_counts_all_the_rows_that_it_stands_for():
-    plane = replace(small_scene(roughness=False, wear=False), unequal_bulks=True)
-    state = end(plane)
-    rows = plane.rows_per_element
-    rise = (state.heat.rise + 500.0 * state.heat.bulk_response).repeat(rows, 1)
-    expected = contact_quantiles(rise, (state.pressure > 0).repeat(rows, 1))
-    assert rows > 1
-    assert quantiles_at(state.heat, 500.0) == pytest.approx(expected, rel=1e-12)
-
-
 def test_a_critical_temperature_knows_both_bulk_temperatures(rough):
     scene, state = rough
     critical = critical_temperature(scene, [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0)

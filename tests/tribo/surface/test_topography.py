@@ -5,7 +5,6 @@ from tribo import (
     Grid,
     InputError,
     average_roughness,
-    block_average,
     rms_height,
     rms_slope,
 )
@@ -54,11 +53,6 @@ def test_a_lay_correlates_further_along_y():
     assert slope_x > 3 * slope_y
 
 
-def test_the_seed_decides():
-    assert np.array_equal(self_affine(seed=1), self_affine(seed=1))
-    assert not np.array_equal(self_affine(seed=1), self_affine(seed=2))
-
-
 @pytest.mark.parametrize(
     ("change", "named"),
     [
@@ -71,15 +65,6 @@ def test_the_seed_decides():
 def test_impossible_surfaces_are_refused(change, named):
     with pytest.raises(InputError, match=named):
         self_affine(**change)
-
-
-def test_block_average_is_the_mean_of_each_block():
-    heights = np.arange(24.0).reshape(4, 6)
-    averaged = block_average(heights, 2)
-    assert averaged.shape == (2, 3)
-    assert averaged[1, 2] == heights[2:, 4:].mean()
-    with pytest.raises(InputError, match="multiples"):
-        block_average(heights, 4)
 
 
 def test_rms_slope_of_a_wave_along_y():

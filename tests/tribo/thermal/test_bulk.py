@@ -36,12 +36,6 @@ def test_a_constant_heat_warms_as_an_exponential():
     assert disk == pytest.approx(47.0 * (1 - math.exp(-120.0 * 2.0 / 650.0)), rel=1e-6)
 
 
-def test_a_ramp_is_its_duhamel_integral():
-    """Heat βt into C with a loss G: β/G (t − C/G (1 − exp(−Gt/C)))."""
-    _, disk = bulk_warming(*RAMP, ALL_INTO_DISK, (None, tribo.Bulk(20.0, 2.0)))
-    assert disk == pytest.approx(94.0 / 5 / 2.0 * (5.0 - 10.0 * (1 - math.exp(-0.5))))
-
-
 def test_a_steady_state_is_the_balance_of_heat_in_both_bodies():
     """Two resistances to ground at each side, contact and loss, share the heat."""
     h1, h2, g1, g2 = 0.1, 1.0, 0.3, 2.0

@@ -179,27 +179,6 @@ def test_a_band_as_long_as_the_pin_is_a_rectangle_at_its_middle(elements, period
     np.testing.assert_allclose(rise, 1e9 * exact, rtol=2e-6)
 
 
-def test_without_ends_a_pin_is_endless_bit_for_bit():
-    grid = Grid((24, 8), ELEMENT, (False, True))
-    for velocity, time in ((0.0, 1.0), (1.25, 0.01)):
-        endless = thermal_influence(grid, STEEL, velocity, time)
-        for length in (math.inf, 1e6):
-            assert np.array_equal(
-                thermal_influence(grid, STEEL, velocity, time, length=length), endless
-            )
-        # A pin shorter than the patch is as long as the patch, and a free y has no images.
-        alone, shorter = (
-            thermal_influence(grid, STEEL, velocity, time, length=length)
-            for length in (grid.size[1], 1e-9)
-        )
-        assert np.array_equal(alone, shorter)
-        assert alone.mean() < endless.mean()
-    free = Grid((24, 8), ELEMENT, (False, False))
-    assert np.array_equal(
-        thermal_influence(free, STEEL, 0.0, 1.0), thermal_influence(free, STEEL, 0.0, 1.0, 10, 1e-5)
-    )
-
-
 @pytest.mark.parametrize("ny", [8, 9])
 @pytest.mark.parametrize(("velocity", "time"), [(0.0, 1.0), (-5.0, 1.0)])
 def test_the_nearest_image_is_added_as_it_leaks(ny, velocity, time):

@@ -96,22 +96,6 @@ def test_temperature_with_history_depends_little_on_the_steps():
     assert abs(middle - fine) < 0.5 * abs(coarse - middle) < 5e-3 * fine
 
 
-def test_every_step_has_its_temperature_and_the_pin_stays_warm_without_heat():
-    states = list(simulate(small_scene(heat_model="history"), 300.0, 1.25))
-    assert all(state.heat for state in states)
-    flux = np.zeros(PLANE.shape)
-    heated = np.full(PLANE.shape, 1e6)
-    split, _ = run(PLANE, [heated, heated, flux, flux], [1.0, 2.0, 3.0, 4.0])
-    # After the heat has gone, 1/(√π e) times the integral of q/√age: 1 s up, 1 s on, 1 s down.
-    pieces = [(0.0, 1.0), (1.0, -1.0), (2.0, -1.0), (3.0, 1.0)]
-    exact = sum(
-        ramped_flux_rise(slope * 5e5 * (4 - begin), 4 - begin, EFFUSIVITY)
-        for begin, slope in pieces
-    )
-    np.testing.assert_allclose(split.rise, exact, rtol=1e-8)  # ages to 9 digits, which cancel
-    assert split.rise.min() > 0
-
-
 def test_the_contact_has_one_temperature_by_all_the_heat_so_far():
     grid = Grid((30, 12), (10e-6, 10e-6))
     bodies = Conductor(STEEL, 0.0), Conductor(STEEL, 0.3)
