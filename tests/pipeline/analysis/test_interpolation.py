@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.decisive import beside_boundary
 from pipeline.analysis.transition import certain, crossing, exponent, interpolated
-from pipeline.analysis.warned_points import exponents
 
 
+@settings(max_examples=40)
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))
 def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size):
     rng = np.random.default_rng(seed)
@@ -35,6 +34,7 @@ def test_a_point_on_the_limit_is_the_boundary():
     assert [crossing(x, y, limit) for limit in y] == x.tolist()
 
 
+@settings(max_examples=40)
 @given(
     steps=st.lists(
         st.tuples(st.floats(0.05, 2.0), st.just(0.0) | st.floats(1e-3, 300.0)),
@@ -59,10 +59,8 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
     ("x", "y", "place", "expected"),
     [
         ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 1.0, 1.0),  # at either end
-        ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 4.0, 1.0),
         ([1.0, 2.0, np.nan, 4.0], [10.0, 20.0, np.nan, 40.0], 2.0, 1.0),
         ([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], 0.0, np.nan),
-        ([0.0, 1.0], [-1.0, 1.0], 0.501, np.nan),  # whose logarithm is not known below
         ([1.0, 2.0], [10.0, 20.0], np.nan, np.nan),
         ([1.0], [10.0], 1.0, np.nan),
     ],
@@ -82,14 +80,3 @@ def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
     x, y, places = np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.25, 4.0, 16.0])
     assert certain(x, y, places, limit=30.0) == pytest.approx([5.0, 20.0, np.nan], nan_ok=True)
     assert certain(x, y, places, limit=15.0) == pytest.approx([5.0, 20.0, 40.0])
-
-
-def test_exponents_are_taken_between_neighbours_that_lie_far_enough_apart():
-    x, y = np.array([1.0, 2.0, 2.01, 4.0]), np.array([10.0, 20.0, np.nan, 20.0])
-    assert exponents(x, y) == pytest.approx([1.0, 0.5, np.nan, 0.0], nan_ok=True)
-
-
-def test_points_turn_where_the_next_known_one_has_the_other_wear():
-    row = np.array([1.0, 2.0, np.nan, 5.0, 6.0, 3.0])
-    marked, _ = beside_boundary(np.tile(row, (2, 1)), 4.0)
-    assert marked.tolist() == [False, True, False, True, True, True]

@@ -23,9 +23,3 @@ def test_points_hotter_than_molten_steel_are_counted(tmp_path, irg):
 def ds_bulk(ds):
     """Bulk temperature of a sweep [K]."""
     return pipeline.boundary(ds).attrs["bulk_temperature"]
-
-
-def test_a_point_says_that_steel_would_have_melted(irg):
-    place = ("point", "first_try", "--load=750 N", "--preset=draft", "--json")
-    assert not irg(*place, "--velocity=1 m/s")["molten"]
-    assert irg(*place, "--velocity=300 m/s")["molten"]

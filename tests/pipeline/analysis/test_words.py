@@ -1,15 +1,11 @@
 """Outcomes, errors, entries and tables, as they are said and written."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from pipeline.analysis.dataset import attributes_of, portable
 from pipeline.analysis.difference import entries_of, in_usual_unit
 from pipeline.analysis.margin import verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point, warned_error
-from pipeline.analysis.margins import in_counts
-from pipeline.analysis.tables import as_dict, frame_of, lines_of, upright
 from pipeline.analysis.transition import Crossing, range_of
 from tests.helpers import synthetic
 from tribo import WarningKind
@@ -27,12 +23,6 @@ from tribo import WarningKind
 def test_where_nothing_crosses_it_is_said_how_far_was_computed(limit, ends, said):
     velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
     assert Crossing.along(velocity, rise, limit, ends).worded("velocity") == said
-
-
-def test_points_across_which_a_crossing_is_interpolated_are_counted():
-    load, rise = np.array([1.0, 1.5, 2.0, 2.5, 3.0, 4.0]), np.full(6, np.nan)
-    rise[[0, 2, 5]] = 100.0, 200.0, 400.0
-    assert Crossing.along(load, rise, 370.0, (1.0, 4.0), np.isnan(rise)).bridged == 2
 
 
 def test_velocity_zero_belongs_to_the_range_of_a_scene_only_where_it_is_computed():
@@ -66,26 +56,3 @@ def test_entries_of_a_store_are_those_of_its_scene_in_usual_units():
         "temperature.critical": "145 °C",
     }
     assert in_usual_unit("pin.radius", [0.002, 0.003]) == "2, 3 mm"
-
-
-def test_attributes_survive_as_text_that_files_hold():
-    ds = synthetic.sweep().assign_attrs(portable({"measured": [{"friction": 0.1}]}))
-    assert ds.attrs["measured"] == '[{"friction": 0.1}]'
-    assert attributes_of(ds)["measured"] == [{"friction": 0.1}]
-
-
-def test_frames_have_their_units_in_the_heads_and_documents_are_in_si():
-    frame = frame_of(["load [N]", "bulk temperature [°C]"], [(400.0, 298.15), (600.0, None)])
-    assert frame["bulk temperature [°C]"].iloc[0] == 25.0
-    assert as_dict(frame) == {"load": [400.0, 600.0], "bulk_temperature": [298.15, None]}
-    passed_on = pd.DataFrame({"width [inch]": [2.0], "is severe": [True]})
-    assert as_dict(passed_on) == {"width [inch]": [2.0], "is_severe": [True]}
-    assert lines_of(passed_on) == ["width [inch]   is severe", "2              yes"]
-    alone = upright(frame_of(["load [N]", "outcome"], [(400.0, "mild")]))
-    assert lines_of(alone) == ["quantity   value", "load [N]   400", "outcome    mild"]
-
-
-def test_points_are_counted_by_verdict_and_the_nearest_is_named():
-    heads = "load [N]", "velocity [m/s]", "verdict", "distance [K]"
-    frame = frame_of(heads, [(300.0, 1.0, "mild", 30.0), (600.0, 2.0, "severe", -4.0)])
-    assert in_counts(frame) == "1 mild, 1 severe; the least margin is -4 K, at 600 N and 2 m/s"

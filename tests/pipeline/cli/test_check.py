@@ -53,7 +53,8 @@ def test_a_check_takes_what_a_run_takes(check, tmp_path):
     assert "the boundary is sought between" in said
     subjects = {line.partition(",")[0] for line in out.read_text(encoding="utf-8").splitlines()}
     assert {"subject", "contact", "points"} <= subjects
-    small = ["--set", "window.pixels=[288, 60]", "--set", 'sweep.loads=["200 N"]']
+    small = ["--set", "window.pixels=[144, 40]", "--set", "window.pixel_size=['2 um', '2 um']"]
+    small += ["--set", 'sweep.loads=["200 N"]']
     small += ["--set", 'sweep.velocities=["1 m/s", "4 m/s"]']
     document = check(*small, "--accuracy", "5%", "--json")
     assert document["selection"]["accuracy"] == 0.05
@@ -64,7 +65,6 @@ def test_a_check_takes_what_a_run_takes(check, tmp_path):
     ("setting", "said"),
     [
         ('sweep.loads=["75 kN"]', "sweep.loads: 75000 N is more than the window carries"),
-        ("materials.steel.hardness=6.6 MPa", "times its elastic modulus, where at least 0.001"),
         ("wear.specific_wear_rate=1.2e-15 m^3", "wear.specific_wear_rate"),
     ],
 )

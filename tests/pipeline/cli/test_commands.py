@@ -62,7 +62,7 @@ def test_status_tells_of_points_that_the_scene_no_longer_asks_for(scene, store, 
 
 
 def test_boundary_moves_with_the_conditions_given(store, irg):
-    documents = [irg("boundary", store, "--friction", mu, "--json") for mu in (0.08, 0.1, 0.12)]
+    documents = [irg("boundary", store, "--friction", mu, "--json") for mu in (0.08, 0.1)]
     at_600 = [document["critical_velocity"][2] for document in documents]
     assert at_600 == sorted(at_600, reverse=True)
     assert documents[0]["conditions"]["friction"] == 0.08
@@ -139,10 +139,6 @@ def test_an_accuracy_is_stored_with_what_it_picked(scene, tmp_path, irg):
     assert f"accuracy 10 %: picked {picked['name']}" in irg("status", out)
     refused = irg(*arguments, "--set", "increments=7", code=2)
     assert "leave out --set increments" in refused
-    place = ("--load", "400 N", "--velocity", "2 m/s", "--json")
-    of_point = irg("point", scene, *place, "--accuracy", "10%")["selection"]
-    assert of_point["error"] <= 0.1
-    assert of_point["points"] == [{"load": 400.0, "velocity": 2.0}]
 
 
 def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, irg):
@@ -155,16 +151,12 @@ def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, irg):
     irg("run", scene, "-o", out, "--workers", 1)
     assert "mild throughout" in irg("boundary", out)
     assert "without any heat" in irg("boundary", out, "--friction", "0.1", code=2)
-    for command in (
-        ("infer", scene),
-        ("trade", scene),
-        ("run", scene, "--accuracy", "2%", "-o", tmp_path / "out.zarr"),
-        ("run", scene, "--boundary-only", "-o", tmp_path / "out.zarr"),
-    ):
-        assert "friction" in irg(*command, code=2)
-    scene.write_text(SCENE)
+    for options in (["--accuracy", "2%"], ["--boundary-only"]):
+        assert "friction" in irg("run", scene, *options, "-o", tmp_path / "out.zarr", code=2)
+    scene.write_text(SCENE.replace('radius = "2 mm"', 'radius = "3 mm"'))
     said = irg("run", scene, "-o", out, "--workers", 1, code=3)
     assert "scene.friction_heat: False in the store, True in the scene" in said
+    assert "pin.radius" in said
 
 
 def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
@@ -182,19 +174,9 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
         del document["wall_time"], document["next"]
     assert by_option == by_setting
     assert by_option["failed_fraction"] > 0.05
-    for way in (("--friction", 0), ("--set", "friction.coefficient=0")):
-        document = irg(*point, *way)
-        assert document["max_temperature"] == document["decisive_temperature"] == 298.15
-        assert document["failed_fraction"] == 0
-        assert document["verdict"] == "mild"
-    warm = irg(*point, "--set", "friction.coefficient=0", "--friction", 0.1)
-    assert warm["max_temperature"] == irg(*point)["max_temperature"]
-
-
-def test_another_scene_is_refused_with_what_differs(store, tmp_path, irg):
-    other = tmp_path / "other.toml"
-    other.write_text(SCENE.replace('radius = "2 mm"', 'radius = "3 mm"'))
-    assert "pin.radius" in irg("run", other, "-o", store, "--workers", 1, code=3)
+    document = irg(*point, "--friction", 0)
+    assert document["max_temperature"] == document["decisive_temperature"] == 298.15
+    assert (document["failed_fraction"], document["verdict"]) == (0, "mild")
 
 
 @pytest.mark.parametrize(
@@ -203,18 +185,9 @@ def test_another_scene_is_refused_with_what_differs(store, tmp_path, irg):
         (["run", "small.toml", "--preset", "superb"], ["superb", "draft"]),
         (["boundary", "small.toml"], ["small.toml is a file, not a store"]),
         (["check", "small.zarr"], ["cannot be read: a store; give a scene file"]),
-        (["check", "missing.toml"], ["missing.toml"]),
-        *((["boundary", "small.zarr", *words], message) for words, message in (
-            (["--share", "-5%"], ["share is -0.05; it must be at least 0"]),
-            (["--critical-temperature", "10 degC"], ["critical_temperature is 10 °C"]),
-            (["--bulk-temperature", "-300 degC"], ["bulk_temperature is -300 °C"]),
-        )),
-        *(
-            ([command, "missing.zarr"], ["missing.zarr"])
-            for command in ("status", "boundary", "plot", "verify", "report")
-        ),
+        (["boundary", "small.zarr", "--share", "-5%"], ["share is -0.05; it must be at least 0"]),
+        (["verify", "missing.zarr"], ["missing.zarr"]),
         (["diff", "missing.zarr", "small.zarr"], ["missing.zarr"]),
-        (["status", "small.toml"], ["small.toml is a file, not a store"]),
         (["infer", "small.toml", "--duration", "8 s"], ["--duration belongs to --contact-width"]),
         (["infer", "small.zarr", "--set", "increments=5"], ["as they were computed", "--set"]),
     ],
@@ -231,12 +204,9 @@ def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, argume
     [
         (["run"], "SCENE.toml"),
         (["sing", "scene.toml"], "sing"),
-        (["run", "scene.toml", "--workers", "none"], "at least 1"),
         (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
-        (["plot", "out.zarr", "--kind", "portrait"], "diagram"),
         (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], 'a point: "60.5 degC"'),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
-        (["new", "scene.toml", "--list"], "not allowed with"),
         (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
     ],
@@ -260,9 +230,7 @@ def test_the_help_lists_every_command_in_one_of_four_groups(irg):
     [
         (["check", "scen.toml"], 'scene.toml"?)'),
         (["check", "first_tri"], 'did you mean "first_try"?'),
-        (["check", "nothing.toml"], "No such file or directory"),
         (["boundary", "result/scene.zarr"], 'results/scene.zarr"?)'),
-        (["status", "result"], 'results"?)'),
         (["margin", "results/scene.zarr", "--points", "dutty.csv"], 'duty.csv"?)'),
     ],
 )
@@ -277,4 +245,4 @@ def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(
     assert main(arguments) == 2
     words = capsys.readouterr().err
     assert said in words
-    assert ("did you mean" in words) == ("?" in said)
+    assert "did you mean" in words

@@ -31,14 +31,6 @@ def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(mo
     assert pipeline.diff(a, a).points.empty
 
 
-def test_points_are_listed_in_the_order_of_their_numbers():
-    scene = {"scene": {"pin": {"type": "Ball", "radius": 2e-3}}}
-    few, more = (synthetic.sweep(loads=of).assign_attrs(scene) for of in ([50.0], [90.0, 1000.0]))
-    loads = pipeline.diff(few, more).points["load [N]"].to_list()
-    assert loads == sorted(loads)
-    assert set(loads) == {50.0, 90.0, 1000.0}
-
-
 def test_the_status_of_a_folder_tells_scenes_stores_and_damage_apart(tmp_path, capsys):
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep/small.toml").write_text(SCENE)

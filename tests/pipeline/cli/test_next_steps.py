@@ -13,7 +13,6 @@ from pipeline.cli.next_steps import (
     next_tests,
 )
 from pipeline.cli.parser import parse
-from pipeline.scene.scenefile import load_scene
 from pipeline.store.schema import DONE, FAILED, PENDING
 from tests.helpers import synthetic
 
@@ -40,16 +39,6 @@ def test_a_boundary_at_draft_is_followed_by_one_of_known_accuracy():
     )
 
 
-def test_the_settings_of_a_scene_can_be_typed_again():
-    settings = {
-        "sweep.velocities": {"from": "1 m/s", "to": "2 m/s", "step": "0.5 m/s"},
-        "sweep.over": {"pin.radius": ["2 mm", "4 mm"]},
-        "increments": 40,
-    }
-    sweep = load_scene("first_try", overrides=settings)
-    assert dict(parse(["run", *sweep.about.arguments]).set) == settings
-
-
 def deciding(ds, load, velocity, **conditions):
     near = margins(ds, load, velocity, **conditions)
     assert [here.verdict for here in near] == ["not decided"]
@@ -57,7 +46,7 @@ def deciding(ds, load, velocity, **conditions):
     return [shlex.split(line)[1:] for line in commands_that_decide(ds, "look.zarr", near, judged)]
 
 
-@pytest.mark.parametrize(("velocity", "accuracy"), [(1.25, 0.01), (1.2, 0.02), (1.165, 0.05)])
+@pytest.mark.parametrize(("velocity", "accuracy"), [(1.25, 0.01), (1.165, 0.05)])
 def test_a_margin_within_the_error_of_its_preset_is_decided_by_a_better_one(velocity, accuracy):
     ds = synthetic.sweep(**DRAFT)
     (command,) = deciding(ds, 750.0, velocity)

@@ -18,12 +18,7 @@ from tests.helpers.scenes import SCENE
 
 def test_the_version_is_that_of_the_package(irg):
     assert irg("--version") == f"irg {version('irg-transition')}\n"
-
-
-def test_without_a_command_there_is_help(irg):
-    said = irg(code=2)
-    assert "write a scene to start from" in said
-    assert said.endswith("irg: give a command\n")
+    assert irg(code=2).endswith("irg: give a command\n")
 
 
 def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
@@ -35,7 +30,7 @@ def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
         [
             Path(sys.executable).with_name("irg"),
             *("run", "scene.toml", "-o", "out.zarr", "--set", 'sweep.loads=["200 N"]'),
-            *("--set", "increments=1"),
+            *("--set", "increments=1", "--set", 'sweep.velocities=["1 m/s"]'),
         ],
         cwd=tmp_path,
         capture_output=True,
@@ -71,30 +66,8 @@ def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
     assert not options.json
 
 
-def test_the_examples_are_of_the_scenes_that_new_writes(tmp_path):
-    """Their stores are told by name, as run calls them."""
-    (certain, *_), (uncertain, *_) = (
-        pipeline.new_scene(tmp_path / f"{name}.toml", like)
-        for name, like in (("scene", None), ("uncertain", "uncertain"))
-    )
-    scene, samples = pipeline.load_scene(certain), pipeline.load_scene(uncertain)
-    options = {
-        command.name: parse([command.name, *shlex.split(command.example)]) for command in COMMANDS
-    }
-    assert options["plot"].load in scene.plane.loads
-    assert pytest.approx(options["plot"].velocity) in scene.plane.velocities
-    for name, of in (("margin", scene), ("point", scene), ("risk", samples)):
-        assert of.plane.loads[0] <= options[name].load <= of.plane.loads[-1]
-        assert of.plane.velocities[0] <= options[name].velocity <= of.plane.velocities[-1]
-    assert samples.variants.draw is not None
-    for name in ("risk", "sensitivity"):
-        assert str(options[name].store) == "results/uncertain.zarr"
-
-
-@pytest.mark.parametrize(
-    ("line", "offered"), [("irg plo", "plot "), ("irg plot a.zarr --kind f", "fields ")]
-)
-def test_a_shell_is_told_what_may_follow(line, offered, tmp_path):
+def test_a_shell_is_told_what_may_follow(tmp_path):
+    line, offered = "irg plot a.zarr --kind f", "fields "
     environment = os.environ | {
         "_ARGCOMPLETE": "1",
         "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "offered"),
@@ -106,10 +79,7 @@ def test_a_shell_is_told_what_may_follow(line, offered, tmp_path):
     assert (tmp_path / "offered").read_text() == offered
 
 
-@pytest.mark.parametrize(
-    "error",
-    [MemoryError(), RuntimeError("can't start new thread"), OSError(errno.ENOMEM, "fork")],
-)
+@pytest.mark.parametrize("error", [MemoryError(), OSError(errno.ENOMEM, "fork")])
 def test_a_lack_of_memory_is_said_in_a_line(error, monkeypatch, capsys):
     def fails(_):
         raise error
@@ -117,12 +87,3 @@ def test_a_lack_of_memory_is_said_in_a_line(error, monkeypatch, capsys):
     monkeypatch.setattr(pipeline, "summary", fails)
     assert main(["status", "any.zarr"]) == 2
     assert "out of memory, or of the threads" in capsys.readouterr().err
-
-
-def test_other_errors_are_not_taken_for_a_lack_of_memory(monkeypatch):
-    def fails(_):
-        raise RuntimeError("a mistake in this program")
-
-    monkeypatch.setattr(pipeline, "summary", fails)
-    with pytest.raises(RuntimeError, match="a mistake"):
-        main(["status", "any.zarr"])

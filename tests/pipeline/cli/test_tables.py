@@ -51,6 +51,5 @@ def test_a_band_is_written_with_how_many_surfaces_cross():
     assert (row["cross"], row["surfaces"]) == (2, 2)
 
 
-@pytest.mark.parametrize("name", ["table.xlsx", "nowhere/table.csv"])
-def test_a_table_that_cannot_be_written_is_refused(store, tmp_path, irg, name):
-    assert "cannot write" in irg("boundary", store, "-o", tmp_path / name, code=2)
+def test_a_table_that_cannot_be_written_is_refused(store, tmp_path, irg):
+    assert "cannot write" in irg("boundary", store, "-o", tmp_path / "table.xlsx", code=2)

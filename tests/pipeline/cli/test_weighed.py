@@ -5,10 +5,15 @@ import pytest
 
 import pipeline
 from pipeline.cli.weighed import _on_inputs
-from tests.helpers.samples import CRITICAL, LENGTH, LOADS, critical_velocity, ensemble
+from tests.helpers.samples import CRITICAL, LENGTH, LOADS, critical_velocity, ensemble, fewer_draws
 
 TRUTH = np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]])
 CAUTION = "velocities that are all read too high would look like a better oil, and fit as well"
+
+
+@pytest.fixture(autouse=True)
+def _fewer_draws(monkeypatch):
+    fewer_draws(monkeypatch)
 
 
 def weighed(*factors):
@@ -39,8 +44,7 @@ def test_velocities_all_read_too_high_fit_like_a_better_oil_and_a_fit_says_so():
     assert CAUTION in said(high)
 
 
-def test_nothing_of_the_kind_is_said_of_a_misfit_or_without_a_test():
+def test_nothing_of_the_kind_is_said_of_a_misfit():
     misfit = weighed(0.6, 1.0, 1.6)
     assert not misfit.fits
     assert CAUTION not in said(misfit)
-    assert CAUTION not in said(pipeline.posterior(ensemble()))
