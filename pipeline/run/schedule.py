@@ -20,7 +20,7 @@ from distributed import Future
 from distributed.scheduler import KilledWorker
 
 from pipeline.run.cluster import LOST, Connection, sent_once, threads_of
-from pipeline.run.tally import STARTS, Reports, Suspects
+from pipeline.run.tally import Reports
 from pipeline.run.work import (
     SAFE,
     ExecutionError,
@@ -36,6 +36,11 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 from pipeline.sweep.variants import Variant
+
+TRIALS = 5
+"""Times that a point may be lost alone before it is called failed."""
+STARTS = 3
+"""Workers that may leave in the midst of a point before it is called failed."""
 
 _RampName = tuple[float, Variant]  # velocity and variant of its points
 
@@ -134,7 +139,7 @@ class _Run:
         self._numbers = itertools.count()
         self._label = uuid.uuid4().hex[:8]  # a scheduler may know tasks of other runs
         self._ramps = deque(ramps)
-        self._suspects = Suspects()
+        self._losses: dict[Point, int] = {}  # of suspects, each while it was tried alone
         self._waiting: list[tuple[set[Point], _Ramp]] = []
         self._failed: dict[_RampName, set[Point]] = defaultdict(set)
         for point in store.points_at(np.nonzero(store.flags == FAILED)):
@@ -150,7 +155,7 @@ class _Run:
 
     def is_under_way(self) -> bool:
         """True as long as a point is not known as done or failed."""
-        return bool(self._ramps or self.running or self.computed or self._suspects)
+        return bool(self._ramps or self.running or self.computed or self._losses)
 
     # Tasks begin
 
@@ -160,12 +165,14 @@ class _Run:
             ramp = self._ramps.popleft()
             self._start(ramp, ramp.loads.popleft())
         is_usual = self._ramps or any(task.alone_on is None for task in self.running)
-        if is_usual or not self._suspects:
+        if is_usual or not self._losses:
             return
         self._workers = threads_of(self._connection)  # one that is gone would count as a loss
         tried = {task.points[0] for task in (*self.running, *self.computed.values())}
         free = set(self._workers) - {task.alone_on for task in self.running}
-        for worker, point in zip(free, self._suspects.besides(tried), strict=False):
+        suspects = sorted(self._losses, key=self._losses.__getitem__)
+        untried = (point for point in suspects if point not in tried)
+        for worker, point in zip(free, untried, strict=False):
             self._start(_Ramp(deque()), (point,), worker)
 
     def _start(self, ramp: _Ramp, points: tuple[Point, ...], alone_on: str | None = None) -> None:
@@ -250,7 +257,7 @@ class _Run:
         records = tuple(records)
         self._writer.add(records)
         for record in records:
-            self._suspects.acquit(record.point)
+            self._losses.pop(record.point, None)
             if record.data is None:
                 self._failed[record.point[1:]].add(record.point)
         settled = {record.point for record in records}
@@ -280,7 +287,9 @@ class _Run:
     def _accuse(self, task: _Task, reason: str) -> None:
         """Suspect the points of a task; its ramp waits, as what they come to are its stations."""
         alone = task.alone_on is not None
-        guilty = [point for point in task.points if self._suspects.accuse(point, alone)]
+        for point in task.points:
+            self._losses[point] = self._losses.get(point, 0) + alone
+        guilty = [point for point in task.points if self._losses[point] >= TRIALS]
         self._waiting.append((set(task.points), task.ramp))
         self._settle(PointRecord(point, None, reason) for point in guilty)
 

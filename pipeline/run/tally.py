@@ -166,36 +166,6 @@ def reported(
     yield show
 
 
-TRIALS = 5
-"""Times that a point may be lost alone before it is called failed."""
-STARTS = 3
-"""Workers that may leave in the midst of a point before it is called failed."""
-
-
-class Suspects:
-    """Points that were on a worker as it died, and how often each was lost while tried alone."""
-
-    def __init__(self) -> None:
-        self._losses: dict[Point, int] = {}
-
-    def __bool__(self) -> bool:
-        return bool(self._losses)
-
-    def besides(self, tried: Collection[Point]) -> Iterator[Point]:
-        """Suspects that are not being tried, those first that were lost least often."""
-        in_order = sorted(self._losses, key=lambda point: self._losses[point])
-        return (point for point in in_order if point not in tried)
-
-    def accuse(self, point: Point, alone: bool) -> bool:
-        """Count a loss if the point was alone; return whether it has been lost often enough."""
-        self._losses[point] = self._losses.get(point, 0) + alone
-        return self._losses[point] >= TRIALS
-
-    def acquit(self, point: Point) -> None:
-        """Forget a point that is done, or has failed for good."""
-        self._losses.pop(point, None)
-
-
 _THREADS = 8  # requests at a time, of some milliseconds each
 _ANSWER = 10.0  # [s] that a worker may take; one that is frozen must not hold up the others
 

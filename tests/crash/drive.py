@@ -15,8 +15,8 @@ from pathlib import Path
 from unittest import mock
 
 from pipeline.cli import main as irg
+from pipeline.run import schedule
 from pipeline.run import sweep as running
-from pipeline.run import tally
 from pipeline.run.cluster import Connection
 from pipeline.run.tally import Tally
 from pipeline.run.work import ExecutionError
@@ -113,7 +113,7 @@ def _unlocked():
 
 
 def _all_blamed():
-    return mock.patch.object(tally, "TRIALS", 0)
+    return mock.patch.object(schedule, "TRIALS", 0)
 
 
 MISTAKES = {

@@ -14,8 +14,7 @@ import tribo
 from pipeline.analysis.dataset import attributes_of
 from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection, unheard
-from pipeline.run.schedule import compute
-from pipeline.run.tally import STARTS, TRIALS
+from pipeline.run.schedule import STARTS, TRIALS, compute
 from pipeline.run.work import ExecutionError
 from pipeline.store.create import writing
 from pipeline.store.progress import summarized
