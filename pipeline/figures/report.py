@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib import resources
 from pathlib import Path
+from string import Template
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import pandas as pd
@@ -53,28 +54,6 @@ _MODEL = (
     "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
     "carries load, and the wear after the transition, are not part of it."
 )
-
-_STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; max-width: 50rem;
-       margin: 2rem auto; padding: 0 1rem; overflow-wrap: break-word; }
-h1 { font-size: 1.6rem; line-height: 1.2; } h2 { font-size: 1.15rem; margin-top: 2rem; }
-figure { margin: 0; } svg { width: 100%; height: auto; }
-table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem; display: block;
-        overflow-x: auto; }
-th, td { text-align: left; padding: 0.25rem 0.8rem 0.25rem 0; vertical-align: top;
-         border-bottom: 1px solid #e4e4e4; }
-th { border-bottom: 2px solid #777; width: auto; }
-@page { size: A4; margin: 16mm 18mm;
-        @bottom-center { content: counter(page) " / " counter(pages); font: 8pt sans-serif; } }
-@media print {
-  body { font-size: 9pt; line-height: 1.35; max-width: none; margin: 0; padding: 0; }
-  h2 { margin: 5mm 0 1mm; } p, table { margin: 1.5mm 0; }
-  th, td { padding: 0.5mm 3mm 0.5mm 0; }
-  h1, h2 { break-after: avoid; } tr, figure { break-inside: avoid; }
-  svg { max-height: 16cm; }
-  table { display: table; width: 100%; font-size: 7.5pt; } thead { display: table-header-group; }
-}
-"""
 
 
 def report(
@@ -124,13 +103,9 @@ def report(
         points = OperatingPoints.read(points)
     ds = dataset.dataset_of(ds)
     title = dataset.attributes_of(ds).get("title") or path.stem
-    document = (
-        f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{html.escape(str(title))}</title>\n<style>{_STYLE}</style>\n</head>\n"
-        f"<body>\n{body_of(ds, points, conditions)}\n</body>\n</html>\n"
-    )
-    return write_text(document, path)
+    template = resources.files("pipeline.figures.page").joinpath("report.html").read_text("utf-8")
+    parts = {"title": html.escape(str(title)), "body": body_of(ds, points, conditions)}
+    return write_text(Template(template).substitute(parts), path)
 
 
 def body_of(ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]) -> str:
