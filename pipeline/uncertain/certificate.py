@@ -6,15 +6,12 @@ at its loads, between them and at the ends of the velocities tell whether bands 
 
 from __future__ import annotations
 
-import hashlib
-import json
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from pipeline.sweep.unknown import OF_90
-from pipeline.uncertain.emulator import Keeper, band_factor, outer
+from pipeline.uncertain.emulator import Keeper, band_factor, kept_name, outer, recalled
 from tribo.types import Array
 
 COUNT = 25
@@ -76,20 +73,5 @@ class Certificate:
 
 def certificate_of(keeper: Keeper | None, inputs: Array, rises: Array) -> Certificate | None:
     """The certificate that is kept with samples; None if there is none."""
-    if keeper is None:
-        return None
-    with suppress(ValueError, TypeError):
-        rows = json.loads(keeper.kept(_name(inputs, rises)) or b"")
-        return Certificate(**{name: tuple(map(float, values)) for name, values in rows.items()})
-    return None
-
-
-def keep(certificate: Certificate, keeper: Keeper, inputs: Array, rises: Array) -> None:
-    """Keep a certificate with its samples."""
-    keeper.keep(_name(inputs, rises), json.dumps(asdict(certificate)).encode())
-
-
-def _name(inputs: Array, rises: Array) -> str:
-    """Name under which the certificate of just these samples is kept."""
-    data = inputs.tobytes() + rises.tobytes()
-    return f"certificate-{hashlib.sha256(data).hexdigest()[:16]}"
+    rows = keeper and recalled(keeper, kept_name("certificate", inputs, rises))
+    return Certificate(**{name: tuple(row) for name, row in rows.items()}) if rows else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from functools import cache, partial
 from typing import Any
 
@@ -15,8 +16,8 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.certificate import COUNT, Certificate, keep
-from pipeline.uncertain.emulator import END
+from pipeline.uncertain.certificate import COUNT, Certificate
+from pipeline.uncertain.emulator import END, kept_name, remember
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import FRICTION, prior
 from tribo import InputError
@@ -55,7 +56,6 @@ def _entry(unknown: Unknown, value: float) -> float | int | str:
 def certify(
     ensemble: Ensemble,
     scene_with: SceneWith,
-    count: int = COUNT,
     progress: Callable[[int, int], None] | None = None,
 ) -> Certificate:
     """Find boundaries of random inputs by simulations, and keep the emulator's errors there."""
@@ -65,14 +65,14 @@ def certify(
     low, high = np.log(ensemble.velocities).tolist()
     rows: list[tuple[float, ...]] = []
     for row, log_load in zip(inputs, chance.uniform(ends[0], ends[1], _DRAWS), strict=True):
-        if len(rows) == count:
+        if len(rows) == COUNT:
             break
         load = math.exp(log_load)
         (((place,),), ((error,),)) = log_boundary(ensemble, row[None], [load])
         if not low <= place <= high:
             continue
         if progress:
-            progress(len(rows), count)
+            progress(len(rows), COUNT)
         sweep = scene_with(as_in_a_scene(ensemble, row))
         limit = float(ensemble.log_limit(row[None])[0])
         found = boundary_near(partial(_log_excess, sweep, load, limit), place, (low, high))
@@ -90,7 +90,8 @@ def certify(
         raise InputError("no boundary of random inputs lies within the sweep; give more velocities")
     certificate = Certificate(*zip(*rows, strict=True))
     if ensemble.keeper is not None and len(rows) == COUNT:
-        keep(certificate, ensemble.keeper, ensemble.inputs, ensemble.rises)
+        name = kept_name("certificate", ensemble.inputs, ensemble.rises)
+        remember(ensemble.keeper, name, asdict(certificate))
     return certificate
 
 

@@ -367,20 +367,35 @@ class Keeper(Protocol):
 def kept_or_found(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers found from data, or those cached when they were found from the same data."""
+    """Numbers found from data, or those kept when they were found from the same data."""
     if keeper is None:
         return find()
-    name = "fit-" + _hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]
-    # What was cut short, or is damaged, is found again.
+    name = kept_name("fit", *data)
+    numbers = recalled(keeper, name)
+    if numbers is None:
+        numbers = find().tolist()
+        remember(keeper, name, numbers)
+    return np.array(numbers, float)
+
+
+def kept_name(kind: str, *data: Array | Any) -> str:
+    """Name under which numbers found from data are kept."""
+    return f"{kind}-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
+
+
+def recalled(keeper: Keeper, name: str) -> Any:
+    """Numbers that are kept; None if there are none, or if they were cut short or damaged."""
     with suppress(ValueError, KeyError, TypeError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):
-            return np.array(document["numbers"], float)
-    numbers = find()
-    text = json.dumps(numbers.tolist())
-    document = {"numbers": numbers.tolist(), "hash": _hash(text.encode())}
+            return document["numbers"]
+    return None
+
+
+def remember(keeper: Keeper, name: str, numbers: Any) -> None:
+    """Keep numbers, with their hash."""
+    document = {"numbers": numbers, "hash": _hash(json.dumps(numbers).encode())}
     keeper.keep(name, json.dumps(document).encode())
-    return numbers
 
 
 def _hash(*parts: bytes) -> str:
