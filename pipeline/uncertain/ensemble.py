@@ -55,6 +55,7 @@ from pipeline.uncertain.inputs import (
     BULK,
     CRITICAL,
     FRICTION,
+    LEAST_FRICTION,
     SHARE,
     condition,
     fixed_at,
@@ -65,8 +66,7 @@ from tribo.types import Array
 
 Axis = Sequence[float] | Array
 """Loads [N] or velocities [m/s]."""
-# For the few draws of a wide distribution that cross what is possible, such as a negative friction.
-_LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
+_LEAST_RISE = 1.0  # [K], of the few draws of a wide distribution that cross what is possible
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
 _FEWEST = 12  # samples of which an emulator is made
 
@@ -263,7 +263,7 @@ class Ensemble:
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk
         rise = np.maximum(self.values(CRITICAL, draws) - margin - bulks, _LEAST_RISE)
-        return np.asarray(np.log(rise / np.maximum(frictions, _LEAST)))
+        return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
 
     @functools.cached_property
     def by_hold(self) -> dict[float, Ensemble]:

@@ -21,7 +21,7 @@ from scipy.special import log_ndtr
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import LEAST_SLOPE, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.rig import SLOPES, Places, Rig, Slopes, with_rigs
+from pipeline.uncertain.rig import SLOPES, Columns, learnt, log_discrepancy, with_rigs
 from tribo import InputError
 from tribo.types import Array
 
@@ -73,8 +73,8 @@ def distances_of(
     ensemble: Ensemble,
     tests: Sequence[Test],
     inputs: Array,
-    rig: Rig | None = None,
-    slopes: Slopes | None = None,
+    rig: Array | None = None,
+    slopes: Array | None = None,
 ) -> Distances:
     """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given."""
     values, variance, told = np.empty((3, len(tests), len(inputs)))
@@ -90,8 +90,8 @@ def _of_one_hold(
     ensemble: Ensemble,
     tests: Sequence[Test],
     inputs: Array,
-    rig: Rig | None,
-    slopes: Slopes | None,
+    rig: Array | None,
+    slopes: Array | None,
 ) -> Distances:
     """Distances of draws from tests that held the load as the ensemble does."""
     nodes = np.geomspace(*ensemble.velocities, _NODES)
@@ -110,12 +110,12 @@ def _of_one_hold(
         rise = rises[:, number] - table if is_given else rises[:, number]
         if slopes is not None:
             warmer = test.get("bulk_temperature", bulk) - bulk
-            rise = rise + slopes.log_factor(x - x.mean(), warmer)
+            rise = rise + log_discrepancy(slopes, x - x.mean(), warmer)
         log_velocity = math.log(test["velocity"])
         by_friction, by_rig = _friction_error(test), np.zeros(1)
         if rig is not None:
             factor = float(np.interp(log_velocity, x, table))
-            acted, by_friction, by_rig = rig.learnt(test, factor)
+            acted, by_friction, by_rig = learnt(rig, test, factor)
             friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
         slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
@@ -192,7 +192,7 @@ class Joint:
     unknown: tuple[Unknown, ...]
     known: int
     columns: tuple[Any, ...]
-    rigs: tuple[Places | None, ...]
+    rigs: tuple[Columns, ...]
     has_discrepancy: bool
     scatters: Array
 
@@ -218,10 +218,10 @@ class Joint:
 
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
-        slopes = Slopes.of(inputs) if self.has_discrepancy else None
+        slopes = inputs[:, -2:] if self.has_discrepancy else None
         parts = [
-            distances_of(one, one.tests, inputs[:, part], places and places.rig(inputs), slopes)
-            for one, part, places in zip(self.ensembles, self.columns, self.rigs, strict=True)
+            distances_of(one, one.tests, inputs[:, part], inputs[:, rig] if rig else None, slopes)
+            for one, part, rig in zip(self.ensembles, self.columns, self.rigs, strict=True)
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         z, likelihoods = log_likelihoods(self.tests, distances, self.scatters)

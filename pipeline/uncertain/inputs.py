@@ -71,6 +71,8 @@ def prior(unknown: Sequence[Unknown], seed: int, count: int = COUNT) -> Draws:
 FRICTION, BULK, CRITICAL, SHARE = (
     "friction.coefficient", "temperature.bulk", "temperature.critical", "temperature.failing_share",
 )  # fmt: skip
+LEAST_FRICTION = 1e-3
+"""Friction of the few draws of a wide distribution that are lower, or negative."""
 _ROUNDED = 1e-9  # of a range, beyond which a value is outside
 
 

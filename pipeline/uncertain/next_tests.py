@@ -21,10 +21,9 @@ from pipeline.scene.units import UnitError, in_si, to_si
 from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.evidence import distances_of
-from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION
 from pipeline.uncertain.learning import Features, Knowledge, Observable
 from pipeline.uncertain.posterior import Posterior
-from pipeline.uncertain.rig import Slopes
 from tribo import InputError
 from tribo.types import Array
 
@@ -32,7 +31,6 @@ WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
 _TRUTHS = 256
-_LEAST_FRICTION = 1e-3
 _SCORES_APART = 2 * OF_90  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
 _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
@@ -323,7 +321,7 @@ class _Plan:
         place = math.log(test["velocity"])
 
         def critical(inputs: Array) -> Array:
-            slopes = Slopes.of(inputs) if self._posterior.evidence_gain is not None else None
+            slopes = None if self._posterior.evidence_gain is None else inputs[:, -2:]
             of_sweep = self._of_sweep(inputs)
             distances = distances_of(self._ensemble, [test], of_sweep, slopes=slopes)
             return np.stack([place - distances.values[0], distances.variance[0]])
@@ -333,16 +331,17 @@ class _Plan:
 
     def _friction_measured(self, about: Mapping[str, float]) -> Observable | None:
         """What the friction that a test measures tells of the rig's; None where it is known."""
-        places = self._posterior.rigs and self._posterior.rigs[0]
-        if not places or "friction" not in about:
+        rig = self._posterior.rigs and self._posterior.rigs[0]
+        if not rig or "friction" not in about:
             return None
+        friction, scatter = rig
 
         def log_friction(inputs: Array) -> Array:
-            return np.log(np.maximum(places.rig(inputs).friction, _LEAST_FRICTION))[None]
+            return np.log(np.maximum(inputs[:, friction], LEAST_FRICTION))[None]
 
         values, slopes = self._features.slopes(log_friction)
         by_error = about["friction_scatter"] / about["friction"]
-        deviation = np.hypot(places.rig(self._features.truths).scatter, by_error)
+        deviation = np.hypot(self._features.truths[:, scatter], by_error)
         return Observable("friction", values[0], slopes[0], deviation)
 
     def _friction_of_tests(self, inputs: Array) -> dict[str, float]:

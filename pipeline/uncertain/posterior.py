@@ -15,7 +15,7 @@ from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Test
 from pipeline.uncertain.inputs import CRITICAL, Draws
-from pipeline.uncertain.rig import Places
+from pipeline.uncertain.rig import Columns
 from tribo.types import Array
 
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
@@ -61,7 +61,7 @@ class Posterior:
     #: End at which the inferred scatter is cut off, since no larger or smaller one is considered.
     cut_off: str = ""
     #: Inputs that are the friction of each sweep's rig, and its scatter between tests.
-    rigs: tuple[Places | None, ...] = ()
+    rigs: tuple[Columns, ...] = ()
     #: Logarithm of the factor by which a discrepancy makes the tests likelier; None without one.
     evidence_gain: float | None = None
 

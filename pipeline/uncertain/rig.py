@@ -17,61 +17,45 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.inputs import FRICTION
+from pipeline.uncertain.inputs import FRICTION, LEAST_FRICTION
 from tribo.types import Array
 
 SCATTER = Unknown("friction.scatter", "log-normal", (0.02, 3.0))
 """Standard deviation of ln(friction) between tests: nothing to more than 10 %."""
 OTHER = "friction.rig"
 """Path of a rig's own friction, where it is not that of the scene."""
-_LEAST = 1e-3  # friction
+Columns = list[int] | None
+"""Those of a rig's friction and of its scatter among all inputs; None where it has none."""
 _ROUNDED = 0.005  # of a measured friction: its error at least, as logs have two or three digits
 
 
-class Rig(NamedTuple):
-    """Draws of a rig's friction, and of its scatter between tests, each shape (n,)."""
+def learnt(rig: Array, test: Mapping[str, Any], log_factor: float) -> tuple[Array, Array, Array]:
+    """Logarithm of the friction that acted in a test, its variance, and what it tells.
 
-    friction: Array
-    scatter: Array
-
-    def learnt(self, test: Mapping[str, Any], log_factor: float) -> tuple[Array, Array, Array]:
-        """Logarithm of the friction that acted in a test, its variance, and what it tells.
-
-        The last is the logarithm of the likelihood of the measured friction; the factor is that of
-        friction at the velocity of the test.
-        """
-        of_rig = np.log(np.maximum(self.friction, _LEAST)) + log_factor
-        by_test = self.scatter**2
-        if test.get("friction") is None:
-            return of_rig, by_test, np.zeros(1)
-        measured = math.log(test["friction"])
-        by_error = max(test.get("friction_scatter", 0.0) / test["friction"], _ROUNDED) ** 2
-        variance = by_test + by_error
-        acted = (measured * by_test + of_rig * by_error) / variance
-        told = -0.5 * ((measured - of_rig) ** 2 / variance + np.log(variance))
-        return acted, by_test * by_error / variance, told
-
-
-class Places(NamedTuple):
-    """Columns of a rig's friction and of its scatter, among those of all inputs."""
-
-    friction: int
-    scatter: int
-
-    def rig(self, inputs: Array) -> Rig:
-        """The rig of draws (n, n_unknown)."""
-        return Rig(inputs[:, self.friction], inputs[:, self.scatter])
+    The last is the logarithm of the likelihood of the measured friction. Draws of a rig (n, 2) are
+    its friction and its scatter; the factor is that of friction at the velocity of the test.
+    """
+    of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + log_factor
+    by_test = rig[:, 1] ** 2
+    if test.get("friction") is None:
+        return of_rig, by_test, np.zeros(1)
+    measured = math.log(test["friction"])
+    by_error = max(test.get("friction_scatter", 0.0) / test["friction"], _ROUNDED) ** 2
+    variance = by_test + by_error
+    acted = (measured * by_test + of_rig * by_error) / variance
+    told = -0.5 * ((measured - of_rig) ** 2 / variance + np.log(variance))
+    return acted, by_test * by_error / variance, told
 
 
 def with_rigs(
     ensembles: Sequence[Ensemble], unknown: tuple[Unknown, ...], columns: Sequence[Any]
-) -> tuple[tuple[Unknown, ...], tuple[Places | None, ...]]:
+) -> tuple[tuple[Unknown, ...], tuple[Columns, ...]]:
     """Inputs with those of rigs that tests have measured, and the places of each sweep's."""
     joint, frictions = list(unknown), list[int | None]()
     for number, (ensemble, of_sweep) in enumerate(zip(ensembles, columns, strict=True), 1):
@@ -84,7 +68,7 @@ def with_rigs(
                 column, path = len(joint), f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
                 joint.append(replace(ensemble.unknown[own], path=path, correlated=()))
         frictions.append(column)
-    places = tuple(None if one is None else Places(one, len(joint)) for one in frictions)
+    places = tuple(None if one is None else [one, len(joint)] for one in frictions)
     return (*joint, *([SCATTER] if any(places) else [])), places
 
 
@@ -96,18 +80,10 @@ SLOPES = (
 _KELVINS = 100.0  # of bulk temperature, over which the second slope is given
 
 
-class Slopes(NamedTuple):
-    """Draws of the two slopes, each shape (n,)."""
+def log_discrepancy(slopes: Array, log_velocities: Array, warmer: float) -> Array:
+    """Logarithm of the factor on the rise (n, n_velocity) by draws of the two slopes (n, 2).
 
-    velocity: Array
-    bulk: Array
-
-    @classmethod
-    def of(cls, inputs: Array) -> Slopes:
-        """The slopes, which stand last among all inputs (n, n_unknown)."""
-        return cls(inputs[:, -2], inputs[:, -1])
-
-    def log_factor(self, log_velocities: Array, warmer: float) -> Array:
-        """Logarithm of the factor on the rise (n, n_velocity), by ln(V/V₀) and kelvins warmer."""
-        by_velocity = self.velocity[:, None] * log_velocities
-        return np.asarray(by_velocity + self.bulk[:, None] * warmer / _KELVINS)
+    Velocities (n_velocity,) are over the middle one; the bulk temperature is so much warmer [K].
+    """
+    by_velocity = slopes[:, :1] * log_velocities
+    return np.asarray(by_velocity + slopes[:, 1:] * warmer / _KELVINS)
