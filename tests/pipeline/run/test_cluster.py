@@ -21,7 +21,6 @@ import dask
 import psutil
 import pytest
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
-from distributed.scheduler import KilledWorker
 
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
@@ -194,35 +193,6 @@ def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothin
     assert summary(out).done == 0
 
 
-class Deadly:
-    """A client whose workers die of the first tasks; also the future of each."""
-
-    def __init__(self, deaths):
-        self._deaths, self.submitted = deaths, 0
-
-    def submit(self, *_, **__):
-        self.submitted += 1
-        return self
-
-    @property
-    def status(self):
-        return "error" if self.submitted <= self._deaths else "finished"
-
-    def replicate(self, futures, callback_timeout):
-        raise TimeoutError  # while the workers go on copying
-
-    def exception(self):
-        return KilledWorker("task", SimpleNamespace(address="tcp://127.0.0.1:1"), 0)
-
-
-def test_what_workers_share_outlives_those_that_die_while_they_take_it():
-    client = Deadly(deaths=2)
-    assert sent_once(Connection(client), bytes(100_000)) is client
-    assert client.submitted == 3
-    with pytest.raises(ExecutionError, match="cannot run this program"):
-        sent_once(Connection(Deadly(deaths=100)), bytes(100_000))
-
-
 def test_workers_that_come_late_are_waited_for_and_the_time_without_any_does_not_count():
     threads = iter([{}, {"tcp://127.0.0.1:2": 2}])
     late = SimpleNamespace(nthreads=lambda **_: next(threads), sync=lambda *_, **__: {}, run=None)
@@ -350,9 +320,19 @@ def test_a_dashboard_without_its_library_is_refused_in_one_line(tmp_path, monkey
         run_sweep(SHORT, tmp_path / "out.zarr", workers=1, dashboard=True)
 
 
-def test_a_cluster_here_talks_to_its_driver_only_shares_heavy_content_and_replaces_a_worker():
+def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_a_worker(
+    monkeypatch,
+):
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
+    before = dict(os.environ)
+    forkserver.start()
+    assert dict(os.environ) == before
     with connected(None, 2) as link:
         client = link.client
+        began = client.run(lambda: Path("/proc/self/environ").read_text().split("\0"))
+        for name, value in forkserver.WORKER_ENVIRONMENT.items():
+            assert all(f"{name}={value}" in environment for environment in began.values())
         # Or Dask would give every task to the one worker that has it.
         shared = sent_once(link, bytes(100_000))
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())

@@ -45,16 +45,9 @@ def swept(tmp_path_factory):
 # The sweep and its store
 
 
-def test_realizations_need_a_surface_that_is_made_from_a_seed():
+def test_a_sweep_over_surfaces_that_have_seeds_has_a_dimension_for_them(swept):
     with pytest.raises(InputError, match="without seed"):
         several(roughness=None)
-
-
-def test_only_a_sweep_over_surfaces_has_a_dimension_for_them(swept, alone):
-    with xr.open_zarr(alone, chunks=None) as ds:
-        assert "realization" not in ds.variables
-        assert ds["max_rise"].dims == ("load", "velocity", "step")
-        assert ds["rise"].dims == ("load", "velocity", "x", "y")
     with xr.open_zarr(swept, chunks=None) as ds:
         assert ds["realization"].values.tolist() == sorted(SEEDS)
         for name in (*COLUMNS, *FIELDS, *RECORDS):

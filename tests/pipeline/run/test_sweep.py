@@ -10,7 +10,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,6 +30,7 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, run_point
 from tests.helpers import tiny
+from tests.helpers.processes import python
 
 OWN_WORKERS = True
 ROOT = Path(__file__).parents[3]
@@ -177,38 +177,26 @@ def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, monkeypatc
     assert run_sweep(slow, path, workers=1).done == 3
 
 
-@contextmanager
-def as_root():
-    before = os.geteuid()
-    os.seteuid(os.getuid())
-    yield
-    os.seteuid(before)
-
-
 @pytest.fixture
-def nobody():
-    """Someone who, unlike root, can be denied to write; and a folder that they can read."""
+def read_only(alone):
+    """A copy of a store that this process may read and, unlike root, not write."""
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder).chmod(0o755)
-        root = os.geteuid() == 0
-        if root:
-            os.seteuid(65534)
-        yield Path(folder)
-        if root:
-            os.seteuid(0)
+        shutil.copytree(alone, Path(folder) / "tiny.zarr")
+        Path(folder).chmod(0o555)
+        before = os.geteuid()
+        os.seteuid(before or 65534)
+        yield Path(folder) / "tiny.zarr"
+        os.seteuid(before)
 
 
-def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alone, monkeypatch):
+def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(read_only, monkeypatch):
     monkeypatch.setattr(of_run, "LocalCluster", None)
-    with as_root():
-        shutil.copytree(alone, nobody / "tiny.zarr")
-        nobody.chmod(0o555)
     with pytest.raises(StoreError, match=r"cannot be written: .*Permission denied"):
-        run_sweep(SWEEP, nobody / "tiny.zarr")
-    assert summary(nobody / "tiny.zarr").done == 9
-    assert verify_store(nobody / "tiny.zarr").is_clean
+        run_sweep(SWEEP, read_only)
+    assert summary(read_only).done == 9
+    assert verify_store(read_only).is_clean
     with pytest.raises(StoreError, match="cannot be written"):
-        verify_store(nobody / "tiny.zarr", repair=True)
+        verify_store(read_only, repair=True)
 
 
 def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(copy, monkeypatch):
@@ -286,7 +274,7 @@ def test_ctrl_c_ends_everything_and_keeps_finished_points(driver, path, finished
     """As a terminal does it: the signal goes to the driver and all workers."""
     assert driver.stdout.readline() == "0\n"
     if finished:
-        wait_until(lambda: summary(path).done >= finished)
+        assert any(int(line) >= finished for line in driver.stdout)
     else:
         time.sleep(0.7)  # while the workers start
     os.killpg(driver.pid, signal.SIGINT)
@@ -296,3 +284,20 @@ def test_ctrl_c_ends_everything_and_keeps_finished_points(driver, path, finished
     assert finished <= summary(path).done < summary(path).total
     assert verify_store(path).is_clean
     assert summary(path).running is None
+
+
+UNGUARDED = """
+import sys
+from pipeline.run.sweep import run_sweep
+from tests.helpers import tiny
+
+run_sweep(tiny.sweep(), sys.argv[1], workers=2)
+"""
+
+
+def test_a_script_that_calls_it_unguarded_is_told_so_once(path, tmp_path):
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    done = python(tmp_path / "script.py", path)  # a busy machine takes two minutes
+    assert done.returncode == 1
+    assert done.stderr.count("Traceback") == done.stderr.count("ExecutionError: ") == 1
+    assert 'call run_sweep under if __name__ == "__main__":' in done.stderr
