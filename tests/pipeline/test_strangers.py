@@ -66,6 +66,7 @@ def done(tmp_path_factory):
     drawn = {
         "unknown": unknown,
         "sweep.samples": 12,
+        "sweep.loads": ["400 N"],
         "measured": [{"load": "400 N", "velocity": "2 m/s"}],
     }
     commit_all(folder / "samples.zarr", pipeline.load_scene(folder / "small.toml", overrides=drawn))
