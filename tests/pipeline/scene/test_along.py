@@ -64,7 +64,6 @@ def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
         (FILE.replace("pin.radius", "pin.radios"), "pin.radios"),
         (FILE.replace("4,0.12", ",0.12"), 'row 3, column "pin.radius [mm]" is empty'),
         ("load [N],velocity [m/s]\n", "has no rows"),
-        ("load [N],speed [rpm],track radius\n300,600,25\n", 'column "track radius" has no unit'),
     ],
 )
 def test_faults_of_rows_are_named(tmp_path, rows, words):
@@ -77,11 +76,6 @@ def test_what_a_row_lacks_is_named(tmp_path):
     assert "sweep.along is not given" in faults(scene(tmp_path, "around = 5"))
 
 
-def test_rows_exclude_what_has_other_velocities(tmp_path):
-    rates = 'along = "mesh.csv"\nwear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
-    assert "leave out one or the other" in faults(scene(tmp_path, rates))
-
-
 def test_a_label_in_numbers_keeps_its_unit(tmp_path):
     heads = "cycle time [min],angle [deg],gear,load [N],velocity [m/s]"
     rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"
@@ -92,7 +86,7 @@ def test_a_label_in_numbers_keeps_its_unit(tmp_path):
     assert held["gear"] == (("2a", "3"), None)
 
 
-@pytest.mark.parametrize("name", ["time", "step", "max_rise", "realization"])
+@pytest.mark.parametrize("name", ["time", "max_rise"])
 def test_check_and_run_refuse_a_label_that_the_dataset_uses_before_they_make_a_store(
     tmp_path, capsys, name
 ):

@@ -1,7 +1,6 @@
 """The table [unknown] of a scene file: what it means, and every way to get it wrong."""
 
 import json
-import math
 
 import numpy as np
 import pytest
@@ -62,14 +61,6 @@ def test_friction_and_temperatures_are_not_simulated(tmp_path):
     assert (judged.layers, judged.per_contact) == (("wear rate",), 2)
 
 
-def test_thermal_constants_enter_heat_alone(tmp_path):
-    text = SCENE + '\n[unknown]\n"materials.steel.thermal_conductivity" = '
-    text += '{ from = "21 W/(m K)", to = "46 W/(m K)" }\n'
-    design = pipeline.load_scene(scene(tmp_path, "", text=text)).variants.draw.design
-    assert design.layers == ("heat", "wear rate")
-    assert design.per_contact == 2
-
-
 KNOWN_CONTACT = """
 [unknown]
 "wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5 }
@@ -81,33 +72,10 @@ def test_no_more_samples_are_drawn_than_suffice(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=500))
     assert len(sweep.variants) == sweep.variants.draw.design.sufficient == 64
     assert any(note.startswith("sweep.samples: 64 are computed") for note in sweep.about.notes)
-    heat = '"materials.steel.thermal_conductivity" = { mean = "45 W/(m K)", sd = "3 W/(m K)" }\n'
-    assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + heat, 500)).variants) == 64
     lists = '"disk.roughness.seed" = [0, 1, 2, 3, 4, 5, 6, 7]\n'
     assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + lists, 500)).variants) == 128
     drawn = '"disk.roughness.correlation_length" = { from = "12 um", to = "24 um" }\n'
     assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + drawn, 100)).variants) == 100
-
-
-def test_planned_wear_numbers_are_evenly_spread(tmp_path):
-    samples = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=16)).variants
-    rates, velocities = inputs_of(samples)[:, 0], np.array(samples.velocities)
-    number = (rates * velocities).reshape(8, 2)
-    assert number[:, 1] == pytest.approx(number[:, 0], rel=1e-12)
-    assert np.all(velocities[::2] < velocities[1::2])
-    # Each eighth of the sums of two even numbers has one contact.
-    low, high = samples.draw.design.velocities
-    spread = math.log(1.5) * 2.6
-    log_number = np.sort(np.log(number[:, 0] / 1.2e-15 / math.sqrt(low * high)))
-    ends = _quantile(np.arange(9) / 8, math.log(high / low), 2 * spread)
-    assert np.all((log_number > ends[:-1] - 0.01) & (log_number < ends[1:] + 0.01))
-    assert np.all(np.abs(np.log(rates / 1.2e-15)) < spread * 1.0001)
-
-
-def _quantile(shares, one, other):
-    """Quantiles of the sum of two numbers, each even about 0, by brute force."""
-    middles = (np.arange(500) + 0.5) / 500 - 0.5
-    return np.quantile(np.add.outer(one * middles, other * middles), shares)
 
 
 def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
@@ -126,18 +94,14 @@ def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
 def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
     path = scene(tmp_path)
     sweep = pipeline.load_scene(path)
-    for number in (0, 5):
-        rate, length, seed = inputs_of(sweep.variants)[number].tolist()
-        typed = pipeline.load_scene(
-            scene(tmp_path, "", None),
-            overrides={
-                "wear.specific_wear_rate": f"{rate!r} m^2/N",
-                "disk.roughness.correlation_length": f"{length!r} m",
-                "disk.roughness.seed": round(seed),
-            },
-        )
-        assert sweep.variant((("variant", number),)) == typed
-        scene(tmp_path)
+    rate, length, seed = inputs_of(sweep.variants)[5].tolist()
+    values = {
+        "wear.specific_wear_rate": f"{rate!r} m^2/N",
+        "disk.roughness.correlation_length": f"{length!r} m",
+        "disk.roughness.seed": round(seed),
+    }
+    typed = pipeline.load_scene(scene(tmp_path, "", None), overrides=values)
+    assert sweep.variant((("variant", 5),)) == typed
 
 
 def test_what_is_unknown_counts_only_with_samples(tmp_path):
@@ -195,19 +159,9 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
             'unknown."pin.radios": pin.radios: unknown key (did you mean "radius"?)',
         ),
         ('"temperature.critical" = { mean = "145 degC", sd = "8 degC" }', 'such as "8 K"'),
-        ('"temperature.critical" = { mean = "45 degC", sd = "8 K" }', "not above temperature.bulk"),
-        ('"pin.radius" = { median = "2 s", factor = 1.1 }', "cannot be converted to mm"),
         ('"pin.radius" = { mean = "2 mm", sd = 0.1 }', "give all with a unit, or none"),
         ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "from 3 mm to 1 mm does not rise"),
-        ('"pin.radius" = "2 mm"', "is not a distribution"),
         ('"wear.pattern" = ["swept", "local"]', '"swept" is not a number with its unit; only num'),
-        (
-            '"materials.steel.hardness" = ["60 HRC", "62 HRC"]',
-            '"60 HRC" is on a scale of uneven steps; give it in HV, or as a pressure',
-        ),
-        ('"friction.coefficient" = { median = 0.1, factor = 0.9 }', "0.9 is out of range"),
-        ('"materials.mine.hardness" = ["1 GPa", "2 GPa"]', "materials.mine.elastic_modulus"),
-        ('"friction.band" = [0.1, 0.2]', "friction.band: 0.1 is not a list"),
         ('"sweep.loads" = ["1 N", "2 N"]', "cannot be unknown"),
         ('"loading.reference_load" = ["750 N", "400 N"]', "number of steps"),
     ],
@@ -252,11 +206,9 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
     ("pairs", "key", "words"),
     [
         ('{ "temperature.critica" = 0.6 }', f'{WEAR}."temperature.critica"', "(did you mean"),
-        ('{ "pin.radius" = 0.6 }', f'{WEAR}."pin.radius"', "not another input of [unknown]"),
         ('{ "wear.specific_wear_rate" = 0.6 }', WEAR, "not another input of [unknown]"),
         ('{ "disk.roughness.seed" = 0.6 }', WEAR, "each value of a list is as likely"),
         ('{ "temperature.critical" = 1.0 }', WEAR, "1.0 is out of range; give a number without a"),
-        ('["temperature.critical"]', WEAR, "is not a table; give a table with the paths of oth"),
         (
             '{ "friction.coefficient" = 0.9, "temperature.critical" = 0.6 }',
             CRITICAL,
@@ -292,15 +244,6 @@ def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
         "velocity_scatter": 0.1,
         "friction_scatter": 0.004,
     }
-
-
-def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):
-    assert "give [unknown], too" in faults(scene(tmp_path, ""))[0]
-
-
-def test_samples_and_surfaces_exclude_each_other(tmp_path):
-    path = scene(tmp_path, text=SCENE.replace("[sweep]", "[sweep]\nrealizations = 2"))
-    assert '"disk.roughness.seed" = [0, 1, 2, 3]' in faults(path)[0]
 
 
 def test_samples_have_the_wear_rate_as_an_input_where_several_are_asked_for(tmp_path):
@@ -346,21 +289,3 @@ def test_a_scene_that_extends_another_fixes_what_it_gives(tmp_path):
         '"friction.coefficient" = { mean = 0.12, sd = 0.001 }\n'
     )
     assert pipeline.load_scene(above).variants.draw.fixed == ()  # beside its distribution
-
-
-def test_others_keep_their_distribution_where_one_they_are_correlated_with_is_fixed(tmp_path):
-    joint = UNKNOWN.replace(
-        "sd = 0.005", 'sd = 0.005, correlated = { "temperature.critical" = 0.5 }'
-    )
-    path = scene(tmp_path, joint)
-    critical = pipeline.load_scene(path).variants.draw.unknown[-2]
-    assert critical.correlated
-    fixed = pipeline.load_scene(path, overrides={"friction.coefficient": 0.1})
-    assert not any(one.correlated for one in fixed.variants.draw.unknown)
-
-
-def test_a_scene_whose_inputs_are_all_fixed_has_nothing_to_sample(tmp_path):
-    only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
-    setting = {"temperature.critical": "150 degC"}
-    (fault,) = faults(scene(tmp_path, only), setting)
-    assert "does not fit a scene in which all is known" in fault

