@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import deque
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import tribo
@@ -12,7 +14,6 @@ from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import nearest_names
 from pipeline.scene.parts import Roughness, track_of
 from pipeline.scene.units import display
-from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of
 
 _LARGEST_PIXEL = 50e-6  # beyond which a unit is likely to be wrong: a contact has some [m]
@@ -220,27 +221,19 @@ def _of_steps(sound: Sound, increments: int) -> Misfits:
     loading, loads, measured, tested = sound("loading", "sweep.loads", "measured", "tested")
     if not loading or "rate" not in loading:
         return
-    ramp = tribo.Ramp(loading["rate"], loading["reference_load"])
-    if (steps := max(loads) / ramp.increment(max(loads), increments)) > MOST_STEPS:
-        yield (
-            "loading.reference_load",
-            f"{display(ramp.reference_load, 'N')} is reached in fidelity.increments = {increments} "
-            f"steps, and so {display(max(loads), 'N')} in {steps:.3g}; {MOST_STEPS} are allowed: "
-            "give a higher one",
-        )
-    holds = [("loading.hold", loading["hold"], min(loads), loading["hold_steps"])]
+    ramp = tribo.Ramp(**loading)
+    ways = [("loading", ramp, load) for load in (max(loads), min(loads))]
     for name, tests in (("measured", measured), ("tested", tested)):
         for number, test in enumerate(tests or ()):
-            holds.append((f"{name}[{number}].hold", test["hold"] or 0.0, test["load"], None))
-    for key, hold, load, steps in holds:
-        step = ramp.increment(load, increments) / ramp.rate
-        if not steps and hold > MOST_STEPS * step:
-            cure = ", or loading.hold_steps" * (key == "loading.hold")
-            yield (
-                key,
-                f"{display(hold, 's')} takes {hold / step:.3g} steps at {display(load, 'N')}; "
-                f"{MOST_STEPS} are allowed: give a shorter one{cure}",
-            )
+            if test["hold"]:
+                held = replace(ramp, hold=test["hold"], hold_steps=None)
+                ways.append((f"{name}[{number}].hold", held, test["load"]))
+    for key, way, load in ways:
+        try:
+            deque(way.stations(load, increments), maxlen=0)
+        except tribo.InputError as error:
+            yield key, str(error)
+            return
 
 
 def _of_tests(tables: dict[str, Any]) -> Misfits:
