@@ -63,6 +63,7 @@ slow: .venv/test      ## the long checks: random scenes, workers that die, promi
 promises: .venv/test  ## judge --accuracy and the presets on random scenes, for an hour at most
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.curved
 
 samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its next tests by truths, in 2 hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
@@ -72,6 +73,7 @@ samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its n
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --promise --case $$case \
 	        --tests $$tests --truths 150 --minutes 6 --laws drawn || exit 1; done; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans --minutes 30
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
 	$(BIN)/python -m pip install --quiet --editable '.[mutants]'

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
@@ -119,16 +118,6 @@ def test_missing_points_elsewhere_do_not_matter_and_their_numbers_do_not_count(s
     assert crossings.attrs["missing_points"] == 3
     assert int(crossings["missing_at_load"].sel(load=450.0)) == 2
     assert int(crossings["missing_at_velocity"].sum()) == 3
-
-
-def test_points_that_only_an_earlier_run_asked_for_are_not_missing():
-    elsewhere = {(450.0, velocity): PENDING for velocity in (1.5, 1.75, 2.0)}
-    ds = synthetic.sweep(status=elsewhere | {(300.0, 1.75): FAILED})
-    assert boundary(ds).attrs["missing_points"] == 4
-    asked = xr.ones_like(ds["status"]).where(ds["velocity"] != 2.0, 0)
-    assert boundary(ds.assign(asked=asked)).attrs["missing_points"] == 3
-    asked = asked.where(ds["load"] != 450.0, 0)
-    assert boundary(ds.assign(asked=asked)).attrs["missing_points"] == 1
 
 
 def test_a_crossing_says_how_many_missing_points_it_is_interpolated_across():

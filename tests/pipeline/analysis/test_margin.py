@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.transition import MILD
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.pipeline.figures.page import sweeps
@@ -35,12 +34,6 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
     if result.load_outcome == "crosses":
         critical = synthetic.critical_load(velocity, LIMIT)
         assert result.load_factor == pytest.approx(critical / load, rel=1e-9)
-
-
-def test_other_conditions_need_no_other_sweep():
-    result = margin(synthetic.sweep(), 320.0, 2.1, friction=0.2, critical_temperature="180 degC")
-    warm = 298.15 + 0.2 * synthetic.rise(320.0, 2.1, 0.9)
-    assert result.distance == pytest.approx(453.15 - warm, abs=1e-9)
 
 
 def wavy(load, velocity, quantile=1.0):
@@ -119,13 +112,6 @@ def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(sta
         assert 0 < off <= here.error.interpolation
 
 
-def test_a_wider_gap_is_known_less_well():
-    far = {(400.0, velocity): PENDING for velocity in (1.5, 1.75, 2.0, 2.25, 2.5)}
-    near = margin(synthetic.sweep(rise=wavy, status={(400.0, 2.0): PENDING}), 400.0, 2.0)
-    wide = margin(synthetic.sweep(rise=wavy, status=far), 400.0, 2.0)
-    assert wide.error.interpolation > 2 * near.error.interpolation
-
-
 def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():
     result = margin(synthetic.sweep(), 320.0, 1.1, critical_temperature="800 degC")
     assert (result.velocity_outcome, result.load_outcome) == ("mild throughout", "mild throughout")
@@ -172,15 +158,6 @@ def test_what_is_continued_tells_its_error():
 def test_a_place_outside_the_sweep_is_refused(load, velocity, message):
     with pytest.raises(InputError, match=message):
         pipeline.margins(synthetic.sweep(), load, velocity)
-
-
-def test_without_friction_wear_is_mild_throughout_as_the_boundary_has_it():
-    ds = synthetic.sweep()
-    cold = margin(ds, 320.0, 2.1, friction=0.0)
-    assert (cold.decisive_temperature, cold.temperature_error) == (298.15, 0.0)
-    assert (cold.velocity_outcome, cold.load_outcome) == ("mild throughout",) * 2
-    outcomes = pipeline.boundary(ds, friction=0.0)[["outcome_at_load", "outcome_at_velocity"]]
-    assert all((outcomes[name] == MILD).all() for name in outcomes)
 
 
 def test_a_sweep_with_nothing_done_about_a_place_says_so():

@@ -64,13 +64,6 @@ def test_a_key_is_set_once(irg):
     assert "--set: increments is given more than once; give it once" in error
 
 
-def test_a_store_may_have_any_other_name(tmp_path):
-    (tmp_path / "old.csv").mkdir()
-    for name in ("out.zarr", "out", "run.2", "old.csv"):
-        assert values.new_store(str(tmp_path / name)) == tmp_path / name
-    assert values.new_store("s3://bucket/out.zarr") == "s3://bucket/out.zarr"
-
-
 def test_values_below_zero_reach_their_options():
     def read(*options):
         return parse(["boundary", "out.zarr", *options])

@@ -20,7 +20,11 @@ def sweep():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
-    figure = plot(sweep.assign_attrs(title=100 * "words "), kind, width="8.5 cm")
+    figure = plot(
+        sweep.assign_attrs(title=r"worn by $\frac$" + chr(27) + 100 * "words "),
+        kind,
+        width="8.5 cm",
+    )
     figure.draw_without_rendering()
     assert figure.get_size_inches()[0] == pytest.approx(8.5 / 2.54)
     room = figure.bbox.padded(1.0)

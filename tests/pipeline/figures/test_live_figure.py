@@ -11,28 +11,6 @@ from tests.helpers import synthetic
 from tribo import InputError
 
 
-def test_the_file_is_drawn_whole_each_time_more_points_are_done(monkeypatch, tmp_path):
-    begun = Summary("s", "A sweep", total=9, done=0, pending=9, failed=(), running="process 1")
-    grown = replace(begun, done=4, pending=5)
-    over = replace(begun, done=9, pending=0, running=None)
-    states = iter([begun, begun, grown, over, over])
-    drawn, out = [], tmp_path / "live.png"
-
-    def plot(ds, kind, path, **options):
-        assert not drawn or out.read_bytes() == f"drawing {len(drawn)}".encode()
-        drawn.append(options)
-        path.write_bytes(f"drawing {len(drawn)}".encode())
-
-    monkeypatch.setattr(live, "summary", lambda store: next(states))
-    monkeypatch.setattr(live, "plot", plot)
-    monkeypatch.setattr(live, "_INTERVAL", 0.0)
-    told = []
-    assert live.watch("out.zarr", out, "diagram", synthetic.sweep, told.append, log=True) == over
-    assert told == [begun, grown, over]
-    assert drawn == [{"log": True}] * 3
-    assert [path.name for path in tmp_path.iterdir()] == ["live.png"]
-
-
 def test_a_figure_of_a_point_waits_until_it_is_done(monkeypatch, tmp_path):
     begun = Summary("s", "A sweep", total=2, done=1, pending=1, failed=(), running="process 1")
     over = replace(begun, done=2, pending=0, running=None)

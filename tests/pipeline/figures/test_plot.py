@@ -183,24 +183,6 @@ def test_ramp_shows_the_ends_of_all_loads_at_the_velocity_nearest_to_the_transit
     assert np.nanmax(fraction.lines[0].get_ydata()) == pytest.approx(1.2 * 750**0.5)
 
 
-def test_ramp_shows_temperatures_between_where_there_are_any():
-    ds = synthetic.sweep(loads=[300.0, 750.0], interval=2)
-    time, temperature = ramp(ds, load=750.0, velocity=2.0).axes[0].lines[1].get_data()
-    load = np.union1d(np.arange(75.0, 751.0, 75.0), [300.0])
-    np.testing.assert_allclose(time, load / 150.0)
-    np.testing.assert_allclose(temperature, 25.0 + 0.1 * synthetic.rise(load, 2.0, 0.9))
-
-
-def test_no_contact_and_no_wear_are_white_and_the_most_of_either_is_dark(sweep):
-    here = sweep.sel(load=750.0, velocity=1.25)
-    panels = fields(sweep).axes
-    for axes, name in ((panels[0], "pressure"), (panels[2], "wear_depth")):
-        mesh = axes.collections[0]
-        np.testing.assert_array_equal(mesh.get_array().mask, (here[name] == 0.0).T)
-        darkest, lightest = (sum(mesh.cmap(end)[:3]) for end in (1.0, 0.0))
-        assert darkest < 1 < lightest
-
-
 def test_fields_of_the_point_nearest_to_the_transition(sweep):
     figure = fields(sweep)
     assert figure.get_suptitle() == (
@@ -276,19 +258,6 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], lubrication=oil))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
-
-
-def test_two_levels_of_the_film_have_lines_of_their_own_over_which_no_name_stands():
-    oil = OILED | {"rms_height": 0.08e-6}
-    axes = diagram(synthetic.sweep(lubrication=oil, friction_band=None)).axes[0]
-    films = [one for one in axes.collections if "Λ" in str(one.get_gid())]
-    assert len(films) == 2
-    assert films[0].get_linestyle() != films[1].get_linestyle()
-    axes.figure.draw_without_rendering()
-    names = [text.get_window_extent() for text in axes.texts]
-    assert names
-    for path in (path for film in films for path in film.get_paths()):
-        assert not any(path.transformed(axes.transData).intersects_bbox(box) for box in names)
 
 
 # Samples of what is not known exactly

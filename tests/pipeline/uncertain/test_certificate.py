@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.sweep.unknown import drawn
-from pipeline.uncertain import certify, emulator
+from pipeline.uncertain import certify
 from tests.helpers.samples import ALL, Memory, ensemble, rise
 
 
@@ -70,19 +70,6 @@ def test_bands_of_few_contacts_hold_waves_between_them_and_are_not_said_to_suffi
             missed = excess.values[0] + samples.log_limit(row[None])[0] - run
             held.append(abs(missed) < 1.645 * excess.error[0])
     assert np.mean(held) > 0.82  # 0.74 with the constants of all rows
-
-
-def test_the_constants_of_an_emulator_are_found_once(samples, monkeypatch):
-    draws = ALL[0].parameters[0], 1.2e-15, 0.1, 4.5e-6
-    once = samples.excess(np.array([draws]), 400.0, 2.0)
-    monkeypatch.setattr(emulator, "_constants", None)  # as a second command has no need of it
-    again = dataclasses.replace(samples).excess(np.array([draws]), 400.0, 2.0)
-    assert again.values == once.values
-    assert again.error == once.error
-    (name,) = samples.keeper
-    samples.keeper[name] = samples.keeper[name].replace(b"1", b"2", 1)  # as a bit flips
-    with pytest.raises(TypeError):
-        dataclasses.replace(samples).excess(np.array([draws]), 400.0, 2.0)
 
 
 @pytest.mark.parametrize("place", [-0.4, 0.299, 0.9])

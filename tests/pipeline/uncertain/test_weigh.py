@@ -336,33 +336,6 @@ def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
 OBVIOUS = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild", "friction": 0.1}
 
 
-def searched(place, kelvins, seed):
-    """A transition of a critical temperature; severe wear at 0.5 m/s where it lies below."""
-    load, bulk = place["normal_load"], place["bulk_temperature"]
-    critical = alone((kelvins - bulk) / 0.1, load)
-    noise = math.exp(0.05 * np.random.default_rng(seed).standard_normal())
-    entry = OBVIOUS | place | {"velocity": max(float(critical * noise), 0.5), "outcome": "severe"}
-    if entry["velocity"] > 0.5:
-        del entry["outcome"]
-    return entry | {"velocity_scatter": 0.05 * entry["velocity"]}
-
-
-def test_a_planned_transition_promises_the_spread_that_is_had():
-    """Also where it is so hot that some lie below the velocities of the samples."""
-    before = pipeline.posterior(
-        ensemble((CRITICAL,), tests=[OBVIOUS | {"velocity_scatter": 0.025}])
-    )
-    ranked = pipeline.candidates(before, CRITICAL.path, ["110 degC"])
-    planned = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
-    place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
-    truths = drawn((CRITICAL,), 3, 8)[:, 0]
-    tests = [searched(place, kelvins, seed) for seed, kelvins in enumerate(truths)]
-    after = (pipeline.posterior(ensemble((CRITICAL,), tests=[test])) for test in tests)
-    had = [next(outcome.summary())["posterior"]["sd"] for outcome in after]
-    assert 2 < sum("outcome" in test for test in tests) <= 6
-    assert math.sqrt(np.mean(np.square(had))) == pytest.approx(planned.spread, rel=0.2)
-
-
 def test_many_planned_tests_promise_the_spread_that_is_had():
     """A truth that is among the draws it is weighed against would promise half of it."""
     idle = OBVIOUS | {"friction_scatter": 0.002}

@@ -103,11 +103,3 @@ def test_the_command_writes_beside_the_store_and_says_what(alone, tmp_path, caps
     document = json.loads(capsys.readouterr().out)
     assert (document["path"], document["points_with_fields"]) == ("b.html", 0)
     assert document["size"] == (tmp_path / "b.html").stat().st_size
-
-
-def test_the_record_has_units():
-    scene = {"pin": {"type": "Ball", "radius": 5e-3}, "wear": {"specific_wear_rate": 1.2e-15}}
-    record = content(synthetic.sweep().assign_attrs(scene=scene), 0)["record"]
-    assert record["pin.radius"] == "5 mm"
-    assert record["wear.specific_wear_rate"] == "1.2e-06 mm³/(N m)"
-    assert record["temperature.critical"] == "145 °C"
