@@ -15,7 +15,7 @@ def test_trunk_is_the_same_for_every_load():
     for load in (200.0, 433.3, 600.0):
         stations = list(RAMP.stations(load, 100))
         assert stations[:-1] == trunk[: len(stations) - 1]
-        assert stations[-1].normal_load == load
+        assert (stations[-1].normal_load, stations[-1].index) == (load, len(stations))
         assert stations[-1].time == load / 150.0
 
 

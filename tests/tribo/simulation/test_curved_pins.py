@@ -18,7 +18,6 @@ from tribo import (
     Grid,
     InputError,
     MeasuredLoad,
-    MeasuredRoughness,
     Motion,
     Ramp,
     Scene,
@@ -31,7 +30,6 @@ from tribo import (
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
 from tribo.simulation import disk_positions
-from tribo.simulation.disk_positions import parts
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -180,19 +178,6 @@ def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps(monkeypat
     own = [np.quantile(s.heat.rise[s.pressure > 0], 0.9) for s in states]
     assert hot(states[0]) == pytest.approx(hot(states[1]), rel=0.02)
     assert own[0] != pytest.approx(own[1], rel=0.05)
-
-
-def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monkeypatch):
-    """A wave of length λ under the patch yields by λ/(πE*) for each pascal of its pressure."""
-    side, length = 4e-6, 32e-6
-    wave = 1e-8 * np.sin(2 * np.pi / length * side * np.arange(160))[:, None] * np.ones((1, 160))
-    scene = replace(ball(history_coarsening=1), roughness=MeasuredRoughness(wave), wear=Wear(1e-15))
-    scene = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=1))
-    monkeypatch.setattr(disk_positions, "_IMPRINT", 1e-3)
-    monkeypatch.setattr(disk_positions, "_MOST_PARTS", 10**4)
-    expected = 1e-15 * 0.05 * math.pi * E_STAR / length
-    depth = 1e-3 * parts(scene, Wear(1e-15, "local"), 0.05)
-    assert depth == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
 
 
 def test_a_ball_that_rolls_is_swept_over_and_wears_around():

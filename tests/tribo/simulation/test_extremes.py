@@ -30,7 +30,6 @@ from tribo import (
     WarningKind,
     Wear,
     measures,
-    read_heights,
     self_affine,
     simulate,
     solve_contact,
@@ -591,26 +590,6 @@ def test_temperature_of_a_state_at_any_peclet_number_grows_with_the_velocity():
 
 
 # Bad input: each says where it is.
-
-
-def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_size(
-    tmp_path, monkeypatch
-):
-    text, array = tmp_path / "a.csv", tmp_path / "a.npy"
-    text.write_bytes(b"\xef\xbb\xbf1,2\n3,4\n5,6\n")
-    np.save(array, np.ones((3, 2)))
-    assert read_heights(text).shape == (3, 2)
-    monkeypatch.setattr("tribo.surface.heights._MOST_HEIGHTS", 5)
-    with pytest.raises(InputError, match=r"more than 5 heights up to .*line 3"):
-        read_heights(text)
-    with pytest.raises(InputError, match="at most 5 heights"):
-        read_heights(array)
-    (tmp_path / "folder.csv").mkdir()
-    with pytest.raises(InputError, match="cannot be read: it is not a file"):
-        read_heights(tmp_path / "folder.csv")
-    for unit in (math.nan, 0.0, -1.0):
-        with pytest.raises(InputError, match="unit is"):
-            read_heights(text, unit)
 
 
 @pytest.mark.parametrize(

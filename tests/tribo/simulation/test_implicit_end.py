@@ -36,13 +36,6 @@ def test_the_rise_under_heavy_wear_is_known_in_ten_steps_only_with_the_short_end
     assert without.rise_quantile[-3] > 1.025 * many.rise_quantile[-3]
 
 
-def test_a_pin_at_rest_is_one_whether_its_scene_has_a_motion_or_not():
-    at_rest = replace(worn_scene(), motion=Motion(slide_roll_ratio=2.0))
-    state, expected = (last(scene, 300.0) for scene in (at_rest, worn_scene()))
-    assert state.history is not None
-    assert np.array_equal(state.heat.rise, expected.heat.rise)
-
-
 def test_of_a_pin_that_rolls_ten_steps_know_the_rise_without_it():
     rolling = replace(worn_scene(), motion=Motion(slide_roll_ratio=1.0))
     rolling = replace(rolling, wear=Wear(2e-14 * rolling.windows_worn(VELOCITY), "swept"))

@@ -87,15 +87,6 @@ def test_single_precision_is_refused_where_it_does_not_reach_the_tolerance():
         small_scene(precision="half")
 
 
-def test_measured_roughness_is_known_by_its_heights():
-    heights = np.random.default_rng(0).normal(size=(48, 16))
-    assert MeasuredRoughness(heights) == MeasuredRoughness(heights.copy())
-    assert hash(MeasuredRoughness(heights)) == hash(MeasuredRoughness(heights.copy()))
-    assert MeasuredRoughness(heights) != MeasuredRoughness(heights + 1e-9)
-    with pytest.raises(InputError, match="finite"):
-        MeasuredRoughness(np.full((2, 2), np.nan))
-
-
 def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
     """Table 4 at 200 N on the full grid: Θ10 and Θmax as in the specification, section 3."""
     scene = Scene(

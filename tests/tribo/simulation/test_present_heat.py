@@ -9,7 +9,7 @@ from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear
 from tribo.simulation import start
-from tribo.simulation.present_heat import _late_warming, excess_of_present_heat
+from tribo.simulation.present_heat import excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
 # Neither width nor shape of the contact are in the closed form.
@@ -94,19 +94,3 @@ def test_without_heat_there_is_none():
     assert excess_of_present_heat(cold, last(cold, 100.0, 0.1)) == 0.0
     assert excess_of_present_heat(WORN, last(WORN, 100.0, 0.0)) == 0.0
     assert excess_of_present_heat(WORN, start(WORN)) == 0.0
-
-
-@pytest.mark.parametrize("time", [1e-3, 5.0])
-def test_late_warming_is_that_of_a_line_and_of_a_point(time):
-    conductivity, kappa = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
-    grown = np.array([0.0, time]), np.array([0.0, 1.0])
-    line = _late_warming(STEEL, 0.0, np.inf, *grown)
-    assert line == pytest.approx(1 / (2 * np.pi * conductivity), rel=1e-4)
-    short = 1e-4 * np.sqrt(kappa * time)
-    point = _late_warming(STEEL, 0.0, short, *grown)
-    assert point == pytest.approx(line * short / np.sqrt(np.pi * kappa * time), rel=1e-3)
-    # Held for three quarters: ∫(τ − ¾t)/(¼t) dτ/τ from ¾t to t.
-    held = np.array([0.0, 0.75 * time, time]), np.array([0.0, 0.0, 1.0])
-    assert _late_warming(STEEL, 0.0, np.inf, *held) == pytest.approx(
-        line * (1 - 3 * np.log(4 / 3)), rel=1e-3
-    )

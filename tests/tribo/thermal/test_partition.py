@@ -119,17 +119,6 @@ def test_exchanging_the_bodies_exchanges_their_shares():
     )
 
 
-@pytest.mark.parametrize("method", ["local", "uniform"])
-def test_the_split_is_linear_in_flux_and_bulk_difference(method):
-    grid = grid_of(n=32)
-    flux = rough_contact(grid)
-    once, thrice = (
-        partition_heat(*bodies(grid), k * flux, flux > 0, method, 1e-12, k * 10.0) for k in (1, 3)
-    )
-    np.testing.assert_allclose(thrice.rise, 3 * once.rise, rtol=1e-9)
-    assert thrice.pin_share == pytest.approx(once.pin_share, rel=1e-12)
-
-
 def test_friction_and_bulk_difference_superpose():
     # So that one sweep answers for any friction and bulk temperature.
     grid = grid_of(n=32)
