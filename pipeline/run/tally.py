@@ -89,26 +89,21 @@ class Tally:
             self._looked = now
         self._report()
 
-    def note(self, records: Iterable[PointRecord]) -> None:
+    def note(self, records: Collection[PointRecord]) -> None:
         """Take note of written points; `ExecutionError` if the first many have failed alike."""
-        any_new = False
         for record in records:
-            any_new = True
-            if record.data is None:
-                self._count_failure(record)
-            else:
+            if record.data is not None:
                 self.computed += 1
-        if any_new:
+                continue
+            way = _NUMBER.sub("", record.message)
+            self._failures[way] += 1
+            if not self.computed and self._failures[way] >= _ALIKE:
+                raise ExecutionError(
+                    f"the first {_ALIKE} points failed alike, and none is done: {record.message}; "
+                    "put that right, and run the sweep again with --retry-failed"
+                )
+        if records:
             self._report()
-
-    def _count_failure(self, record: PointRecord) -> None:
-        way = _NUMBER.sub("", record.message)
-        self._failures[way] += 1
-        if not self.computed and self._failures[way] >= _ALIKE:
-            raise ExecutionError(
-                f"the first {_ALIKE} points failed alike, and none is done: {record.message}; put "
-                "that right, and run the sweep again with --retry-failed"
-            )
 
     def _take(self, store: Store, waiting: Sequence[Sequence[Point]]) -> None:
         self._store = store

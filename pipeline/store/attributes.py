@@ -161,7 +161,8 @@ def root_attributes(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str,
     kept = {name: value for name, value in (before or {}).items() if name not in _OPTIONAL}
     kept = kept or _lasting(sweep)
     attributes = _with_present_versions(kept) | _present(sweep) | _of_samples(sweep)
-    attributes |= _of_table(sweep) | _entries(sweep, kept)
+    attributes |= {"boundary_only": sweep.plane.chosen is not None, **sweep.variants.as_entries()}
+    attributes |= _entries(sweep, kept)
     # As the root gives them back: JSON knows no tuples.
     plain: dict[str, Any] = json.loads(json.dumps(attributes))
     return plain
@@ -238,16 +239,6 @@ def _of_samples(sweep: Sweep, name: Variant = ()) -> dict[str, Any]:
     rows = [part.get("conditions", own).corrections for part in parts]
     columns = corrections_by_row(own.corrections, rows)
     return {"sample_corrections": columns} if columns else {}
-
-
-def _of_table(sweep: Sweep) -> dict[str, Any]:
-    """Attributes that follow from the table of variants; CF asks for ``coordinates``."""
-    along = [column.name for column in sweep.variants.coordinates]
-    return {
-        "boundary_only": sweep.plane.chosen is not None,
-        **({"coordinates": " ".join(along)} if along else {}),
-        **sweep.variants.as_entries(),
-    }
 
 
 def _entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:

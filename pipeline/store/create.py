@@ -10,7 +10,7 @@ import json
 import math
 import shutil
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
@@ -60,7 +60,6 @@ from pipeline.store.write import Store
 from pipeline.sweep.model import Sweep, named
 from pipeline.sweep.stations import Stations
 from tribo import QUANTILES
-from tribo.types import Indices
 
 _T = TypeVar("_T")
 
@@ -237,7 +236,11 @@ def _remove_unfinished(path: Path) -> None:
 def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
     """Copy what is stored of points to their places in the arrays of a larger store."""
     arrays = arrays_of(beside, root.arrays, read_only=False)
-    moved = [*_moved(store, root.axes)]
+    numbers_of = [{value: k for k, value in enumerate(root.axes[dim])} for dim in store.dims]
+    moved = [
+        np.array([numbers[value] for value in store.axes[dim]])
+        for dim, numbers in zip(store.dims, numbers_of, strict=True)
+    ]
     where = np.zeros(arrays["status"].shape, bool)
     where[np.ix_(*moved)] = (store.flags != PENDING) | (store.asked != 0)
     shared = [name for name in arrays if not (name in AT_END or is_coordinate(name))]
@@ -258,13 +261,6 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
                 index = [of_dim[i] for of_dim, i in zip(moved, numbers, strict=False)]
                 key = chunk_key(name, (*index, *numbers[len(index) :]))
                 (beside.path / key).hardlink_to(file)
-
-
-def _moved(store: Store, axes: Mapping[str, Sequence[Any]]) -> Iterator[Indices]:
-    """Places of the values of a store along each of its dimensions in those of a larger one."""
-    for dim in store.dims:
-        numbers = {value: number for number, value in enumerate(axes[dim])}
-        yield np.array([numbers[value] for value in store.axes[dim]])
 
 
 def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | None = None) -> bool:

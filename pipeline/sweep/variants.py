@@ -184,6 +184,8 @@ class Variants:
     def as_entries(self) -> dict[str, Any]:
         """What the scene says of the rows, as plain data: seeds, wear rates, and unknown inputs."""
         entries: dict[str, Any] = {"realizations": list(self.axes.get("realization", ()))}
+        if along := [column.name for column in self.coordinates]:
+            entries["coordinates"] = " ".join(along)  # where readers of CF look for them
         if rates := self.wear_rates:
             entries["wear_rates"] = [min(rates), max(rates)]
         if self.draw:
