@@ -294,7 +294,15 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
 
 def in_usual_unit(path: str, value: Any) -> str:
     """Write the value of an entry, in SI, in the unit in which such entries are usually given."""
-    return _text(value, _UNIT_OF.get(path.split(".")[-1], ""))
+    unit = _UNIT_OF.get(path.split(".")[-1], "")
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list):
+        items = [in_usual_unit(path, item).removesuffix(f" {unit}") for item in value]
+        return f"{', '.join(items)} {unit}".rstrip()
+    if not isinstance(value, int | float):
+        return str(value)
+    return display(value, unit) if unit else f"{value:g}"
 
 
 def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:
@@ -316,15 +324,3 @@ def _in_scene(path: str) -> str:
     return (
         path.replace("normal_load", "load") if path.startswith(("measured.", "tested.")) else path
     )
-
-
-def _text(value: Any, unit: str) -> str:
-    """Value with its unit."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, list):
-        items = [_text(item, unit).removesuffix(f" {unit}") for item in value]
-        return f"{', '.join(items)} {unit}".rstrip()
-    if not isinstance(value, int | float):
-        return str(value)
-    return display(value, unit) if unit else f"{value:g}"

@@ -250,17 +250,17 @@ def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str] | None = None) 
     """Heads in a data frame of labels of rows, by default of entries with several values."""
     heads = {}
     for name in entry_dims(ds) if names is None else names:
-        unit = _usual_unit(ds[name]) or str(ds[name].attrs.get("units", "1"))
+        unit = _usual_unit(ds[name])
         heads[name] = name if unit in ("", "1") else f"{name} [{unit}]"
     return heads
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit in which the values of an entry are shown; empty if it is that of SI."""
+    """Unit in which the values of an entry are shown."""
     unit = str(axis.attrs.get("units", ""))
     if unit == "m" and abs(axis).max() < _SHORT:
         return "µm"
-    return _SHOWN.get(unit, "")
+    return _SHOWN.get(unit, unit)
 
 
 def frame_by_scene(
@@ -297,9 +297,7 @@ def value_text(axis: xr.DataArray, value: float | str) -> str:
     """A value of an entry in a usual unit."""
     if isinstance(value, str):
         return value
-    if usual := _usual_unit(axis):
-        return display(value, usual)
-    return f"{value:.6g} {axis.attrs.get('units', '')}".removesuffix(" 1").strip()
+    return display(value, _usual_unit(axis)).removesuffix(" 1").strip()
 
 
 def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
