@@ -7,7 +7,8 @@ was computed; a mean, which this would bias, is given only if every surface has 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -36,7 +37,7 @@ from tribo.types import Array, Mask
 
 def boundary(
     ds: xr.Dataset,
-    friction: float | Iterable[float] | None = None,
+    friction: float | Sequence[float] | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
@@ -115,16 +116,13 @@ def boundary(
     >>> warmer["critical_velocity"].sel(load=600).round(2).item()
     1.48
     """
-    if isinstance(friction, str):
-        raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
+    given: Any = friction
+    several = list[float | None](np.ravel(given).tolist())
+    if isinstance(friction, str) or not several:
+        raise InputError(f"friction is {friction!r}; give a number such as 0.1, or several")
     ds = dataset_of(ds)
     require_plane(ds)
     others = (bulk_temperature, critical_temperature, share, criterion, own_laws)
-    if hasattr(friction, "ndim"):  # an array, which may be of no dimension
-        friction = np.asarray(friction).tolist()
-    several = list(friction) if isinstance(friction, Iterable) else [friction]
-    if not several:
-        raise InputError("friction is an empty list; give one at least, or leave it out")
 
     def of_scene(scene: xr.Dataset) -> xr.Dataset:
         judged = [conditions_of(scene, value, *others) for value in several]
@@ -134,7 +132,7 @@ def boundary(
             name="friction",
             attrs={"units": "1", "long_name": "friction coefficient"},
         )
-        frictions = [axis] if isinstance(friction, Iterable) else []
+        frictions = [axis] if np.ndim(given) else []
         return stacked([_judged(scene, one) for one in judged], frictions)
 
     return _boundaries(next(scenes(ds)), by_scene(ds, of_scene))
