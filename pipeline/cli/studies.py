@@ -6,6 +6,7 @@ import argparse
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -130,7 +131,7 @@ def design(options: argparse.Namespace) -> Result:
         frame = frame_of((f"{path} [{entry.unit}]", "probability"), points)
         answer, text = limit.as_dict(), [_in_words(limit)]
     document = samples.as_dict() | answer
-    document["direct"] = direct and direct.as_dict()
+    document["direct"] = direct and asdict(direct)
     document["confirmed"] = bool(direct and direct.agrees_with(goal.risk))
     text += [*_on_check(goal, limit, at, direct, reason), *samples.notes()]
     draw = partial(pipeline.draw_design, limits, samples.ensemble)

@@ -70,10 +70,9 @@ def at_accuracy(
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
     progress: Callable[[str], None] | None = None,
-    own_laws: bool = False,
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, or keep that of its store."""
-    sweep, accuracy = sweep_of(sweep, own_laws), share_of(accuracy)
+    sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     selection = None if store is None else stored_selection(store)
     if selection is None:
         if store is not None and read_attributes(store) is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -228,10 +228,6 @@ class Direct:
     def agrees_with(self, risk: float) -> bool:
         """True if it is no higher than a probability, within its error."""
         return self.probability <= risk + _AGREES * self.error
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all fields by name."""
-        return asdict(self)
 
 
 def directly(

@@ -420,8 +420,6 @@ def decisive_rises(
     columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
     """Decisive rise by sample and load [K], by the conditions of each sample."""
-    if all(one is conditions[0] for one in conditions):
-        return worst_rises(columns, loads[:, None], conditions[0])
     rows = [
         worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)
         for i, one in enumerate(conditions)
