@@ -20,21 +20,16 @@ COUNT = 25
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """Boundaries found directly, beside those of the emulator, and runs anywhere.
+    """Boundaries found directly, beside those of the emulator, and runs anywhere."""
 
-    At ``loads`` [N] critical velocities are ``found`` by simulations and ``emulated`` [m/s], the
-    latter with standard ``errors``, relative. The others are differences of emulated rises from
-    simulated ones over their stated error: amid the velocities at the loads of the samples and
-    between them, and at the ends of the velocities.
-    """
-
-    loads: tuple[float, ...]
-    found: tuple[float, ...]
+    loads: tuple[float, ...]  # of the boundaries [N]
+    found: tuple[float, ...]  # critical velocities by simulations [m/s]
     emulated: tuple[float, ...]
-    errors: tuple[float, ...]
-    at_loads: tuple[float, ...]
-    between_loads: tuple[float, ...]
-    at_ends: tuple[float, ...]
+    errors: tuple[float, ...]  # standard errors of these, relative
+    # Differences of emulated rises from simulated ones over their stated error.
+    at_loads: tuple[float, ...]  # of the samples, amid the velocities
+    between_loads: tuple[float, ...]  # likewise
+    at_ends: tuple[float, ...]  # of the velocities
 
     @property
     def off(self) -> Array:

@@ -55,22 +55,14 @@ _LEAST_SCORE = 1e-3  # where outputs are known exactly, or no row is left
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
-    """A Gaussian process through rows of outputs.
+    """A Gaussian process through rows of outputs."""
 
-    ``features`` (n, n_feature) have a spread of about 1; ``dimensions`` are the numbers of the
-    inputs that they belong to, of which each has one length. ``mean`` (n_output,) is that of each
-    output, ``weights`` (n, n_output) solve the kernel's equations for what departs from it,
-    ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``whitener`` (n, n) is
-    the inverse of the Cholesky factor of the kernel between the rows. ``check`` is what contacts
-    that are left out tell.
-    """
-
-    features: Array
-    dimensions: Groups
-    mean: Array
-    weights: Array
-    constants: Array
-    whitener: Array
+    features: Array  # (n, n_feature), with a spread of about 1
+    dimensions: Groups  # numbers of the inputs that they belong to, of which each has one length
+    mean: Array  # (n_output,)
+    weights: Array  # (n, n_output), which solve the equations for what departs from the mean
+    constants: Array  # logarithms of a, b, c, s, n and the lengths ℓ
+    whitener: Array  # (n, n), inverse of the Cholesky factor of the kernel between the rows
     check: LeftOut
 
     def __call__(self, features: Array, between: Array) -> tuple[Array, Array, Array]:
@@ -92,19 +84,12 @@ class Emulator:
 
 
 class LeftOut(NamedTuple):
-    """What contacts tell that are left out, and the rows at either end of the velocities.
+    """What contacts tell that are left out, and the rows at either end of the velocities."""
 
-    ``factors`` (n_output,) on the errors predicted are those by which 90 % bands hold 90 % of what
-    is left out; ``covariance`` (n_output, n_output) has their squares, and how outputs miss
-    together. ``ends`` is a further factor at the ends, where rows are left out all at once.
-    ``held`` is the share of left-out places that bands hold whose factors other contacts gave, and
-    ``contacts`` the number of these.
-    """
-
-    factors: Array
-    covariance: Array
-    ends: float
-    held: float
+    factors: Array  # (n_output,) on errors predicted, by which 90 % bands hold 90 % of them
+    covariance: Array  # (n_output, n_output): squares of these, and how outputs miss together
+    ends: float  # a further factor at the ends, where rows are left out all at once
+    held: float  # share of left-out places in bands whose factors other contacts gave
     contacts: int
 
     @property

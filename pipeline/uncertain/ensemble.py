@@ -74,14 +74,12 @@ _FEWEST = 12  # samples of which an emulator is made
 class Excess(NamedTuple):
     """Logarithm of the rise over its limit, shape (n, n_load, n_velocity); above 0 wear is severe.
 
-    ``error`` is the standard error against a simulation with the same inputs; ``shared`` the part
-    of it that draws near each other share, and more samples make smaller. A load or a velocity
-    that is one number has no axis.
+    A load or a velocity that is one number has no axis.
     """
 
     values: Array
-    error: Array
-    shared: Array
+    error: Array  # standard error against a simulation with the same inputs
+    shared: Array  # part of it that draws near each other share, and more samples make smaller
 
     def with_chance(self, seed: int) -> Array:
         """Values with an error of the emulator drawn for each draw, one for all its places."""

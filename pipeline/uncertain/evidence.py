@@ -35,16 +35,11 @@ _SPAN = 1.05  # ratio of loads between which a slope is taken
 
 
 class Distances(NamedTuple):
-    """Distances of draws from tests, shape (n_test, n).
+    """Distances of draws from tests, shape (n_test, n)."""
 
-    ``values`` are the logarithm of a test's velocity over the critical one of each draw,
-    ``variance`` that of it without the scatter of the velocity, and ``told`` the logarithm of the
-    likelihood of its measured friction, where that tells of the rig's.
-    """
-
-    values: Array
-    variance: Array
-    told: Array | float = 0.0
+    values: Array  # logarithm of a test's velocity over the critical one
+    variance: Array  # of these without the scatter of the velocity
+    told: Array | float = 0.0  # log likelihood of a measured friction, where it tells of the rig's
 
 
 def require_possible(ensemble: Ensemble) -> None:
@@ -182,16 +177,12 @@ class JudgedTests(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
-    """Inputs of all sweeps, and their tests.
-
-    ``unknown`` are those of the sweeps, of which there are ``known``, then those of the rigs, then
-    the slopes of a discrepancy if there is one. ``columns`` are the inputs of each sweep among all.
-    """
+    """Inputs of all sweeps, and their tests."""
 
     ensembles: tuple[Ensemble, ...]
-    unknown: tuple[Unknown, ...]
-    known: int
-    columns: tuple[Any, ...]
+    unknown: tuple[Unknown, ...]  # of the sweeps, then of the rigs, then of a discrepancy
+    known: int  # number of those of the sweeps
+    columns: tuple[Any, ...]  # inputs of each sweep among all
     rigs: tuple[Columns, ...]
     has_discrepancy: bool
     scatters: Array

@@ -122,22 +122,17 @@ def _with_column(inputs: Array, number: int, column: Array) -> Array:
 
 
 class Observable(NamedTuple):
-    """A measurement, with the result that it has of each truth.
-
-    ``values`` (n,) are true results, ``slopes`` (n, n_feature) those about each truth, and
-    ``deviation`` (n,) is the standard deviation of what is measured. Beyond ``low`` or ``high``
-    only the side is learnt; a test that is mild or severe has both at its velocity. ``test`` is its
-    place, ``besides`` a further number that it measures.
-    """
+    """A measurement, with the result that it has of each truth."""
 
     what: str
-    values: Array
-    slopes: Array
-    deviation: Array
+    values: Array  # (n,) true results
+    slopes: Array  # (n, n_feature) about each truth
+    deviation: Array  # (n,) standard deviation of what is measured
+    # Ends beyond which only the side is learnt: both are the velocity of a mild or severe test.
     low: float = -math.inf
     high: float = math.inf
-    test: dict[str, float] | None = None
-    besides: Observable | None = None
+    test: dict[str, float] | None = None  # its place
+    besides: Observable | None = None  # a further number that it measures
 
 
 @dataclass(frozen=True, slots=True, eq=False)

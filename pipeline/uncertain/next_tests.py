@@ -144,19 +144,14 @@ _HELPS = 0.1  # of the spread, that another measurement takes away at least
 
 @dataclass(frozen=True, slots=True)
 class Programme:
-    """Tests that lead to a goal, as far as they do.
+    """Tests that lead to a goal, as far as they do."""
 
-    ``until`` is the standard deviation of the target that is sought, ``before`` that of today; see
-    `Candidate.spread`. Where the tests do not suffice, ``others`` are measurements beside them, the
-    best first.
-    """
-
-    until: float
-    before: float
+    until: float  # standard deviation of the target that is sought, as `Candidate.spread`
+    before: float  # that of today
     tests: tuple[Candidate, ...]
     is_reached: bool
     is_stuck: bool
-    others: tuple[Candidate, ...]
+    others: tuple[Candidate, ...]  # measurements that help where the tests do not suffice
 
 
 def programme(

@@ -23,18 +23,15 @@ _CONTRADICTS = 0.02  # probability, by all others, below which a test contradict
 
 
 class Judged(NamedTuple):
-    """A test of a sweep, by its number, judged by all other tests, and by all tests together.
-
-    5, 50 and 95 % of the probability given all tests stay below the critical velocities there
-    [m/s]. ``probability`` is that of its outcome, or of a transition as far off, given all others.
-    It is not blamed if the model does not fit the others, either, and may be wrong instead.
-    """
+    """A test of a sweep, by its number, judged by all other tests, and by all tests together."""
 
     test: Test
     sweep: int
+    #: Velocities there that 5, 50 and 95 % stay below, given all tests [m/s].
     critical_velocity: tuple[float, float, float]
+    #: Probability of its outcome, or of a transition as far off, given all other tests.
     probability: float
-    is_blamed: bool = True
+    is_blamed: bool = True  #: The model fits the others, which else may be wrong instead.
 
     @property
     def contradicts(self) -> bool:
@@ -216,18 +213,14 @@ def _is_outer(unknown: Unknown, column: Array) -> Array:
 
 
 class Contrast(NamedTuple):
-    """Difference of a quantity between two sweeps, the second less the first.
-
-    Of velocities it is that of their logarithms. 5, 50 and 95 % stay below the ``interval``;
-    ``probability`` is that the second has more.
-    """
+    """Difference of a quantity between two sweeps, the second less the first."""
 
     what: str
-    unit: str
+    unit: str  # of velocities 1: it is that of their logarithms
     mean: float
     sd: float
-    interval: tuple[float, float, float]
-    probability: float
+    interval: tuple[float, float, float]  # that 5, 50 and 95 % stay below
+    probability: float  # that the second has more
 
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:

@@ -18,20 +18,16 @@ _RATE = "mm³/(N m)"
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """A condition as a slider and a field: shown is ``factor`` times the value plus ``offset``.
-
-    The slider goes from ``low`` to ``high`` as shown; a value outside ``least`` to ``most``, in SI,
-    is refused with ``fault``.
-    """
+    """A condition as a slider and a field: shown is ``factor`` times the value plus ``offset``."""
 
     name: str
     label: str
-    low: float
+    low: float  # end of the slider, as shown
     high: float
     step: float
     factor: float = 1.0
     offset: float = 0.0
-    least: float | None = None
+    least: float | None = None  # in SI; a value below is refused with the fault
     most: float | None = None
     fault: str = ""
 
