@@ -13,7 +13,6 @@ import pytest
 
 import pipeline
 import tribo
-from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
@@ -135,14 +134,6 @@ def test_a_surface_of_one_s_own_is_part_of_the_scene(folder):
     copy = pickle.loads(pickle.dumps(scene))
     assert copy.roughness == scene.roughness
     np.testing.assert_array_equal(copy.heights(), heights)
-
-
-def test_a_law_given_in_python_is_stored_with_its_hash(folder):
-    sweep = tiny.sweep(wear=tribo.RunningIn(**RATES), loads=(250.0,), velocities=(1.0,))
-    commit_all("python.zarr", sweep)
-    stored = json.loads(pipeline.open_sweep("python.zarr").attrs["scene"])["wear"]
-    assert stored["law"] == "tribo.wear.laws:RunningIn"
-    assert len(stored["hash"]) == 64
 
 
 def test_the_scene_of_the_page_runs(folder, irg):

@@ -6,7 +6,6 @@ import pytest
 import pipeline
 from pipeline.scene.over import with_rates_of
 from pipeline.store.create import writing
-from pipeline.store.place import StoreMismatchError
 from pipeline.sweep.plan import chains, points, run_points
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants, wear_rates
@@ -74,12 +73,6 @@ def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
     assert "wear rate 2e-06 mm³/(N m)" in irg("boundary", store, "--wear-rate", "2e-6 mm^3/(N m)")
     margin = ["margin", str(store), "--load", "400 N", "--velocity", "1 m/s", "--wear-rate"]
     assert "6e-07 mm³/(N m) to 2.4e-06 mm³/(N m)" in irg(*margin, "3e-6 mm^3/(N m)", code=2)
-
-
-def test_a_store_of_several_wear_rates_stays_one(store):
-    alone = SWEEP.changed(variants=Variants())
-    with pytest.raises(StoreMismatchError, match="wear_rates"), writing(store, alone):
-        pass
 
 
 def test_velocities_are_added_so_that_each_rate_has_those_of_the_scene():

@@ -145,24 +145,13 @@ def test_the_start_changes_the_way_but_not_the_answer():
         assert other.pressure == pytest.approx(cold.pressure, abs=1e-8 * cold.pressure.max())
 
 
-@pytest.mark.parametrize(
-    ("periodic", "curvature", "load", "hardness", "most"),
-    [
-        ((True, True), 0.0, 60.0, 6.6e9, 78),  # rough, a fifth touches, part of which yields
-        ((False, True), 500.0, 8.0, 6.6e9, 35),
-        ((False, False), 100.0, 1.0, math.inf, 30),
-    ],
-)
-def test_a_cold_start_takes_few_iterations(periodic, curvature, load, hardness, most):
-    grid = Grid((256, 256), (1e-6, 1e-6), periodic)
-    solid = ElasticHalfSpace(grid, E_STAR)
-    x, y = grid.coordinates(0)[:, None], grid.coordinates(1)
-    z = curvature / 2 * (x**2 + (0 if periodic[1] else y**2)) + np.zeros(grid.shape)
-    if any(periodic):
-        z -= self_affine(grid, 0.3e-6, 0.8, 20e-6, 0)
-    contact = solve_contact(solid, z, load, hardness, tolerance=1e-10)
+def test_a_cold_start_takes_few_iterations():
+    """A rough contact, of which a fifth touches and a part yields."""
+    grid = Grid((256, 256), (1e-6, 1e-6), (True, True))
+    z = -self_affine(grid, 0.3e-6, 0.8, 20e-6, 0)
+    contact = solve_contact(ElasticHalfSpace(grid, E_STAR), z, 60.0, 6.6e9, tolerance=1e-10)
     assert contact.residual <= 1e-10
-    assert contact.iterations <= most
+    assert contact.iterations <= 78
 
 
 def test_no_load_and_the_most_that_hardness_carries():
@@ -210,14 +199,6 @@ def test_a_small_change_of_pressure_is_no_convergence():
     errors = [np.abs(contact.pressure - exact).max() / 6.6e9 for contact in (by_change, by_gap)]
     assert errors[0] > 2 * 0.03 > 4 * errors[1]
     assert by_change.iterations < by_gap.iterations
-
-
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-14])
-def test_a_tiny_change_of_pressure_comes_with_the_solution(tolerance):
-    contact, exact = rough_line(48, tolerance, "pressure-change"), rough_line(48, 1e-11)
-    # 1e-14 is the paper's; rounding of the pressures alone leaves about 1e-16 a node.
-    assert contact.pressure == pytest.approx(exact.pressure, abs=(1e2 * tolerance + 1e-9) * 6.6e9)
-    assert contact.residual < 1e2 * tolerance + 1e-9
 
 
 def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out():

@@ -33,12 +33,6 @@ def test_a_jump_has_half_of_the_steps_and_the_rest_are_equal_in_time():
     assert not any(s.on_trunk for s in stations)
 
 
-def test_another_load_is_the_record_in_proportion_at_the_same_times():
-    whole, third = (list(smooth_record(5.0).stations(load, 20)) for load in (600.0, 200.0))
-    assert [s.time for s in third] == [s.time for s in whole]
-    assert [3 * s.normal_load for s in third] == pytest.approx([s.normal_load for s in whole])
-
-
 def test_loading_ends_where_the_reference_load_is_first_reached():
     record = smooth_record()
     assert list(record.stations(740.0, 5))[-1].time == pytest.approx(0.5 + 740 / 150)
@@ -110,11 +104,6 @@ def test_points_of_a_record_share_no_trunk():
 def test_what_is_no_record_is_refused(times, loads, said):
     with pytest.raises(InputError, match=said):
         MeasuredLoad(np.array(times), np.array(loads))
-
-
-def test_a_reference_load_beyond_the_record_is_refused():
-    with pytest.raises(InputError, match="reaches 750 N; its reference load is 800 N"):
-        MeasuredLoad(TIMES, np.linspace(0.0, 750.0, TIMES.size), reference_load=800.0)
 
 
 @pytest.mark.parametrize(

@@ -148,12 +148,3 @@ def test_no_friction_needs_no_heat():
     assert state.heat_history is None
     warm = last(small_scene(heat_model="history"), 300.0, 1.25)
     assert np.array_equal(state.pressure, warm.pressure)
-
-
-def test_without_hardness_the_pressure_is_bounded_below_only():
-    soft, hard = (with_hardness(small_scene(), hardness) for hardness in (3e9, np.inf))
-    bounded, free = (last(scene, 600.0, 1.25) for scene in (soft, hard))
-    assert bounded.pressure.max() == pytest.approx(3e9)
-    assert free.pressure.max() > 3e9
-    assert measures(soft, bounded)["saturated_fraction"] > 0
-    assert measures(hard, free)["saturated_fraction"] == 0

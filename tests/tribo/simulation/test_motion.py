@@ -108,16 +108,6 @@ def test_heat_is_shared_as_the_roots_of_the_velocities(ratio):
     assert end(scene, 40.0).heat.pin_heat_share == pytest.approx(pin / (pin + disk), rel=2e-3)
 
 
-def test_bodies_that_roll_alone_get_no_warmer_and_do_not_wear():
-    scene = twin_disc(Motion(entrainment_velocity=2.0), wear=Wear(1.2e-15))
-    state = end(scene, 0.0)
-    assert not state.heat.rise.any()
-    assert not state.heat.rise_quantile.any()
-    assert not state.wear_depth.any()
-    slowly, less_so = (end(scene, velocity).heat.max_rise for velocity in (1e-9, 1e-7))
-    assert less_so == pytest.approx(100 * slowly, rel=1e-6)
-
-
 def test_a_slide_roll_ratio_of_2_is_a_pin_at_rest_bit_for_bit():
     scene = small_scene()
     for velocity in (1.25, -1.25):

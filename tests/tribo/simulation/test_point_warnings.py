@@ -111,19 +111,6 @@ def test_wear_in_few_steps_warns(scheme, steps, words):
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"pixels_per_element": 2}, "take smaller elements"),
-        ({}, "compute several surfaces"),  # each pixel is an element: there are no smaller ones
-        ({"roughness": False}, None),  # whose pixels are judged by how many lie across
-    ],
-)
-def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, words):
-    scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    assert_told(words, scene, last(scene, 50.0, 1.25), WarningKind.FEW_NODES)
-
-
-@pytest.mark.parametrize(
     ("pin", "places", "words"),
     [
         (BALL, np.s_[10:21, 1:15], "11 elements across"),

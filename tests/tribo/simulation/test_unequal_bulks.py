@@ -162,8 +162,3 @@ def test_a_critical_temperature_knows_both_bulk_temperatures(rough):
         critical_temperature(
             replace(scene, unequal_bulks=False), [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0
         )
-
-
-def test_one_share_of_the_heat_for_all_does_not_go_with_unequal_bulks():
-    with pytest.raises(InputError, match="'uniform' divides frictional heat alone"):
-        replace(small_scene(partition="uniform"), unequal_bulks=True)

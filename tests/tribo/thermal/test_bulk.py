@@ -48,18 +48,6 @@ def test_a_steady_state_is_the_balance_of_heat_in_both_bodies():
     assert disk == pytest.approx(contact * to_ground[1] / g2)
 
 
-def test_moments_on_a_straight_line_change_nothing():
-    fine = np.linspace(1.0, 5.0, 9), np.linspace(1.0, 5.0, 9) * 94.0 / 5.0
-    bulks = tribo.Bulk(20.0, 1.0), tribo.Bulk(650.0)
-    np.testing.assert_allclose(
-        bulk_warming(*fine, (0.1, 1.0), bulks), bulk_warming(*RAMP, (0.1, 1.0), bulks), rtol=1e-9
-    )
-    bent = np.array([2.0, 5.0]), np.array([94.0, 94.0])
-    assert (
-        bulk_warming(*bent, (0.1, 1.0), bulks)[1] > 1.5 * bulk_warming(*RAMP, (0.1, 1.0), bulks)[1]
-    )
-
-
 @pytest.mark.parametrize("sizes", [(0.0, 0.0), (-1.0, 1.0), (1.0, math.nan), (math.inf, 0.0)])
 def test_a_bulk_has_a_capacity_or_a_loss(sizes):
     with pytest.raises(tribo.InputError, match="0"):

@@ -123,22 +123,6 @@ def test_an_element_is_the_sum_of_its_parts(periodic, velocity, time):
     np.testing.assert_allclose(whole(flux), centres, rtol=1e-10)
 
 
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize(("velocity", "time"), [(0.0, 3e-7), (6.0, 3e-7), (-40.0, 1e-7)])
-def test_a_period_is_the_sum_of_its_images(axis, velocity, time):
-    n, images = 5, 8
-    shape, repeated, periodic = [4, 4], [4, 4], [False, False]
-    shape[axis], repeated[axis], periodic[axis] = n, n * images, True
-    wrapped = thermal_influence(Grid(tuple(shape), ELEMENT, tuple(periodic)), STEEL, velocity, time)
-    free_grid = Grid(tuple(repeated), ELEMENT, (False, False))
-    free = thermal_influence(free_grid, STEEL, velocity, time)
-    place = np.rint(wrapped_offsets(free_grid, axis) / ELEMENT[axis]).astype(int) % n
-    folded = np.zeros(wrapped.shape)
-    np.add.at(folded, (place,) if axis == 0 else (slice(None), place), free)
-    # both quadratures
-    np.testing.assert_allclose(folded, wrapped, rtol=0, atol=2 * TEN_NODES * wrapped[0, 0])
-
-
 def summed(ny, whole, velocity, time):
     """Kernel of 24 × ny elements with images up to `whole` on each side, each summed on its own."""
     every = Grid((24, ny * (2 * whole + 1)), ELEMENT, (False, False))

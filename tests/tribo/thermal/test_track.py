@@ -39,10 +39,6 @@ def test_a_body_between_insulated_sides_is_a_row_of_strips(age, body_width):
     assert left == pytest.approx(alike, rel=1e-9)
 
 
-def test_before_the_first_round_the_track_is_cold():
-    assert track_warming(0.1, 0.2, STEADY, 1e-3, DIFFUSIVITY, CAPACITY) == 0
-
-
 def test_many_passes_of_a_load_that_comes_and_goes_are_summed_as_few():
     """A load that is on for 10 s of 20, for an hour on a disc of ten turns a second."""
     times = np.sort(np.concatenate([np.arange(0, 3600, 10.0), np.arange(0, 3600, 10.0) + 1e-3]))

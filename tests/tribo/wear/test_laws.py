@@ -43,13 +43,6 @@ def test_a_law_of_a_constant_rate_is_archard_s():
     assert constant.heat.max_rise == pytest.approx(archard.heat.max_rise, rel=1e-9)
 
 
-def test_contacts_of_a_law_by_distance_are_not_shared():
-    assert tribo.simulation.inseparable(replace(small_scene(), wear=LAW), (1.0, 2.0))
-    assert worn_volume(replace(small_scene(), wear=LAW), 0.5) != pytest.approx(
-        worn_volume(replace(small_scene(), wear=LAW), 2.0), rel=0.3
-    )
-
-
 class Number(tribo.RunningIn):
     def over(self, begin, end):
         return 1e-15
@@ -77,11 +70,6 @@ def test_a_law_that_gives_no_wear_is_refused(law, said):
     scene = replace(small_scene(increments=6), wear=law(6e-15, 1e-15, 1.5))
     with pytest.raises(tribo.TriboError, match=said):
         worn_volume(scene)
-
-
-def test_what_is_no_law_is_refused():
-    with pytest.raises(tribo.InputError, match="has no pattern, over"):
-        replace(small_scene(), wear=object())
 
 
 @dataclass(frozen=True)
