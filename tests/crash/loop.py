@@ -282,7 +282,7 @@ class Trial:
             if len(self.acknowledged) >= enough:
                 code_of(driver, chance.uniform(0.0, _SOON if further else _LATEST))
                 return
-            time.sleep(0.005)
+            time.sleep(0.02)
 
     def look(self):
         """Add what is wrong with the store to the report."""

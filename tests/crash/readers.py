@@ -20,7 +20,7 @@ def campaign(run):
     for trial in run.trials(_PACE):
 
         def read(driver, trial=trial):
-            while code_of(driver, run.chance.uniform(0.0, 0.05)) is None:
+            while code_of(driver, run.chance.uniform(0.0, 0.15)) is None:
                 try:
                     for fault in _read(trial, driver):
                         trial.fault(f"a reader: {fault}")

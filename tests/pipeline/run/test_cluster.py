@@ -102,50 +102,6 @@ def when_done(act):
     return report
 
 
-def test_a_cluster_elsewhere_computes_the_same_and_its_parts_may_be_lost(tmp_path, alone, irg):
-    security, tls = Security.temporary(), "distributed.comm.tls"
-    for name in ("ca_file", "client_cert", "client_key"):
-        (tmp_path / name).write_text(getattr(security, f"tls_{name}"))
-    configured = {f"{tls}.ca-file": str(tmp_path / "ca_file")}
-    for role in ("client", "scheduler", "worker"):
-        configured[f"{tls}.{role}.cert"] = str(tmp_path / "client_cert")
-        configured[f"{tls}.{role}.key"] = str(tmp_path / "client_key")
-    variables = {
-        f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
-        for key, file in configured.items()
-    }
-    # One of its workers with threads that may not compute at the same time.
-    cluster = Cluster(tmp_path, "tls", variables, security, threads=(1, 3))
-    with closing(cluster), ExitStack() as stack:
-        with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm"):
-            client_of(cluster.address)
-        stack.enter_context(dask.config.set(configured))
-        path = tmp_path / "tiny.zarr"
-        with client_of(cluster.address) as client:
-            outcome = run_sweep(
-                SLOW, path, client=client, progress=when_done(cluster.workers[0].kill)
-            )
-        assert (outcome.done, outcome.failed) == (9, ())
-        assert content(path) == content(alone)
-
-        (tmp_path / "small.toml").write_text(SCENE)
-        run = ("run", tmp_path / "small.toml", "-o", tmp_path / "small.zarr", "--scheduler-file")
-        irg(*run, tmp_path / "scheduler.json")
-        (tmp_path / "empty.json").write_text("{}")
-        for name in ("empty.json", "missing.json"):
-            said = irg(*run, tmp_path / name, code=2)
-            assert f"{name} cannot be read as the file of a Dask" in said
-
-        for how in (signal.SIGSTOP, signal.SIGKILL):
-            path = tmp_path / f"{how}.zarr"
-            lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
-            lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are sa")
-            with client_of(cluster.address) as client, lost:
-                run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
-            assert summary(path).done
-            cluster.scheduler.send_signal(signal.SIGCONT)
-
-
 def python_of(user):
     """A Python of this version that another user may run, if there is one."""
     name = f"python{sys.version_info.major}.{sys.version_info.minor}"
@@ -157,26 +113,72 @@ def python_of(user):
     return None
 
 
-@pytest.mark.skipif(not python_of("nobody"), reason="no Python that another user may run")
+@pytest.fixture
+def elsewhere(monkeypatch):
+    """A cluster with certificates, and Dask's configuration with them.
+
+    Of another user, if there is a Python that they may run.
+    """
+    security, tls = Security.temporary(), "distributed.comm.tls"
+    with tempfile.TemporaryDirectory() as name:
+        folder, theirs = Path(name), {}
+        for file in ("ca_file", "client_cert", "client_key"):
+            (folder / file).write_text(getattr(security, f"tls_{file}"))
+        configured = {f"{tls}.ca-file": f"{name}/ca_file"}
+        for role in ("client", "scheduler", "worker"):
+            configured[f"{tls}.{role}.cert"] = f"{name}/client_cert"
+            configured[f"{tls}.{role}.key"] = f"{name}/client_key"
+        variables = {
+            f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
+            for key, file in configured.items()
+        }
+        if python := python_of("nobody"):
+            theirs = {"python": python, "user": "nobody"}
+            shutil.chown(folder, "nobody")
+            monkeypatch.chdir(folder)
+            # Not by PYTHONPATH: there, a package named as a module of Python's own would hide it.
+            packages = Path(sysconfig.get_path("purelib", "posix_user", {"userbase": name}))
+            packages.parent.mkdir(parents=True)
+            packages.symlink_to(sysconfig.get_path("purelib"))
+            variables["PYTHONUSERBASE"] = name
+        # One of its workers with threads that may not compute at the same time.
+        cluster = Cluster(folder, "tls", variables, security, threads=(1, 3), **theirs)
+        with closing(cluster):
+            yield cluster, configured, folder / "scheduler.json"
+
+
 @pytest.mark.filterwarnings("ignore:Mismatched versions")  # of Python, in its last digit
 @pytest.mark.timeout(300)
-def test_workers_of_another_user_need_not_see_the_store(tmp_path, alone):
-    hidden = tmp_path / "hidden"
-    hidden.mkdir(mode=0o700)
-    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patched:
-        shutil.chown(folder, "nobody")
-        patched.chdir(folder)
-        # Not by PYTHONPATH: there, a package named as a module of Python's own would hide it.
-        packages = Path(sysconfig.get_path("purelib", "posix_user", {"userbase": folder}))
-        packages.parent.mkdir(parents=True)
-        packages.symlink_to(sysconfig.get_path("purelib"))
-        settings = {"PYTHONUSERBASE": folder}
-        theirs = {"settings": settings, "python": python_of("nobody"), "user": "nobody"}
-        cluster = Cluster(Path(folder), **theirs)
-        with closing(cluster), client_of(cluster.address) as client:
-            outcome = run_sweep(SWEEP, hidden / "out.zarr", client=client)
-    assert (outcome.done, outcome.failed) == (9, ())
-    assert content(hidden / "out.zarr") == content(alone)
+def test_a_cluster_elsewhere_sees_no_store_computes_the_same_and_may_be_lost(
+    elsewhere, tmp_path, alone, irg
+):
+    cluster, configured, file = elsewhere
+    with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm"):
+        client_of(cluster.address)
+    (hidden := tmp_path / "hidden").mkdir(mode=0o700)
+    with dask.config.set(configured):
+        kill = when_done(cluster.workers[0].kill)
+        with client_of(cluster.address) as client:
+            outcome = run_sweep(SLOW, hidden / "tiny.zarr", client=client, progress=kill)
+        assert (outcome.done, outcome.failed) == (9, ())
+        assert content(hidden / "tiny.zarr") == content(alone)
+
+        (tmp_path / "small.toml").write_text(SCENE)
+        run = ("run", tmp_path / "small.toml", "-o", hidden / "small.zarr", "--scheduler-file")
+        irg(*run, file)
+        (tmp_path / "empty.json").write_text("{}")
+        for name in ("empty.json", "missing.json"):
+            said = irg(*run, tmp_path / name, code=2)
+            assert f"{name} cannot be read as the file of a Dask" in said
+
+        for how in (signal.SIGSTOP, signal.SIGKILL):
+            path = hidden / f"{how}.zarr"
+            lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
+            lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are sa")
+            with client_of(cluster.address) as client, lost:
+                run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
+            assert summary(path).done
+            cluster.scheduler.send_signal(signal.SIGCONT)
 
 
 def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothing(tmp_path):

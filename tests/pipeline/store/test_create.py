@@ -153,13 +153,6 @@ def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, mon
 # Growth
 
 
-def test_a_store_opened_again_is_left_as_it_is(path):
-    commit(path, SWEEP, [POINT])
-    before = {file: file.stat().st_mtime_ns for file in path.rglob("*") if file.name != "lock"}
-    commit(path, SWEEP, ())
-    assert before == {file: file.stat().st_mtime_ns for file in before}
-
-
 def test_conditions_and_titles_follow_the_scene_file(path):
     commit(path, SWEEP, [POINT])
     commit(

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -115,19 +116,11 @@ def test_all_files_of_a_store_follow_the_umask(tmp_path):
         assert file.stat().st_mode & 0o777 == expected, file
 
 
-def a_link(file, target):
-    file.symlink_to(target)
-
-
-def a_pipe(file, _):
-    os.mkfifo(file)
-
-
-def a_folder(file, _):
-    file.mkdir()
-
-
-@pytest.mark.parametrize("make", [a_link, a_pipe, a_folder])
+@pytest.mark.parametrize(
+    "make",
+    [Path.symlink_to, lambda file, _: os.mkfifo(file), lambda file, _: file.mkdir()],
+    ids=["a link", "a pipe", "a folder"],
+)
 def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make):
     (path / LOCK).unlink()
     (tmp_path / "mine").write_text("years of work")

@@ -12,7 +12,6 @@ from botocore.exceptions import ClientError
 from s3fs.errors import translate_boto_error
 
 from pipeline.analysis.dataset import open_sweep
-from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
 from pipeline.store import lock, place
 from pipeline.store.create import writing
@@ -61,28 +60,58 @@ def client():
     return boto3.client("s3")
 
 
+def at(address):
+    return dict(zip(("Bucket", "Key"), address.removeprefix("s3://").split("/", 1), strict=True))
+
+
 def put(address, content):
-    bucket, key = address.removeprefix("s3://").split("/", 1)
-    client().put_object(Bucket=bucket, Key=key, Body=content)
+    client().put_object(**at(address), Body=content)
 
 
 def keys(address):
-    bucket, key = address.removeprefix("s3://").split("/", 1)
-    listed = client().list_objects_v2(Bucket=bucket, Prefix=key)
+    bucket, prefix = at(address).values()
+    listed = client().list_objects_v2(Bucket=bucket, Prefix=prefix)
     return [entry["Key"] for entry in listed.get("Contents", [])]
 
 
 def delete(address):
-    bucket, key = address.removeprefix("s3://").split("/", 1)
-    client().delete_object(Bucket=bucket, Key=key)
+    client().delete_object(**at(address))
 
 
-def test_a_sweep_runs_and_resumes(address):
+def test_a_sweep_runs_resumes_and_is_repaired_with_few_requests(address, monkeypatch, irg):
+    """Each one is charged for, and takes a tenth of a second on its way."""
+    requests, send = [], AioEndpoint._send
+
+    async def logged(self, request):
+        requests.append(f"{request.method} {request.url}")
+        return await send(self, request)
+
+    monkeypatch.setattr(AioEndpoint, "_send", logged)
     assert run_sweep(SWEEP, address, workers=1).computed == 2
-    assert run_sweep(SWEEP, address, workers=1).computed == 0
     assert_is_as_computed(address, [POINT, OTHER])
     with pytest.raises(StoreMismatchError):
         commit(address, tiny.full(increments=7), ())
+    requests.clear()
+    assert run_sweep(SWEEP, address, workers=1).computed == 0
+    assert len(requests) <= 15
+    requests.clear()
+    open_sweep(address).load()
+    assert len(requests) <= 50
+
+    put(f"{address}/pressure/c.1.0.0.0", b"\x28\xb5\x2f\xfd nonsense")
+    put(f"{address}/load/c.0", b"nonsense")
+    assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
+    said = irg("verify", address, "--repair", code=1)
+    assert "600 N, 1 m/s: the data are not those that were computed" in said
+    irg("verify", address)
+    assert set(done_points(address)) == {POINT}
+    with writing(address, SWEEP) as store:
+        requests.clear()
+        store.commit([record(OTHER, SWEEP.plane.loads)])
+        assert len(requests) <= 60
+    delete(f"{address}/time/c.0.0.0")
+    with pytest.raises(StoreError, match="time cannot be read; irg verify"):
+        open_sweep(address)
 
 
 LATER = tiny.full(loads=(1500.0,), velocities=(1.0, 2.0))
@@ -113,48 +142,6 @@ def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
         assert point in done_points(address)
     assert_is_as_computed(address, [POINT, point])
     assert verify_store(address).is_clean
-
-
-def test_damage_is_named_and_repaired(address, capsys):
-    commit(address, SWEEP)
-    put(f"{address}/pressure/c.1.0.0.0", b"\x28\xb5\x2f\xfd nonsense")
-    put(f"{address}/load/c.0", b"nonsense")
-    assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
-    assert main(["verify", address, "--repair"]) == 1
-    assert "600 N, 1 m/s: the data are not those that were computed" in capsys.readouterr().out
-    assert main(["verify", address]) == 0
-    assert set(done_points(address)) == {POINT}
-    delete(f"{address}/time/c.0.0.0")
-    with pytest.raises(StoreError, match="time cannot be read; irg verify"):
-        open_sweep(address)
-
-
-@pytest.fixture
-def requests(monkeypatch):
-    """Requests to the server, by method and address."""
-    log, send = [], AioEndpoint._send
-
-    async def logged(self, request):
-        log.append(f"{request.method} {request.url}")
-        return await send(self, request)
-
-    monkeypatch.setattr(AioEndpoint, "_send", logged)
-    return log
-
-
-def test_a_commit_and_a_run_with_nothing_to_do_take_few_requests(address, requests):
-    """Each one is charged for, and takes a tenth of a second on its way."""
-    with writing(address, SWEEP) as store:
-        store.commit([record(POINT)])
-        requests.clear()
-        store.commit([record(OTHER, SWEEP.plane.loads)])
-        assert len(requests) <= 60
-    requests.clear()
-    assert run_sweep(SWEEP, address).computed == 0
-    assert len(requests) <= 15
-    requests.clear()
-    open_sweep(address).load()
-    assert len(requests) <= 50
 
 
 def test_one_driver_at_a_time(made):
@@ -238,10 +225,9 @@ def test_a_store_that_lost_its_root_is_not_written_over(made):
     put(f"{made}/zarr.json", root)
 
 
-def test_without_s3fs_it_says_what_to_install(monkeypatch, capsys):
+def test_without_s3fs_it_says_what_to_install(monkeypatch, irg):
     monkeypatch.setattr(place, "find_spec", lambda name: None)
-    assert main(["status", "s3://irg/tiny.zarr"]) == 2
-    assert "pip install s3fs" in capsys.readouterr().err
+    assert "pip install s3fs" in irg("status", "s3://irg/tiny.zarr", code=2)
 
 
 def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):

@@ -9,13 +9,12 @@ import pytest
 import pipeline
 import tribo
 from pipeline.store.schema import COLUMNS
-from pipeline.sweep import plan
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point, run_points
 from pipeline.sweep.stations import Stations
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
-from tribo.simulation import contacts, disk_positions
+from tribo.simulation import disk_positions
 
 SWEEP = tiny.sweep()
 
@@ -139,25 +138,6 @@ def test_a_station_is_the_end_of_the_point_at_its_load_bit_for_bit(physics, step
             assert values[: number + 1].tobytes() == lower[name].tobytes(), (name, load)
 
 
-def test_loads_that_were_computed_before_cost_no_further_step(monkeypatch):
-    counted = []
-
-    def counting(*arguments):
-        for state in contacts(*arguments):
-            counted.append(state.normal_load)
-            yield state
-
-    monkeypatch.setattr(plan, "contacts", counting)
-    taken = {}
-    for steps in ("end", "loads"):
-        counted.clear()
-        sweep, trunk = tiny.sweep(steps=steps), None
-        for load in tiny.LOADS:
-            trunk = run_point(sweep, load, 1.0, trunk=trunk).trunk
-        taken[steps] = list(counted)
-    assert taken["loads"] == taken["end"]
-
-
 def test_a_load_that_failed_is_no_station():
     loading = tiny.DivergingRamp(150.0, 750.0, faulty_load=250.0)
     sweep = tiny.sweep(loading=loading)
@@ -201,9 +181,6 @@ def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
     every = run_point(sweep.changed(steps="all"), 250.0, 1.0).columns
     assert every["normal_load"].tolist()[-4:] == [125.0, 250.0, 250.0, 250.0]
-
-
-def test_ends_of_lower_loads_are_refused_as_stations_where_the_load_is_held():
     with pytest.raises(tribo.InputError, match="the load is held: a higher load does not pass"):
         tiny.sweep(loading=RAMP, steps="loads")
 

@@ -23,22 +23,10 @@ def test_the_share_below_a_value_is_the_one_it_was_drawn_by(unknown):
     assert distribution_of(unknown).cdf(unknown.quantile(shares)) == pytest.approx(shares, rel=1e-9)
 
 
-def test_two_thirds_lie_within_the_standard_deviation_or_the_factor():
-    values = drawn(ALL, seed=1, count=4096)
-    within = np.abs(values[:, 0] - 418.15) < 8.0
-    assert within.mean() == pytest.approx(0.6827, abs=0.002)
-    ratio = values[:, 1] / 1.2e-15
-    assert ((ratio < 1.5) & (ratio > 1 / 1.5)).mean() == pytest.approx(0.6827, abs=0.002)
-    assert values[:, 2].min() < 3.01e-6 < 5.99e-6 < values[:, 2].max()
-
-
-def test_each_of_a_list_is_drawn_as_often():
+def test_each_of_a_list_is_drawn_as_often_and_another_seed_draws_others():
     values, counts = np.unique(drawn(ALL, seed=1, count=256)[:, 3], return_counts=True)
     assert values.tolist() == [3.0, 5.0, 8.0, 9.0]
     assert counts.tolist() == [64, 64, 64, 64]
-
-
-def test_another_seed_draws_others():
     assert (drawn(ALL[:2], 1, 64) != drawn(ALL[:2], 2, 64)).all()
 
 
