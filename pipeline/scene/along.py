@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,7 +18,6 @@ from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
 from pipeline.scene.format import LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
-from pipeline.scene.units import is_shown_unit
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
@@ -150,19 +150,13 @@ def _is_path(head: str) -> bool:
 
 
 def _label(head: str, cells: Sequence[Any]) -> Column:
-    """A label of the rows: numbers in SI, or in their own unit if that is never shown; or words."""
-    numbers, _, (unit, *others) = zip(*(str(cell).partition(" ") for cell in cells), strict=True)
-    words = Column(head, tuple(map(str, cells)), None, meaning=f"{head} of the row")
-    column = column_of(head, cells, "row") if unit else replace(words, unit="1")
-    try:
-        own = tuple(map(float, numbers))
-    except ValueError:
-        own = ()
-    if not own or {unit, *others} != {unit} or column.unit is None:
-        return words
-    if unit and is_shown_unit(column.unit):
-        return replace(column, texts=())
-    return replace(column, values=own, unit=unit or "1", texts=())
+    """A label of the rows: numbers of one unit in that, or words."""
+    numbers, _, units = zip(*(str(cell).partition(" ") for cell in cells), strict=True)
+    meaning = f"{head} of the row"
+    if len(set(units)) == 1:
+        with suppress(ValueError):
+            return Column(head, tuple(map(float, numbers)), units[0] or "1", meaning=meaning)
+    return Column(head, tuple(map(str, cells)), None, meaning=meaning)
 
 
 def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:

@@ -81,7 +81,7 @@ def test_a_label_in_numbers_keeps_its_unit(tmp_path):
     rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"
     columns = pipeline.load_scene(scene(tmp_path, rows=rows)).variants.columns
     held = {column.name: (column.values, column.unit) for column in columns}
-    assert held["cycle time"] == ((30.0, 60.0), "s")
+    assert held["cycle time"] == ((0.5, 1.0), "min")
     assert held["angle"] == ((30.0, 60.0), "deg")
     assert held["gear"] == (("2a", "3"), None)
 
