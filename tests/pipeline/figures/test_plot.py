@@ -82,6 +82,10 @@ def test_boundary_in_the_diagram_is_the_known_one(drawn):
     np.testing.assert_allclose(curve[:, 0], expected, rtol=2e-4)
     assert curve[:, 1].min() == 200.0
     assert curve[:, 1].max() == 750.0
+    mild, _ = contour(drawn, "regions")
+    beside = synthetic.critical_velocity(mild[:, 1], synthetic.limit())
+    assert (mild[:, 0] < beside * (1 + 3e-4)).all()
+    assert np.isclose(mild[:, 0], beside, rtol=3e-4).any()
 
 
 def test_band_lies_between_the_boundaries_at_its_ends(drawn):

@@ -51,6 +51,8 @@ def test_without_data_what_is_assumed_comes_back():
     for row in posterior.summary():
         assert row["posterior"] == row["prior"]
     assert not list(posterior.hidden())
+    ends = 2.0 ** np.array([-1.645, 0.0, 1.645])
+    assert posterior.inferred_scatter == pytest.approx(0.05 * ends, rel=1e-3)
     # Values of a uniform input are correlated a little less than their normal scores.
     assert posterior.correlations == pytest.approx(correlations(JOINT), abs=0.02)
 
@@ -231,9 +233,11 @@ def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
 
 def test_a_test_that_all_others_contradict_is_named():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
-    measured = transitions(truth, 0.03, seed=1, loads=EIGHT, off=2)
-    posterior = pipeline.posterior(ensemble(tests=measured))
-    assert np.flatnonzero([judged.contradicts for judged in posterior.judged]).tolist() == [2]
+    for off in (None, 2):
+        measured = transitions(truth, 0.03, seed=1, loads=EIGHT, off=off)
+        posterior = pipeline.posterior(ensemble(tests=measured))
+        named = [number for number, one in enumerate(posterior.judged) if one.contradicts]
+        assert (named, posterior.fits) == ([] if off is None else [off], True)
 
 
 WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
