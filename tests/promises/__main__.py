@@ -8,7 +8,6 @@ does; what is judged against them can be judged anew.
 """
 
 import argparse
-import dataclasses
 import functools
 import json
 import subprocess
@@ -28,37 +27,13 @@ FAMILIES = {"cylinders": random_sweep, "wide": random_wide_sweep}
 
 
 def truth(sweep, parts):
-    """True boundaries, by the present heat and by all so far, and what kind of scene it is."""
+    """True boundaries, by the present heat and by all so far."""
     present, by_all = true_boundary(sweep)
     return {
-        "scene": described(sweep),
         "present": [*present.values()],
         "all": [*by_all.values()],
         "heat_model": largest_error(by_all, present),
     }
-
-
-def described(sweep):
-    """Kind of scene, in a line."""
-    loading = getattr(sweep.scene.loading, "hold", None)
-    motion = sweep.scene.motion and [
-        v for v in dataclasses.astuple(sweep.scene.motion) if v is not None
-    ]
-    return ", ".join(
-        [
-            type(sweep.scene.pin).__name__.lower(),
-            f"wear {sweep.scene.wear.pattern} {sweep.scene.wear.specific_wear_rate:.1g}"
-            if sweep.scene.wear
-            else "no wear",
-            "record" if loading is None else f"hold {loading:.2g} s",
-            f"rolls {motion}" if motion else "at rest",
-            f"bulks {sweep.conditions.bulk_difference:.3g} K apart",
-            "smooth"
-            if sweep.scene.roughness is None
-            else f"{len(sweep.variants.axes.get('realization', ())) or 1} surfaces",
-            f"{len(sweep.plane.velocities)} velocities",
-        ]
-    )
 
 
 def presets(sweep, parts):
