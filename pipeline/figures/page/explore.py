@@ -99,11 +99,6 @@ def explore(
     Page
         The file, its size, and what it holds.
 
-    Raises
-    ------
-    InputError
-        If the suffix is not .html, the number is negative, or the file cannot be written.
-
     Examples
     --------
     >>> import pipeline
