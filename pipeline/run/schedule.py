@@ -161,7 +161,9 @@ class _Run:
 
     def submit(self) -> None:
         """Give the workers few points, as a death counts against all; in the end suspects alone."""
-        while self._ramps and len(self.running) < _AHEAD * self._workers.total():
+        # One that has not answered yet may run other code.
+        threads = sum(n for worker, n in self._workers.items() if self._reports.knows(worker))
+        while self._ramps and len(self.running) < _AHEAD * threads:
             ramp = self._ramps.popleft()
             self._start(ramp, ramp.loads.popleft())
         is_usual = self._ramps or any(task.alone_on is None for task in self.running)

@@ -199,6 +199,10 @@ class Reports:
             if answer:
                 yield worker, answer
 
+    def knows(self, worker: str) -> bool:
+        """True if a worker has answered, or was given up."""
+        return worker in self._now
+
     def computes(self, workers: Collection[str]) -> bool:
         """True if one of these workers computed when it answered last."""
         return any(self._now.get(worker) for worker in workers)
