@@ -1,6 +1,5 @@
 """The search for the boundary, on rises that are known in closed form."""
 
-import itertools
 import math
 
 import numpy as np
@@ -52,19 +51,6 @@ def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, ben
 def test_where_rises_are_powers_of_the_velocity_two_points_a_load_are_enough():
     rises, _ = searched(lambda load, v: 50 * load**0.45 * v**0.55, loads=(200.0, 750.0))
     assert len(rises) == 4
-
-
-def test_a_search_that_was_cut_short_goes_on_to_the_same_end():
-    whole, rounds = searched(bent, 0.001)
-    for cut in range(1, len(rounds)):
-        rises = {point: whole[point] for points in rounds[:cut] for point in points}
-        again, _ = searched(bent, 0.001, rises=rises)
-        assert again == whole
-    # The end of a round need not have come.
-    half = dict(itertools.islice(whole.items(), len(whole) // 2))
-    again, _ = searched(bent, 0.001, rises=half)
-    for load in LOADS:
-        assert boundary_of(again, load) == pytest.approx(boundary_of(whole, load), rel=1e-3)
 
 
 @pytest.mark.parametrize(("factor", "end"), [(0.1, 5.0), (10.0, 0.5)])

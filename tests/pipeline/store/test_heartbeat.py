@@ -46,21 +46,16 @@ def refuse(path, holder):
         commit(path, SWEEP, ())
 
 
-def test_one_process_holds_a_store_and_leaves_no_lock(path):
-    with writing(path, SWEEP):
-        refuse(path, HERE)
-        assert summary(path).running == HERE
-    assert summary(path).running is None
-    assert not (path / LOCK).exists()
-
-
 def test_a_process_elsewhere_holds_a_store_until_it_is_silent_for_minutes(path):
     left_behind(path, 0.9 * lock.STALE)
     refuse(path, "process 7 on elsewhere")
     assert summary(path).running == "process 7 on elsewhere"
     left_behind(path, 1.1 * lock.STALE, "process 7 on else")  # also if it was cut short
     assert summary(path).running is None
-    commit(path, SWEEP, [OTHER])
+    with writing(path, SWEEP) as store:
+        store.commit([record(OTHER)])
+        refuse(path, HERE)
+        assert summary(path).running == HERE
     assert_is_as_computed(path, [POINT, OTHER])
     assert {file.name for file in (path / "status").iterdir()} == {"zarr.json", "c.0.0"}
 

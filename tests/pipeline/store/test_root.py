@@ -11,7 +11,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pipeline
-from pipeline.cli import main
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.root import root_document
 from tests.helpers import tiny
@@ -88,26 +87,16 @@ def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, d
     assert pipeline.verify_store(forged).is_clean
 
 
-EDITS = {
-    "an axis": (("attributes", "axes", "load", 0), 152.0),
-    "points of a chunk": (
-        ("consolidated_metadata", "metadata", "time", "chunk_grid", "configuration", "chunk_shape"),
-        [3, 2, 12],
-    ),
-    "another true": (("consolidated_metadata", "must_understand"), 0),
-}
-
-
-@pytest.mark.parametrize(("path", "new"), EDITS.values(), ids=EDITS)
-def test_a_change_of_the_root_is_named(forged, alone, capsys, path, new):
+@pytest.mark.parametrize(
+    ("path", "new"),
+    [(("attributes", "axes", "load", 0), 152.0), (("consolidated_metadata", "must_understand"), 0)],
+)
+def test_a_change_of_the_root_is_named(forged, alone, irg, path, new):
     document = edited((alone / ROOT).read_text(), path, new)
     (forged / ROOT).write_text(json.dumps(document))
     for command in ("status", "boundary", "verify"):
-        assert main([command, str(forged)]) == 2
-    said = capsys.readouterr().err
-    assert (
-        said.count("zarr.json is damaged: it is not what was written; irg run with the scene") == 3
-    )
+        said = irg(command, forged, code=2)
+        assert "zarr.json is damaged: it is not what was written; irg run with the scene" in said
 
 
 @pytest.mark.parametrize(

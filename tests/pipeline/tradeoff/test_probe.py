@@ -34,9 +34,7 @@ def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
     assert (fidelity.pixels_per_element, fidelity.heat_kernel) == (taken, "pin")
 
 
-@pytest.mark.parametrize(
-    ("number", "chosen"), [(1, (0,)), (2, (0, 4)), (3, (0, 2, 4)), (4, (0, 1, 3, 4)), (9, range(5))]
-)
+@pytest.mark.parametrize(("number", "chosen"), [(1, (0,)), (4, (0, 1, 3, 4)), (9, range(5))])
 def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
     sweep = SWEEP.changed(loads=(200.0, 300.0, 400.0, 500.0, 600.0))
     assert [place.load for place in some_places(sweep, number)] == [
@@ -64,18 +62,9 @@ def test_a_crossing_of_any_power_is_found_within_its_tolerance(exponent, root):
     assert all(0.1 * (1 - 1e-9) <= v <= 10.0 * (1 + 1e-9) for v in asked)
 
 
-def test_a_crossing_is_enclosed_where_the_rise_jumps():
-    asked = []
-
-    def rise(velocity):
-        asked.append(velocity)
-        return 100.0 if velocity < 0.7 else 300.0
-
-    assert critical_velocity(rise, 200.0, 0.1, 10.0) == pytest.approx(0.7, rel=1e-4)
-    assert len(set(asked)) == len(asked)
-
-
-def test_without_a_limit_the_middle_is_taken():
+def test_a_jump_is_enclosed_and_without_a_limit_the_middle_is_taken():
+    jump = critical_velocity(lambda v: 100.0 if v < 0.7 else 300.0, 200.0, 0.1, 10.0)
+    assert jump == pytest.approx(0.7, rel=1e-4)
     assert critical_velocity(lambda v: math.nan, math.inf, 0.1, 10.0) == pytest.approx(1.0)
 
 
