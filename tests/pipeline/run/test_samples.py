@@ -12,7 +12,7 @@ from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
-from pipeline.uncertain import design, next_tests, sensitivity
+from pipeline.uncertain import design, inputs, next_tests, sensitivity
 from pipeline.uncertain.answers import risk_lines
 from tests.helpers.samples import fewer_draws
 from tests.helpers.scenes import MEASURED, SCENE
@@ -113,6 +113,7 @@ def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
 
 def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, monkeypatch):
     fewer_draws(monkeypatch)
+    monkeypatch.setattr(inputs.prior, "__defaults__", (2**9,))
     monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     load(sampled, unknown=UNKNOWN + MEASURED.replace("400 N", "500 N").replace("2 m/s", "1.3 m/s"))
@@ -210,6 +211,7 @@ RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
 
 def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg, monkeypatch):
     monkeypatch.setattr(design, "_MOST", 12)  # simulations of a check, in place of 400
+    monkeypatch.setattr(design, "_DRAWS", 2**10)
     load(tmp_path, unknown=UNKNOWN + RANGE)
     store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
     irg("run", tmp_path / "scene.toml", "-o", store, "-q")
