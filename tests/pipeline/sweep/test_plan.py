@@ -63,11 +63,6 @@ PHYSICS = {
     "plain": {},
     "no wear": {"wear": None},
     "measured load": {"loading": RECORD},
-    "coarse history and hold": {
-        "pixels": WIDE,
-        "fidelity": {"history_coarsening": 2},
-        "loading": RAMP,
-    },
     "few elements": {"pixels": WIDE, "fidelity": SMALLER, "loading": RAMP},
     "few elements and heat of the past": {
         "pixels": WIDE,
@@ -102,7 +97,7 @@ def _few_positions(monkeypatch):
 
 @pytest.mark.parametrize(
     ("physics", "steps"),
-    [("plain", "loads"), ("few elements", 2), *((one, "all") for one in PHYSICS)],
+    [("plain", "loads"), *((one, "all") for one in PHYSICS)],
 )
 def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
     """250 N is a step of the trunk, so that its end lies on another's."""
