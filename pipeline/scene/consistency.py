@@ -16,7 +16,6 @@ from pipeline.scene.parts import Roughness, track_of
 from pipeline.scene.units import display
 from tribo.simulation.pins import sizes_of
 
-_LARGEST_PIXEL = 50e-6  # beyond which a unit is likely to be wrong: a contact has some [m]
 _ALIKE = 0.01  # by which two lengths of one track may differ
 Sound = Callable[..., list[Any]]
 Misfits = Iterator[tuple[str, ...]]
@@ -90,19 +89,11 @@ def _check_pixels(
 
 def _short_of_window(key: str, length: float, pixels: Any, sides: Any, axis: int) -> Misfits:
     side = pixels[axis] * sides[axis]
-    if length >= side * (1 - 1e-9):
-        return
-    if sides[axis] > _LARGEST_PIXEL:
-        yield (
-            "window.pixel_size",
-            f"{pixels[axis]} pixels of {display(sides[axis], 'mm')} are longer than {key}, "
-            f"{display(length, 'mm')}: check the unit; most are of 0.5 to 2 µm",
-        )
-    else:
+    if length < side * (1 - 1e-9):
         yield (
             key,
-            f"{display(length, 'mm')} is shorter than the window, which is {display(side, 'mm')} "
-            f"along {'xy'[axis]}; give at least that",
+            f"{display(length, 'mm')} is shorter than the window, {pixels[axis]} pixels of "
+            f"{display(sides[axis], 'µm')} along {'xy'[axis]}; give at least that",
         )
 
 
