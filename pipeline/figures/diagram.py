@@ -146,7 +146,7 @@ def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    axes.set_title(", ".join([style.title_of(ds), *named(drawn_row(ds))]), pad=10)
+    axes.set_title(", ".join([style.title_of(ds), *named(drawn_row(ds))]), pad=10, wrap=True)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 

@@ -170,7 +170,8 @@ def _contact(
             axes.set_yticks([])
     if outlined:
         row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
-    figure.suptitle(f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}")
+    title = f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}"
+    figure.suptitle(title, wrap=True)
     return figure
 
 

@@ -62,7 +62,7 @@ def ramp(
     lowest.set_xlabel("time [s]")
     lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
     _load_axis(temperature, ds, points)
-    figure.suptitle(style.title_of(ds))
+    figure.suptitle(style.title_of(ds), wrap=True)
     lines = [
         Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point))
         for k, point in enumerate(points)
@@ -230,6 +230,6 @@ def temperature(
             label = f"transition, {transition:.3g} m/s"
             axes.axvline(transition, color=VERMILION, lw=1.2, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
-    axes.set_title(f"{style.title_of(row)}\n{load_here:g} N")
+    axes.set_title(f"{style.title_of(row)}\n{load_here:g} N", wrap=True)
     style.legend_below(figure, ax, ncols=4, title=style.heating(conditions))
     return figure

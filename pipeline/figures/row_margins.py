@@ -54,7 +54,7 @@ def draw_rows(
         panels = list(figure.subplots(2, 1, sharex=True, height_ratios=(3, 2)))
         _draw_factors(panels[1], x, frame)
     _draw_margins(panels[0], x, frame)
-    panels[0].set_title(style.title_of(ds), pad=10)
+    panels[0].set_title(style.title_of(ds), pad=10, wrap=True)
     panels[-1].set_xlabel(style.as_text(label))
     if ticks:
         every = math.ceil(len(ticks) / _MOST_TICKS)

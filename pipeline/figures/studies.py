@@ -62,7 +62,7 @@ def draw_variations(varied: Variations) -> Figure:
         begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
         axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
     style.legend_below(figure, ncols=len(ends))
-    figure.suptitle(style.as_title(varied.title, 70))
+    figure.suptitle(style.as_text(varied.title), wrap=True)
     return figure
 
 
@@ -170,8 +170,9 @@ def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: E
         axes.set_ylabel(f"{_label(limit.entry)}, {side}")
     place = limit.binding
     axes.set_title(
-        f"{style.as_title(ensemble.title, 70)}\n{place.load:g} N at {place.velocity:g} m/s, "
-        f"{100 * goal.risk:g} % at most"
+        f"{style.as_text(ensemble.title)}\n{place.load:g} N at {place.velocity:g} m/s, "
+        f"{100 * goal.risk:g} % at most",
+        wrap=True,
     )
     return figure
 
@@ -224,7 +225,7 @@ def draw_trade(trade: Trade) -> Figure:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_title(style.as_title(f"Speed against accuracy: {trade.title}"), pad=10)
+    axes.set_title(style.as_text(f"Speed against accuracy: {trade.title}"), pad=10, wrap=True)
     title = f"open marks: one choice of {trade.base} varied, to the values from left to right"
     style.legend_below(figure, ncols=3, title=title if varied else None, title_fontsize=9.5)
     return figure

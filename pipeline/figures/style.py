@@ -65,9 +65,6 @@ _HOUSE_STYLE: Any = {
 REGION = "region"
 """Mark (gid) of the names of regions."""
 
-SOFT_BREAK = " \n"
-"""Break between lines of a title that goes where the figure gets another width."""
-
 _NARROW = 40  # characters of a line below the axes of a caller
 
 P = ParamSpec("P")
@@ -160,13 +157,8 @@ def plain_numbers(axes: Axes, names: str = "xy") -> None:
 
 
 def title_of(ds: xr.Dataset) -> str:
-    """Title of a sweep, in a few lines that fit a figure."""
-    return as_title(str(ds.attrs.get("title") or ds.attrs.get("name") or ""))
-
-
-def as_title(words: str, letters: int = 80) -> str:
-    """Words as a title, in lines of so many letters until a figure is fitted to a width."""
-    return SOFT_BREAK.join(textwrap.wrap(as_text(words), letters))
+    """Title of a sweep."""
+    return as_text(str(ds.attrs.get("title") or ds.attrs.get("name") or ""))
 
 
 def entry_label(path: str) -> str:
@@ -243,20 +235,12 @@ def _resize(artist: Artist, text: float, line: float) -> None:
 
 
 def _wrap_titles(figure: Figure) -> None:
-    """Break titles into lines that are as long as the figure is wide about their middle."""
-    figure.draw_without_rendering()
-    whole = figure.bbox.width
-    rooms = dict.fromkeys([legend.get_title() for legend in figure.findobj(Legend)], whole)
-    for axes in figure.axes:
-        middle = axes.bbox.x0 + axes.bbox.width / 2
-        rooms[axes.title] = 2 * min(middle, whole - middle)
-    if title := getattr(figure, "_suptitle", None):
-        rooms[title] = whole
-    for title, room in rooms.items():
+    """Break titles of legends into lines that are as long as the figure is wide."""
+    for title in (legend.get_title() for legend in figure.findobj(Legend)):
         letter = _LETTER * float(title.get_fontsize()) * figure.dpi / 72
-        text = title.get_text().replace(SOFT_BREAK, " ")
-        lines = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text).splitlines()
-        title.set_text("\n".join(textwrap.fill(line, int(0.92 * room / letter)) for line in lines))
+        text = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", title.get_text())
+        letters = int(0.92 * figure.bbox.width / letter)
+        title.set_text("\n".join(textwrap.fill(line, letters) for line in text.splitlines()))
 
 
 def _wrap_labels(figure: Figure) -> None:

@@ -81,7 +81,7 @@ def draw_risk(
     if posterior:
         basis = f"given {posterior.evidence}"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
-    axes.set_title(f"{style.as_title(ensemble.title, 74)}\n{basis}")
+    axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
     return figure
@@ -131,7 +131,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     label += ",\ngiven the measurements" if sensitivity.given_measured else ""
     bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
     axes.set_xlabel(f"{label}\n{bars}")
-    figure.suptitle(style.as_title(title, 70))
+    figure.suptitle(style.as_text(title), wrap=True)
     figure.legend(
         loc="outside lower center", ncols=min(number, 4), title="load, spread of velocity"
     )
@@ -187,8 +187,8 @@ def draw_posterior(posterior: Posterior) -> Figure:
         _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    titles = (style.as_title(one.title, 34 * columns) for one in posterior.ensembles)
-    figure.suptitle("\n".join(titles))
+    titles = (style.as_text(one.title) for one in posterior.ensembles)
+    figure.suptitle("\n".join(titles), wrap=True)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
