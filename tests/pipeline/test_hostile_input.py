@@ -131,10 +131,10 @@ def test_the_root_of_all_files_is_no_store(capsys):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
-def test_results_that_find_no_room_are_an_error_in_a_line(alone):
+def test_an_answer_that_finds_no_room_is_an_error_in_a_line():
     with open("/dev/full", "w") as full:  # noqa: PTH123
         streams = {"stdout": full, "stderr": subprocess.PIPE, "capture_output": False}
-        done = python("-m", "pipeline", "status", alone, **streams)
+        done = python("-m", "pipeline", "help", **streams)
     assert done.returncode == 2
     assert done.stderr.startswith("irg: cannot go on: [Errno 28] No space left")
     assert done.stderr.count("\n") == 1
