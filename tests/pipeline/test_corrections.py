@@ -1,6 +1,7 @@
 """Physics beside the half-spaces: entries that cost no simulation, one for all answers."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -189,10 +190,11 @@ def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
     command += ["--set", "increments=1"]
     budget = irg(*command)
     table, counted = budget.split("counted:\n", 1)
-    counted, could_be = counted.split("\ncould be counted:\n")
+    counted, could_be, not_sized = re.split("\n(?:could be counted|cannot be sized):\n", counted)
     for name in ("without stem and holder", "earlier turns", "bulk that follows", "oxide"):
         assert f"\n{name}" in table
     assert counted.count("  entry") == could_be.count("pin.stem") + 1 == 1
+    assert "plastic memory of the track: " in not_sized
     assert "--physics" in irg(*command[:2], "-q", code=2)
 
 

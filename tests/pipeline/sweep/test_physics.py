@@ -14,6 +14,7 @@ CROWNED = {"without": ["pin.length"], "pin.shape": "crowned", "pin.crown_radius"
 NAMES = {
     "friction by velocity", "earlier turns", "bulk that follows", "stem and holder of the pin",
     "oxide or tribofilm", "conductivity and specific heat when warm",
+    "plastic memory of the track", "kinetics of desorption",
 }  # fmt: skip
 SCENES = {
     "plain": {},
