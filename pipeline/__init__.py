@@ -24,7 +24,8 @@ The public names, in the order of the page ``API.md``, which says what each is f
   `margin_intervals`, `sensitivity`, `posterior`, `candidates`, `plan_tests`, `design`, `Goal`,
   `Place`
 - accuracy: `choose_fidelity`, `trade`
-- figures: `plot`, `draw_risk`, `draw_sensitivity`, `draw_posterior`, `report`, `explore`
+- figures: `plot`, `draw_variations`, `draw_trade`, `draw_risk`, `draw_sensitivity`,
+  `draw_posterior`, `draw_design`, `report`, `explore`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 

@@ -12,6 +12,9 @@ from .analysis.warned_points import warned as warned
 from .figures.page.explore import explore as explore
 from .figures.plot import plot as plot
 from .figures.report import report as report
+from .figures.studies import draw_design as draw_design
+from .figures.studies import draw_trade as draw_trade
+from .figures.studies import draw_variations as draw_variations
 from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity

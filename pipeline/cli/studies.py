@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
-import pkgutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
@@ -25,8 +24,6 @@ from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Direct, Goal, Limit,
 from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from pipeline.run.vary import Variations  # with Dask
 
 _STATES = ("counted", "could be counted", "cannot be sized")
@@ -58,14 +55,8 @@ def vary(options: argparse.Namespace) -> Result:
         _on_variations(result, frame),
         warned=result.warned,
         frames=[frame],
-        draw=partial(_drawn, "draw_variations", result),
+        draw=partial(pipeline.draw_variations, result),
     )
-
-
-def _drawn(name: str, *results: Any) -> Figure:
-    """Figure of a study, by a function that is imported, with Matplotlib, only where it draws."""
-    figure: Figure = pkgutil.resolve_name(f"pipeline.figures.studies:{name}")(*results)
-    return figure
 
 
 def _critical_velocities(result: Variations) -> pd.DataFrame:
@@ -104,7 +95,7 @@ def _on_variations(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
     measured = pipeline.trade(given.scene_in(options), base=options.base, progress=tell)
-    draw = partial(_drawn, "draw_trade", measured)
+    draw = partial(pipeline.draw_trade, measured)
     return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)
 
 
@@ -143,7 +134,7 @@ def design(options: argparse.Namespace) -> Result:
     document["direct"] = direct and asdict(direct)
     document["confirmed"] = bool(direct and direct.agrees_with(goal.risk))
     text += [*_on_check(goal, limit, at, direct, reason), *samples.notes()]
-    draw = partial(_drawn, "draw_design", limits, samples.ensemble)
+    draw = partial(pipeline.draw_design, limits, samples.ensemble)
     out = given.beside(options.store, "_design.png")
     return Result(document, text, pipeline.warned(ds), [frame], draw, out)
 

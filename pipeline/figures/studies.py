@@ -33,7 +33,21 @@ _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 @style.in_house_style
 def draw_variations(varied: Variations) -> Figure:
-    """Draw how far each input moves the critical velocity: the most important one on top."""
+    """Draw how far each input moves the critical velocity: the most important one on top.
+
+    Parameters
+    ----------
+    varied : Variations
+        Result of `pipeline.vary`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> base = Variation("", "", (2.17,), ("crosses",))
+    >>> other = Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
+    >>> variations = Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
+    >>> figure = pipeline.draw_variations(variations)
+    """
     keys = varied.by_key()
     figure, axes = style.canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
     ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
@@ -140,7 +154,26 @@ _LEAST_RISK = 1e-5  # probability that is drawn
 
 @style.in_house_style
 def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: Ensemble) -> Figure:
-    """Draw the probability over an entry with its limit, or limits by values of another entry."""
+    """Draw the probability over an entry with its limit, or limits over another entry.
+
+    Parameters
+    ----------
+    limits : sequence of (mapping, Limit)
+        Values of another entry by its path, if there is one, and the limit there.
+    ensemble : Ensemble
+        Samples of the sweep.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> from dataclasses import replace
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
+    >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
+    >>> goal = pipeline.Goal((pipeline.Place(400.0, 2.2),), risk=0.05)
+    >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
+    >>> figure = pipeline.draw_design([({}, limit)], ensemble)
+    """
     figure, axes = style.canvas(None, (7.2, 4.8))
     limit = limits[0][1]
     goal, shown = limit.goal, limit.entry.shown
@@ -189,7 +222,20 @@ _MARKER_COLOURS = (GREEN, PURPLE, ORANGE, SKY, GREY)
 
 @style.in_house_style
 def draw_trade(trade: Trade) -> Figure:
-    """Draw the error of the boundary velocity over the work of each choice."""
+    """Draw the error of the boundary velocity over the work of each choice.
+
+    Parameters
+    ----------
+    trade : Trade
+        Result of `pipeline.trade`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> figure = pipeline.draw_trade(pipeline.trade(scene))  # doctest: +SKIP
+    >>> figure.savefig("trade.png")  # doctest: +SKIP
+    """
     figure, axes = style.canvas(None, (8.0, 6.4))
     choices = trade.choices[:-1]  # but for the reference, which has no error
     axes.set(xscale="log", yscale="log")

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.figures.studies import draw_variations
-from pipeline.run.vary import Variation, Variations
 from tests.helpers.scenes import SCENE
 
 SMALL = SCENE.replace("coefficient = 0.1", "coefficient = 0.13").replace(
@@ -118,12 +116,3 @@ def test_the_command_draws_and_tells_of_a_window_that_is_too_narrow(folder, irg)
 )
 def test_bad_input_is_told_in_a_line(folder, irg, over, message):
     assert message in irg("vary", folder / "small.toml", "--over", over, code=2)
-
-
-def test_the_bar_of_an_input_ends_at_the_change_by_its_value():
-    base = Variation("", "", (2.0,), ("crosses",))
-    other = Variation("friction.coefficient", "0.12", (1.5,), ("crosses",))
-    drawn = draw_variations(Variations("A scene", (400.0,), base, (other,), points=8, contacts=8))
-    (axes,) = drawn.axes
-    assert axes.patches[0].get_bbox().bounds[::2] == (-0.25, 0.25)
-    assert [text.get_text() for text in axes.texts] == ["0.12"]
