@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 
 import pipeline
 from pipeline.analysis.tables import frame_of
@@ -27,7 +28,7 @@ from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.variants import VARIANT
-from pipeline.tradeoff.forecast import Estimate, machine_bytes, savings, worker_bytes
+from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
 from tribo import lubrication_regime
 
 
@@ -88,10 +89,11 @@ def check(options: argparse.Namespace) -> Result:
     require_free_names(sweep)
     facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))
     doubted = list(doubts(sweep, facts))
-    is_too_large = memory > machine_bytes()
+    machine = psutil.virtual_memory().total
+    is_too_large = memory > machine
     if is_too_large:
         doubted.append(
-            f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
+            f"this machine has {machine / 1e9:.0f} GB of memory, less than a worker needs: "
             "the time is not estimated; give fewer window.pixels, or a coarser fidelity"
         )
     on_unknown, unknown = _on_unknown(sweep)

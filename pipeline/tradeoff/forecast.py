@@ -119,14 +119,6 @@ def worker_bytes(sweep: Sweep) -> float:
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.scene.grid.shape)
 
 
-def machine_bytes() -> float:
-    """Memory of this machine [B]; infinite where that is not known."""
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):
-        return math.inf
-
-
 def _timed(sweep: Sweep) -> tuple[float, float, State]:
     """Times of a contact and of a temperature on a ramp [s], and the state as far as it is fast."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
