@@ -11,7 +11,7 @@ from typing import Any
 
 import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
-from pipeline.scene.library import nearest_names
+from pipeline.scene.library import library
 from pipeline.scene.parts import Roughness, track_of
 from pipeline.scene.units import display
 from tribo.simulation.pins import sizes_of
@@ -51,9 +51,9 @@ def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
     for body in ("pin", "disk"):
         name = entry_at(tables, f"{body}.material")
         if name and name not in materials:
-            hint = did_you_mean(name, materials) or f" ({nearest_names(name, 'materials')})"
+            known = {**materials, **library()["materials"]}
+            hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
             problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
-            choices = ", ".join([*map(quoted, materials), "one of the library"])
             faults.note(f"{body}.material", f"{problem}; give {choices}, or add a table for it")
 
 

@@ -126,11 +126,11 @@ def quoted(value: object) -> str:
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
     """Ask whether the nearest known word was meant; empty if none is near."""
-    word, words = word[:80].lower(), list(words)
-    ends = [other for other in words if other.endswith(f".{word}")]
-    longer = [other for other in words if len(word) > 2 and other.startswith(word)]
-    near = ends or longer or difflib.get_close_matches(word, words, n=1, cutoff=0.67)
-    return f' (did you mean "{near[0]}"?)' if near else ""
+    word, known = word[:80].lower(), {other.lower(): other for other in words}
+    ends = [other for other in known if other.endswith(f".{word}")]
+    longer = [other for other in known if len(word) > 2 and other.startswith(word)]
+    near = ends or longer or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
+    return f' (did you mean "{known[near[0]]}"?)' if near else ""
 
 
 def entry_at(tables: Mapping[str, Any], path: str) -> Any:

@@ -6,13 +6,12 @@ together.
 
 from __future__ import annotations
 
-import difflib
 import functools
 import tomllib
 from importlib import resources
 from typing import Any
 
-from pipeline.scene.faults import Fault, Faults, entry_at, joined, quoted
+from pipeline.scene.faults import Faults, did_you_mean, entry_at, joined, quoted
 from pipeline.sweep.about import FromLibrary
 
 _WHOLE = {
@@ -56,27 +55,6 @@ def with_library(
     return entries, tuple(taken)
 
 
-def without_consequences(faults: Faults) -> list[Fault]:
-    """The faults but for entries that are missing only because a ``like`` is wrong."""
-    wrong = tuple(fault.key.removesuffix("like") for fault in faults if fault.key.endswith(".like"))
-    return [
-        fault
-        for fault in faults
-        if not (fault.key.startswith(wrong) and fault.problem.startswith("missing"))
-    ]
-
-
-def nearest_names(name: str, kind: str) -> str:
-    """Names of the library near a name, as a question; or all of them if none is."""
-    names = list(library()[kind])
-    near = [other for other in names if name.lower() in other.lower()] or difflib.get_close_matches(
-        name, names, n=3, cutoff=0.5
-    )
-    if near:
-        return f"did you mean {' or '.join(map(quoted, near[:3]))}?"
-    return f"the library has {', '.join(map(quoted, names))}"
-
-
 def _material(name: str, table: Any, taken: list[FromLibrary], faults: Faults) -> Any:
     """A table of ``[materials]``, filled from the library if it is to be."""
     if not isinstance(table, dict):
@@ -97,15 +75,14 @@ def _filled(
     """The entries of a table, and those that it lacks from an entry of the library."""
     if not isinstance(like, str) or not like:
         return table
-    usual = library()[kind].get(like)
-    if usual is None:
-        names = nearest_names(like, kind)
-        problem = f"{quoted(like)} is not in the library ({names}); give a name of it"
-        faults.note(f"{place}.like", problem)
-        return table
+    known = library()[kind]
+    if like not in known:
+        hint = did_you_mean(like, known) or f" ({', '.join(map(quoted, known))})"
+        faults.note(f"{place}.like", f"{quoted(like)} is not in the library{hint}; give one of it")
+        like = next(iter(known))  # so that nothing else seems to be missing
     has_viscosity = any(key in table for key in _VISCOSITY)
     added = {}
-    for key, (value, source) in usual.items():
+    for key, (value, source) in known[like].items():
         at_temperatures = key in _VISCOSITY or isinstance(value, list)
         if key not in table and not (has_viscosity and at_temperatures):
             added[key] = value

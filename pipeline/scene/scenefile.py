@@ -15,7 +15,7 @@ from pipeline.scene.document import Document, as_toml, read_document, with_entri
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
-from pipeline.scene.library import with_library, without_consequences
+from pipeline.scene.library import with_library
 from pipeline.scene.logs import with_rows
 from pipeline.scene.over import over_of, with_first_values, with_rates_of
 from pipeline.scene.parts import (
@@ -117,7 +117,7 @@ def load_scene(
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
-        raise SceneFileError(path, [*map(document.line, without_consequences(faults))])
+        raise SceneFileError(path, [*map(document.line, faults)])
     return sweep
 
 
