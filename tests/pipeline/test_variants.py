@@ -66,10 +66,8 @@ def test_each_row_has_a_boundary_with_its_own_limit(store):
 
 
 def test_commands_answer_for_each_row(store, irg):
-    for command in ("boundary", "margin"):
-        place = PLACE if command == "margin" else ()
-        said = irg(command, store, *place)
-        assert all(case in said for case in CASES)
+    said = irg("margin", store, *PLACE)
+    assert all(case in said for case in CASES)
     assert "300 N, 1.2 m/s, oil thin, case slim" in said.split("not decided; next:")[1]
     assert "--set" not in said
 

@@ -2,37 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import cholesky
-from scipy.optimize import brentq, lsq_linear
 
 from tribo import ElasticHalfSpace, Grid, Wear, self_affine, solve_contact
-from tribo.contact.rows import RowMetric
-
-SHAPE = (5, 4)
-NODES = np.array([0, 1, 2, 5, 6, 7, 9, 16, 17, 18, 19])  # row 3 is left out, row 2 holds one
-
-
-def dense(d, c):
-    """M of Eq. (1) as a matrix."""
-    rows = NODES // SHAPE[1]
-    return d * np.eye(len(NODES)) + c / SHAPE[1] * (rows[:, None] == rows)
-
-
-@pytest.mark.parametrize("c", [1.0, 1e3])
-@pytest.mark.parametrize("highest", [np.inf, 0.8])
-def test_nearest_equals_bounded_least_squares(c, highest):
-    metric, matrix = RowMetric(2.0, c / SHAPE[1], NODES // SHAPE[1]), dense(2.0, c)
-    q, total = np.random.default_rng(1).normal(size=len(NODES)), 3.0
-    root = cholesky(matrix)
-
-    def carried(mu):
-        target = root @ q + np.linalg.solve(root.T, np.full(len(q), mu))
-        return lsq_linear(root, target, bounds=(0, highest), method="bvls", tol=1e-15).x
-
-    mu = brentq(lambda mu: carried(mu).sum() - total, -10 * c - 10, 10 * c + 10, xtol=1e-13)
-    nearest = metric.nearest(q, total, highest)
-    assert nearest == pytest.approx(carried(mu), abs=1e-9)
-    assert nearest.sum() == pytest.approx(total, rel=1e-14)
 
 
 @pytest.mark.parametrize("softness", [1.0, 1e8])

@@ -1,5 +1,3 @@
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
@@ -88,19 +86,6 @@ def test_single_precision_keeps_seven_digits(shape, periodic):
         # Some tens of roundings of 6e-8 each.
         assert single(field) == pytest.approx(exact, abs=2e-6 * max(1.0, np.abs(exact).max()))
         assert single(field).dtype == np.float64
-
-
-@pytest.mark.parametrize("single", [False, True])
-def test_threads_may_share_a_map(single):
-    random = np.random.default_rng(7)
-    grid = Grid((96, 96), (1.0, 1.0))
-    convolve = Convolution.from_kernel(grid, random.normal(size=padded_shape(grid)))
-    convolve = convolve.in_single_precision() if single else convolve
-    fields = random.normal(size=(64, *grid.shape))
-    alone = [convolve(field) for field in fields]
-    with ThreadPoolExecutor(8) as threads:
-        together = list(threads.map(convolve, fields))
-    assert np.array_equal(together, alone)
 
 
 def test_a_spectrum_of_the_wrong_shape_is_refused():
