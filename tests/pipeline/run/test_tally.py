@@ -28,9 +28,8 @@ def tallied(tmp_path, monkeypatch):
         with writing(tmp_path / "out.zarr", sweep) as store:
             tally = Tally(store, reports.append, now)
             tally.begin(store, link, chains(points(sweep), sweep))
-            link.absent = absent
             for now, velocity in zip(ends, sweep.plane.velocities, strict=False):
-                link.workers = workers if now > since else 1
+                link.workers, link.absent = (workers, absent) if now > since else (1, 0.0)
                 point = Point(150.0, velocity)
                 store.flags[store.index(point)] = DONE
                 tally.learn([PointRecord(point, {}, wall_time=1.0)])
@@ -53,8 +52,8 @@ LATER = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number 
         ([60.0], {"workers": 1000}, 1.0),
         # A worker finishes a point of 1 s in every 2 s: the schedule costs more than the point.
         ([START + 2.0 * number for number in range(20)], {}, 2 * (COUNT - 20)),
-        # The first worker comes after an hour, and finishes a point in each second.
-        ([3601.0, 3602.0], {"absent": 3600.0}, COUNT - 2),
+        # No worker for an hour after the first 20 points, each of which took a second.
+        ([*range(1, 21), *range(3621, 3641)], {"absent": 3600.0, "since": 20.0}, COUNT - 40),
         # One worker for 20 s, ten from then on: 40 points are left.
         (LATER, {"workers": 10, "since": 20.0}, 4.0),
     ],
