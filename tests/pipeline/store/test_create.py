@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.scenefile import load_scene
-from pipeline.store import create, schema
+from pipeline.store import create
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import arrays_of
@@ -309,15 +309,6 @@ def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, compl
     with pytest.raises(StoreMismatchError, match=complaint):
         commit(path, several(**asked), ())
     assert contents(path) == before
-
-
-def test_a_store_of_other_variables_is_refused(path, monkeypatch):
-    with monkeypatch.context() as patch:
-        fewer = {k: one for k, one in schema.VARIABLES.items() if k != "mean_pressure"}
-        patch.setattr(schema, "VARIABLES", fewer)
-        commit(path, SWEEP, ())
-    with pytest.raises(StoreMismatchError, match=r"variables.mean_pressure: None in the store"):
-        commit(path, SWEEP, ())
 
 
 def test_a_whole_number_is_the_same_as_its_float(path):

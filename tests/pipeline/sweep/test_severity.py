@@ -134,6 +134,7 @@ def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():
         ({"bulk_temperature": -1.0}, "it must be above 0 K"),
         ({"critical_temperature": 298.15}, "must lie above the bulk temperature, 25 °C .298.15 K"),
         ({"failing_share": 1.0}, "share is 1.0"),
+        ({"failing_share": math.nan, "critical_temperature": None}, "failing_share is nan"),
     ],
 )
 def test_conditions_outside_their_range_are_refused(changes, said):
@@ -144,8 +145,3 @@ def test_conditions_outside_their_range_are_refused(changes, said):
 def test_what_is_not_given_stays():
     assert OWN.changed(friction=0.0, share=0.0) == replace(OWN, friction=0.0, failing_share=0.0)
     assert OWN.changed() == OWN
-
-
-def test_without_a_critical_temperature_the_share_is_still_checked():
-    with pytest.raises(InputError, match="failing_share is nan"):
-        Conditions(0.1, 298.15, None, failing_share=math.nan)

@@ -4,17 +4,11 @@ from dataclasses import asdict
 
 import pytest
 
-from pipeline.sweep.about import as_lines
 from pipeline.sweep.model import Point
 from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.sweep.stages import duration
 from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from tribo import PRESETS
-
-
-def test_rows_are_aligned_below_a_title():
-    rows = [("pin", "cylinder"), ("wear", "<none>")]
-    assert as_lines("A scene", rows) == "A scene\n  pin   cylinder\n  wear  <none>"
 
 
 def test_a_point_is_said_with_its_place_and_variant():

@@ -18,7 +18,7 @@ from pipeline.tradeoff.probe import (
     some_places,
 )
 from tests.helpers import tiny
-from tribo import PRESETS, Fidelity, InputError, Wear
+from tribo import PRESETS, Fidelity, Wear
 
 SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
 STANDARD = dividing_pixels(SWEEP, PRESETS["standard"])
@@ -40,11 +40,6 @@ def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
     assert [place.load for place in some_places(sweep, number)] == [
         sweep.plane.loads[k] for k in chosen
     ]
-
-
-def test_without_a_velocity_there_is_no_boundary():
-    with pytest.raises(InputError, match="no velocity but 0"):
-        near_the_boundary(SWEEP.changed(velocities=(0.0,)), [Target(300.0)])
 
 
 @pytest.mark.parametrize(("exponent", "root"), [(0.05, 3.0), (1.0, 0.11), (8.0, 9.5)])
