@@ -43,10 +43,7 @@ _ROUNDING = 1e-5  # of a velocity in round figures, and more
 
 @dataclass(frozen=True, slots=True)
 class BoundarySearch:
-    """A search for the velocity at which the rise reaches a limit [K], at each of several loads.
-
-    Velocities are divided by `scale`, so that several wear rates look at the same contacts.
-    """
+    """A search for the velocity, divided by `scale`, of a rise [K] at each of several loads."""
 
     loads: Sequence[float]
     lowest: float

@@ -191,10 +191,7 @@ def client_of(
 
 
 def sent_once(connection: Connection, content: bytes) -> bytes | Future:
-    """Content for many tasks: itself if light, else a result that every worker holds a copy of.
-
-    Dask would leave workers idle that hold none. `ExecutionError` if workers die of it.
-    """
+    """Content for many tasks: itself if light, else a result that every worker holds a copy of."""
     if len(content) <= _LIGHT:
         return content
     for _ in range(_ATTEMPTS):

@@ -50,11 +50,7 @@ def start() -> None:
 
 @contextmanager
 def interrupts_put_off() -> Iterator[None]:
-    """Put off Ctrl-C until the end of the block.
-
-    Threads and processes that begin in here inherit that SIGINT is blocked, so that it stops the
-    driver alone.
-    """
+    """Put off Ctrl-C until the end of the block; threads and processes begun in it never see it."""
     waiting: list[int] = []
     in_main_thread = threading.current_thread() is threading.main_thread()
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13

@@ -322,10 +322,7 @@ def _in_short(points: tuple[Point, ...]) -> str:
 
 
 class _Silence:
-    """The time in which nothing has ended, and in which no worker has computed [s].
-
-    As long as a worker computes a point, there is no limit.
-    """
+    """Time in which no task has ended; it may last as long as any worker computes [s]."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection

@@ -179,10 +179,7 @@ def _of_heat(sweep: Sweep, facts: Facts) -> Iterator[str]:
 
 
 def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float) -> float:
-    """Highest temperature of a smooth contact at the end of a point [K], roughly.
-
-    A body conducts as where it passes at a high Péclet number, or as if it were at rest.
-    """
+    """Highest temperature of a smooth contact at the end of a point [K], roughly."""
     pin, conditions, speeds = sweep.scene.pin, sweep.conditions, sweep.scene.velocities_at(velocity)
     bulk = conditions.mean_bulk_temperature
     if not velocity:

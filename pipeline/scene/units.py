@@ -242,10 +242,7 @@ _OF_STEEL = {
 
 
 def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
-    """Pressure that a hardness number stands for [Pa]; None if the unit is not one of hardness.
-
-    Units are HV, HB, HBW and HRC; HV and HBW also with a test load, as in HV10 or HBW 10/3000.
-    """
+    """Pressure of a hardness number [Pa]; None if the unit is not HV, HB, HBW or HRC."""
     match = _SCALE.fullmatch(unit.strip())
     if match is None:
         return None

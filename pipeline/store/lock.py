@@ -251,10 +251,7 @@ def _age(place: StorePlace) -> float:
 
 
 def is_local(folder: Path) -> bool:
-    """True for a folder on a disk of this machine, where a `flock` reaches all who write to it.
-
-    Elsewhere, as on NFS, locks may reach one machine alone. Without known mounts it is local.
-    """
+    """True for a folder on a disk of this machine, where a `flock` reaches all who write to it."""
     mounts = psutil.disk_partitions(all=True)
     above = [mount for mount in mounts if folder.is_relative_to(mount.mountpoint)]
     if not above:

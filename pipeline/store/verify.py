@@ -164,10 +164,7 @@ def examined(
 def _read_marks(
     store: Store, begun: Iterable[tuple[_Index, Slices]], keys: set[str], shared: list[str]
 ) -> tuple[Mask, list[tuple[str, Slices]]]:
-    """Read statuses and points asked for; points of unknown status, and chunks that are lost.
-
-    Faults are added to the shared ones.
-    """
+    """Read statuses and points asked for, add faults; points of unknown status, chunks lost."""
     unknown, lost = np.zeros(store.flags.shape, bool), []
     for numbers, block in begun:
         statuses, asked = (_read(store, name, numbers, keys) for name in _MARKS)

@@ -194,15 +194,7 @@ class Conditions:
 def corrections_by_row(
     own: Corrections | None, rows: Sequence[Corrections | None]
 ) -> dict[str, list[Any]]:
-    """Entries of the corrections of some rows that differ from their scene's, by their paths.
-
-    Examples
-    --------
-    >>> from tribo import Stem
-    >>> short, long = Corrections(stem=Stem(5.0)), Corrections(stem=Stem(8.0))
-    >>> corrections_by_row(short, [short, long])
-    {'stem.resistance': [5.0, 8.0]}
-    """
+    """Corrections of rows that differ from their scene's, by paths such as ``stem.resistance``."""
     usual, *others = (_leaves(one.as_dict()) if one else {} for one in (own, *rows))
     paths = dict.fromkeys(path for other in others for path in other)
     columns = {path: [other.get(path) for other in others] for path in paths}
@@ -245,10 +237,7 @@ def changes_of(
     criterion: str | None = None,
     own_laws: bool = False,
 ) -> dict[str, Any]:
-    """Entries of `Conditions` that are given; a share alone makes "share" the criterion.
-
-    Your own criterion is read from the folder in which the command runs, if own laws are allowed.
-    """
+    """Entries of `Conditions` that are given; a share alone makes "share" the criterion."""
     entries: dict[str, Any] = {
         "friction": friction,
         "critical_temperature": critical_temperature,

@@ -56,11 +56,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Variants:
-    """A table of the variants of a scene, one row each; a single row changes nothing.
-
-    Rows are every combination of values along dimensions, the last one first; others are numbered
-    along ``variant``, with their labels as coordinates along it.
-    """
+    """A table of the variants of a scene, one row each: a product of labels, or numbered rows."""
 
     # Those named "velocity" and "load" are the place at which a row alone is simulated [m/s, N];
     # without them all rows share the plane.
