@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.transition import certain, crossing, exponent, interpolated
+from pipeline.analysis.transition import certain, crossing, interpolated
 
 
 @settings(max_examples=40)
@@ -53,20 +53,6 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
         roots, fine = np.array([root]), np.linspace(x[0], x[-1], 200)
         np.testing.assert_allclose(interpolated(x, y, roots), limit, rtol=1e-9, atol=1e-9)
         assert (np.diff(interpolated(x, y, fine)) >= -1e-9).all()  # as the points do
-
-
-@pytest.mark.parametrize(
-    ("x", "y", "place", "expected"),
-    [
-        ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 1.0, 1.0),  # at either end
-        ([1.0, 2.0, np.nan, 4.0], [10.0, 20.0, np.nan, 40.0], 2.0, 1.0),
-        ([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], 0.0, np.nan),
-        ([1.0, 2.0], [10.0, 20.0], np.nan, np.nan),
-        ([1.0], [10.0], 1.0, np.nan),
-    ],
-)
-def test_exponents_at_the_ends_of_what_is_known(x, y, place, expected):
-    assert exponent(np.array(x), np.array(y), place) == pytest.approx(expected, nan_ok=True)
 
 
 def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begin():

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.warned_points import Warned, warned, warnings_of
+from pipeline.analysis.warned_points import warned, warnings_of
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
@@ -52,13 +52,6 @@ def test_conditions_move_the_boundary_away_from_a_warning():
     assert warned(ds, friction=0.05).at_boundary == 0
     assert warned(ds, friction=[0.05, 0.1]).at_boundary == 1
     assert warned(ds, friction=0.0).at_boundary == 0
-
-
-def test_a_failed_point_carries_no_warning():
-    ds = synthetic.sweep(status={(400.0, 1.75): 2})
-    assert (ds["message"] != "").sum() == 1
-    assert warned(ds) == Warned(0, {}, 0)
-    assert not list(warned(ds).lines())
 
 
 def test_each_surface_has_its_own_boundary():

@@ -53,8 +53,6 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
     extends = "base.toml"
     [pin]
     radius = "4 mm"
-    [wear]
-    pattern = "local"
     [sweep]
     loads = ["300 N"]
     velocities = { to = "2.2 m/s" }
@@ -62,15 +60,12 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
     load = "300 N"
     velocity = "2 m/s"
     """
-    full = (
+    text = TEXT[: TEXT.index("[[measured]]")] + entries[entries.index("[[measured]]") :]
+    for old, new in (
         ('"2 mm"', '"4 mm"'),
-        ('"swept"', '"local"'),
         ('["200 N", "400 N", "600 N", "750 N"]', '["300 N"]'),
         ('to = "4 m/s"', 'to = "2.2 m/s"'),
-        (TEXT[TEXT.index("[[measured]]") :], '[[measured]]\nload = "300 N"\nvelocity = "2 m/s"\n'),
-    )
-    text = TEXT
-    for old, new in full:
+    ):
         assert old in text
         text = text.replace(old, new)
     extended, written = load_scene(write(own=entries)), load_scene(write(full=text))
@@ -135,17 +130,6 @@ def test_a_fault_says_in_which_file_it_stands(write, tmp_path):
     write(base=TEXT)
     (fault,) = faults_of(write(own=f'{EXTENDS}without = ["wear.pattern"]'))
     assert fault.startswith(f"wear.pattern (in {base}): missing")
-
-
-def test_a_key_of_the_other_scene_that_does_not_fit_can_be_left_out(write, tmp_path):
-    entries = f'{EXTENDS}[loading]\nfile = "record.csv"\n'
-    (tmp_path / "record.csv").write_text("time [s], load [N]\n0, 0\n5, 800\n", encoding="utf-8")
-    (fault,) = faults_of(write(own=entries))
-    assert fault.startswith("loading.rate (in ")
-    assert fault.endswith('; or leave it out here: without = ["loading.rate"]')
-    load_scene(write(own=entries.replace(EXTENDS, f'{EXTENDS}without = ["loading.rate"]\n')))
-    (fault,) = faults_of(write(own=f"{EXTENDS}[loading]\nrat = 3"))
-    assert "leave it out" not in fault
 
 
 @pytest.mark.parametrize(

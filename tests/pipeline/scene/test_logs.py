@@ -1,7 +1,5 @@
 """Tests of a laboratory: tables of the scene, or rows of a log in CSV."""
 
-import math
-
 import pytest
 
 import pipeline
@@ -61,11 +59,6 @@ def test_a_fault_is_named_by_row_and_column(lab, row, words):
     assert all(word in str(caught.value) for word in words)
 
 
-def test_a_column_without_a_unit_is_told_where_to_have_it(lab):
-    with pytest.raises(pipeline.SceneFileError, match=r"unit of the column in its heading"):
-        lab("load [kN],velocity,outcome\n0.4,2,mild\n")
-
-
 def test_a_transition_counts_with_its_own_bulk_and_hold():
     sweep = tiny.sweep(wear=None)  # so that it gets warmer in the hold
     plain, warm, held = (
@@ -112,13 +105,6 @@ def test_a_trace_of_forces_and_a_speed_in_rpm_are_understood(tmp_path):
     assert trace.load[trace.row] == 300.0
     (fault,) = read_log_faults(path, "load [N],speed [rpm],outcome\n400,300,mild\n")
     assert "give its track, too" in fault
-
-
-def test_a_trace_of_rotations_has_velocities_where_a_column_has_the_radius(tmp_path):
-    path = tmp_path / "trace.csv"
-    rows = "".join(f"{t},0.1,300,30\n" for t in range(30))
-    path.write_text(f"time [s],COF,speed [rpm],radius [mm]\n{rows}")
-    assert read_trace(path).velocity == pytest.approx(math.tau * 300 / 60 * 0.03)
 
 
 def read_log_faults(path, log):
