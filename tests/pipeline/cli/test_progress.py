@@ -1,5 +1,6 @@
 """Progress on stderr, and what cannot succeed: told before the work."""
 
+import argparse
 import re
 import threading
 import time
@@ -8,6 +9,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main, output
+from pipeline.cli.output import Result, show
 from pipeline.run.sweep import Progress
 from tests.helpers.scenes import MEASURED, SCENE
 
@@ -89,3 +91,11 @@ def test_a_store_that_does_not_keep_an_accuracy_is_refused_before_the_probe(
     assert "leave out --accuracy" in irg(
         *arguments, "--accuracy", "5%", "-o", small / "a.zarr", code=3
     )
+
+
+def test_a_long_table_is_shown_whole_and_a_long_line_cut(capsys):
+    table = "\n".join(["a row of the table"] * 1000)
+    show(argparse.Namespace(json=False), Result({}, [table, "x" * 10_000]))
+    *rows, line = capsys.readouterr().out.splitlines()
+    assert "\n".join(rows) == table
+    assert len(line) < 3000

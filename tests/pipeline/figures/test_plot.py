@@ -1,4 +1,6 @@
-"""Figures (pipeline/figures/plot.py and pipeline/figures/diagram.py), by what is in them."""
+"""Figures, by what is in them, and one that is drawn again as points come."""
+
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -6,10 +8,13 @@ import pytest
 from matplotlib.figure import Figure
 
 import pipeline
+from pipeline.analysis.boundary import boundary
+from pipeline.figures import plot as live
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
+from pipeline.store.progress import Summary
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
@@ -312,3 +317,34 @@ def test_a_ramp_shows_any_stored_variable_and_names_them(alone):
     np.testing.assert_array_equal(axes.lines[0].get_ydata(), expected)
     with pytest.raises(InputError, match="stored at each step are contact_fraction, "):
         pipeline.plot(alone, "ramp", show="nothing")
+
+
+def test_the_temperature_crosses_the_critical_one_at_the_transition(sweep):
+    axes = plot(sweep, "temperature", load="400 N").axes[0]
+    named = {line.get_label(): line for line in axes.lines}
+    (label,) = (name for name in named if name.startswith("transition"))
+    expected = float(boundary(sweep).sel(load=400.0)["critical_velocity"])
+    time = named[label].get_xdata()[0]
+    assert time == pytest.approx(expected)
+    curves = (line for line in axes.lines if len(line.get_xdata()) == 200)
+    exceeded = next(line for line in curves if line.get_ls() == "-")
+    assert np.interp(time, *exceeded.get_data()) == pytest.approx(145.0, abs=0.2)
+
+
+def test_a_figure_of_a_point_waits_until_it_is_done(monkeypatch, tmp_path):
+    begun = Summary("s", "A sweep", total=2, done=1, pending=1, failed=(), running="process 1")
+    over = replace(begun, done=2, pending=0, running=None)
+    states = iter([begun, over, over])
+    monkeypatch.setattr(live, "summary", lambda store: next(states))
+    status = iter([{(750.0, 4.0): PENDING}, {}])
+    monkeypatch.setattr(live, "_INTERVAL", 0.0)
+    axes = (400.0, 750.0), (2.0, 4.0)
+    watched = {"read": lambda: synthetic.sweep(*axes, status=next(status)), "progress": [].append}
+    watched |= {"load": 750.0, "velocity": 4.0}
+    assert live.watch("out.zarr", tmp_path / "r.png", "ramp", **watched) == over
+    assert (tmp_path / "r.png").exists()
+
+    monkeypatch.setattr(live, "summary", lambda store: over)
+    status = iter([{(750.0, 4.0): PENDING}])
+    with pytest.raises(InputError, match="750 N, 4 m/s is not done"):
+        live.watch("out.zarr", tmp_path / "s.png", "ramp", **watched)
