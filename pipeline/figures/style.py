@@ -277,7 +277,7 @@ def _stack(axes: Axes, legend: Legend) -> None:
     beside = (other for other in axes.figure.axes if other.bbox.bounds == axes.bbox.bounds)
     for other_axes in beside:
         bottom, top = other_axes.get_ylim()
-        other_axes.set_ylim(bottom, bottom + (top - bottom) * (1 + max(0.0, room - 0.15)))
+        other_axes.set_ylim(bottom, bottom + (top - bottom) * (1 + max(0.0, room - 0.05)))
 
 
 def _rewritten(legend: Legend, owner: Figure | Axes, **place: Any) -> Legend:
