@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from importlib.metadata import PackageNotFoundError, version
-from itertools import zip_longest
 from typing import Any, NamedTuple, NoReturn
 
 from pipeline.cli import options as o
@@ -211,10 +210,10 @@ def _listed() -> Iterator[str]:
         yield f"{group}:"
         for command in COMMANDS:
             if command.group == group:
-                lines = textwrap.wrap(command.purpose, 62)
-                yield from (
-                    f"  {name:<13} {line}"
-                    for name, line in zip_longest([command.name], lines, fillvalue="")
+                begin = f"  {command.name:<13} "
+                rest = " " * len(begin)
+                yield textwrap.fill(
+                    command.purpose, 78, initial_indent=begin, subsequent_indent=rest
                 )
 
 
