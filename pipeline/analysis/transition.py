@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,12 +88,8 @@ class Crossing:
             outcome = MILD if computed[1] >= ends[1] else ABOVE
         return cls(place, outcome, computed)
 
-    def worded(self, along: str) -> str:
-        """The outcome along ``"velocity"`` or ``"load"`` in words."""
-        return in_words(outcomes(along)[self.outcome], self.computed, along)
 
-
-def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:
+def in_words(outcome: str, computed: Iterable[float], along: str) -> str:
     """One of `outcomes` along ``"velocity"`` or ``"load"``, with how far was computed."""
     low, high = (f"{end:.4g} {UNITS[along]}" for end in computed)
     words = outcomes(along)

@@ -29,7 +29,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.decisive import conditions_of, decisive_rise, refined
 from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.scenes import scenes, value_text
-from pipeline.analysis.transition import BEYOND, CROSSES, Crossing, range_of
+from pipeline.analysis.transition import BEYOND, UNITS, in_words, outcomes
 from pipeline.analysis.warned_points import warnings_of
 from pipeline.figures import style
 from pipeline.figures.overlays import (
@@ -335,19 +335,18 @@ def _on_any(holds: xr.DataArray) -> xr.DataArray:
 
 def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Mark the transition of a sweep with a single load or velocity, or say why there is none."""
-    axes_of = {name: ds[name].values for name in ("velocity", "load")}
     axis, other = ("velocity", "load") if ds.sizes["velocity"] > 1 else ("load", "velocity")
-    rises = decisive_rise(ds, conditions).values.reshape(-1, ds.sizes[axis])
-    limit, ends = rise_limit(conditions), range_of(ds, axis)
-    lines = [Crossing.along(axes_of[axis], rise, limit, ends) for rise in rises]
-    crossings = [line.place for line in lines if line.outcome == CROSSES]
+    boundaries = boundary_under(ds, conditions)
+    crossings = boundaries[f"critical_{axis}"].values.ravel()
+    crossings = crossings[np.isfinite(crossings)].tolist()
     if not crossings:
-        reasons = dict.fromkeys(line.worded(axis) for line in lines)
+        parts = (f"{part}_at_{other}" for part in ("outcome", "computed_from", "computed_to"))
+        lines = zip(*(boundaries[part].values.ravel() for part in parts), strict=True)
+        reasons = dict.fromkeys(in_words(outcomes(axis)[c], ends, axis) for c, *ends in lines)
         return [Line2D([], [], ls="none", label=f"no transition: {', '.join(reasons)}")]
-    places = {axis: crossings, other: [float(axes_of[other][0])] * len(crossings)}
+    places = {axis: crossings, other: [ds[other].item()] * len(crossings)}
     look: dict[str, Any] = {"ls": "none", "marker": "|" if axis == "velocity" else "_"}
     look |= {"color": BLACK, "mew": 2.2}
     axes.plot(places["velocity"], places["load"], ms=26, zorder=3.2, gid="boundary", **look)
-    unit = "m/s" if axis == "velocity" else "N"
-    text = f"{crossings[0]:.3g} {unit}" if len(crossings) == 1 else "by surface"
+    text = f"{crossings[0]:.3g} {UNITS[axis]}" if len(crossings) == 1 else "by surface"
     return [Line2D([], [], ms=9, label=f"computed transition, {text}", **look)]

@@ -6,7 +6,7 @@ import pytest
 from pipeline.analysis.difference import entries_of, in_usual_unit
 from pipeline.analysis.margin import verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point, warned_error
-from pipeline.analysis.transition import Crossing, range_of
+from pipeline.analysis.transition import Crossing, in_words, outcomes, range_of
 from tests.helpers import synthetic
 from tribo import WarningKind
 
@@ -22,7 +22,8 @@ from tribo import WarningKind
 )
 def test_where_nothing_crosses_it_is_said_how_far_was_computed(limit, ends, said):
     velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
-    assert Crossing.along(velocity, rise, limit, ends).worded("velocity") == said
+    found = Crossing.along(velocity, rise, limit, ends)
+    assert in_words(outcomes("velocity")[found.outcome], found.computed, "velocity") == said
 
 
 def test_velocity_zero_belongs_to_the_range_of_a_scene_only_where_it_is_computed():
