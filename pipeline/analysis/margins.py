@@ -91,14 +91,13 @@ def margins(
 
 
 def margins_at(
-    ds: xr.Dataset, places: Iterable[tuple[float, float]] | None, **conditions: Any
+    ds: xr.Dataset, places: Sequence[tuple[float, float]] | None, **conditions: Any
 ) -> Iterator[Margin]:
     """Margins at places, or the rows' own if none are given, where the sweep tells."""
-    listed = None if places is None else list(places)
     for row in rows_of(ds, **conditions):
-        for place in [row.place] if listed is None else listed:
+        for place in filter(None, [row.place] if places is None else places):
             with suppress(InputError):
-                yield row.here() if place is None else row.at(*place)
+                yield row.at(*place)
 
 
 def rows_of(ds: xr.Dataset | PathLike, **given: Any) -> tuple[JudgedRow, ...]:

@@ -73,21 +73,17 @@ def show(options: argparse.Namespace, result: Result) -> None:
         show_text(text)
 
 
-def lines_in(text: Iterable[str | pd.DataFrame]) -> Iterator[str]:
-    """Lines of text, the frames in it as aligned columns."""
+def show_text(text: Iterable[str | pd.DataFrame]) -> None:
+    """Print text as a terminal can show it, at once, the frames in it as aligned columns."""
+    lines = list[str]()
     for part in text:
         if isinstance(part, str):
-            yield part
+            lines.append(part)
         else:
             from pipeline.analysis.tables import lines_of  # with pandas
 
-            yield from lines_of(part)
-
-
-def show_text(text: Iterable[str | pd.DataFrame]) -> None:
-    """Print text as a terminal can show it, at once."""
-    lines = (line for part in lines_in(text) for line in part.split("\n"))
-    print("\n".join(map(_shown, lines)), flush=True)
+            lines += lines_of(part)
+    print("\n".join(map(_shown, "\n".join(lines).split("\n"))), flush=True)
 
 
 def rounded(value: float, digits: int = 2) -> str:
