@@ -107,6 +107,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(capsys
         printed.append(capsys.readouterr().out)
     assert "severe wear with a probability of" in printed[0]
     assert "measurements to make next" in "".join(printed)
+    assert "velocities that are all read too high would look like a better oil" in "".join(printed)
     assert re.search(r"effective sample size \d+ of \d+", "".join(printed))
     (row,) = re.findall(r"velocity factor(.*)", printed[1])
     factors = list(map(float, re.findall(r"\d\.\d+", row)))
