@@ -7,6 +7,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
@@ -384,3 +385,19 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path):
     for below in ("tiny.zarr", "a/tiny.zarr"):
         with pytest.raises(StoreError, match=r"cannot be written: .*/file is a file, not a folder"):
             commit(tmp_path / "file" / below, SWEEP, ())
+
+
+def test_the_names_of_new_folders_are_on_the_disk_too(tmp_path, monkeypatch):
+    """Also where a process made one and was killed before it synced its name."""
+    (tmp_path / "results" / "more").mkdir(parents=True)
+    synced, fsync = [], os.fsync
+
+    def logged(descriptor):
+        synced.append(Path(f"/proc/self/fd/{descriptor}").readlink())
+        fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", logged)
+    make(tmp_path / "results" / "more" / "tiny.zarr", SWEEP)
+    make(tmp_path / "new" / "tiny.zarr", SWEEP)
+    new = {tmp_path, tmp_path / "new", tmp_path / "results", tmp_path / "results" / "more"}
+    assert new <= set(synced)
