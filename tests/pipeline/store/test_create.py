@@ -216,14 +216,14 @@ def test_a_growth_whose_lock_was_replaced_meanwhile_leaves_the_store_as_it_was(
     assert open_sweep(path)["velocity"].values.tolist() == [0.5, 1.5]
 
 
-@pytest.mark.parametrize("files", [16, 32, 10**6])
+@pytest.mark.parametrize("files", [32, 64, 10**6])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
     commit(path, SWEEP, [POINT])
     with killed_after(monkeypatch, files) as was_killed:
         commit(path, LARGER, [ADDED])
     assert bool(was_killed) == (files < 10**6)
     with open_sweep(path) as ds:
-        assert ds.sizes["load"] in (3, 5)
+        assert ds.sizes["load"] == (3 if files == 32 else 5)  # before its larger one is in place
         ds.load()
     assert_is_as_computed(path, [POINT] if was_killed else [POINT, ADDED])
     assert verify_store(path).is_clean
