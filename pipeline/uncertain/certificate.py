@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from pipeline.sweep.unknown import OF_90
-from pipeline.uncertain.emulator import Keeper, band_factor, kept_name, outer, recalled
+from pipeline.uncertain.emulator import band_factor, outer
 from tribo.types import Array
 
 COUNT = 25
@@ -64,9 +64,3 @@ class Certificate:
             f"{len(self.found)} boundaries were found directly: the emulator's are "
             f"{100 * self.error:.2g} % off, its 90 % bands hold {self.held}"
         )
-
-
-def certificate_of(keeper: Keeper | None, inputs: Array, rises: Array) -> Certificate | None:
-    """The certificate that is kept with samples; None if there is none."""
-    rows = keeper and recalled(keeper, kept_name("certificate", inputs, rises))
-    return Certificate(**{name: tuple(row) for name, row in rows.items()}) if rows else None

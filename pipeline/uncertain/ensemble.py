@@ -38,7 +38,7 @@ from pipeline.sweep.plain import made
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
-from pipeline.uncertain.certificate import Certificate, certificate_of
+from pipeline.uncertain.certificate import Certificate
 from pipeline.uncertain.emulator import (
     Emulator,
     Groups,
@@ -49,7 +49,9 @@ from pipeline.uncertain.emulator import (
     decisive_rises,
     features_of,
     fitted,
+    kept_name,
     outer,
+    recalled,
 )
 from pipeline.uncertain.inputs import (
     BULK,
@@ -325,7 +327,9 @@ class Ensemble:
     @functools.cached_property
     def certificate(self) -> Certificate | None:
         """The certificate of the samples; None where they were not certified."""
-        return certificate_of(self.keeper, self.inputs, self.rises)
+        name = kept_name("certificate", self.inputs, self.rises)
+        rows = self.keeper and recalled(self.keeper, name)
+        return Certificate(**{name: tuple(row) for name, row in rows.items()}) if rows else None
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:
         """Raise an `InputError` for loads or velocities outside the sweep."""

@@ -107,7 +107,8 @@ def _of_one_hold(
             warmer = test.get("bulk_temperature", bulk) - bulk
             rise = rise + log_discrepancy(slopes, x - x.mean(), warmer)
         log_velocity = math.log(test["velocity"])
-        by_friction, by_rig = _friction_error(test), np.zeros(1)
+        by_rig = np.zeros(1)
+        by_friction: Any = (test.get("friction_scatter", 0.0) / (friction or 1.0)) ** 2
         if rig is not None:
             factor = float(np.interp(log_velocity, x, table))
             acted, by_friction, by_rig = learnt(rig, test, factor)
@@ -126,11 +127,6 @@ def _of_one_hold(
         variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)
         told.append(np.broadcast_to(by_rig, len(inputs)))
     return Distances(np.array(values), np.array(variances), np.array(told))
-
-
-def _friction_error(test: Test) -> Any:
-    """Variance of the logarithm of a measured friction."""
-    return (test.get("friction_scatter", 0.0) / (test.get("friction") or 1.0)) ** 2
 
 
 def _around(test: Test, ends: Array) -> tuple[float, ...]:
