@@ -278,10 +278,11 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
         tasks.scheduler = cluster.scheduler
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
         given = dict(tasks.below)
+        many = tuple(0.5 + 0.01 * number for number in range(60))  # that none computes meanwhile
         for _ in range(2):  # lost on the way, then gone from the beginning
             with pytest.raises(ExecutionError, match="none has come within 1 s"):
                 run_sweep(
-                    tiny.sweep(),
+                    tiny.sweep(velocities=many),
                     tmp_path / "later.zarr",
                     client=client,
                     progress=when_done(lambda: cluster.scale(0)),
