@@ -10,8 +10,7 @@ From a scene to its boundary, in a script under ``if __name__ == "__main__":``::
 
 A scene is given by its path, by the name of a shipped one, or read; a store by its path or opened
 by `open_sweep`; a quantity in SI or as text with a unit, such as ``"400 N"``. The end of
-each point stands at step 0, which `end_of_point` takes. A faulty argument raises a
-`tribo.InputError` that says what is allowed, a path that is no readable store a `StoreError`.
+each point stands at step 0, which `end_of_point` takes.
 
 The public names, in the order of the page ``API.md``, which says what each is for:
 

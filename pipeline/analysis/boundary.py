@@ -98,6 +98,8 @@ def boundary(
     InputError
         If a condition lies outside its range; if neither the sweep nor the call gives a critical
         temperature; or if the sweep has samples of unknown inputs.
+    StoreError
+        If the path is not a readable store.
 
     Examples
     --------

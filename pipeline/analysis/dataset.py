@@ -99,6 +99,11 @@ def open_sweep(path: PathLike) -> xr.Dataset:
         Attributes are text and numbers, those that are more as JSON, so that ``to_netcdf`` writes
         them. `pipeline.temperatures` gives the temperatures of the contact.
 
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+
     Examples
     --------
     >>> import pipeline

@@ -76,6 +76,11 @@ def diff(
     criterion, own_laws : optional
         Criterion of both in place of their own; see `pipeline.boundary`.
 
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+
     Examples
     --------
     >>> import pipeline

@@ -182,6 +182,11 @@ def margin_table(
         of those that are ``severe`` and ``undecided``, and the ends of the band of the distance. A
         point that the sweep says nothing about has a ``note`` instead.
 
+    Raises
+    ------
+    InputError
+        If the table has faults, all of which are named, or a condition lies outside its range.
+
     Examples
     --------
     >>> import pipeline

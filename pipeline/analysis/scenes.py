@@ -57,6 +57,11 @@ def at_entries(ds: xr.Dataset | PathLike, values: Mapping[str, float | str]) -> 
         The sweep without these dimensions. With a value of every entry its attributes are those
         of the scene with these values.
 
+    Raises
+    ------
+    InputError
+        If the sweep was not computed for such an entry or value.
+
     Examples
     --------
     >>> import pipeline
@@ -96,6 +101,11 @@ def at_wear_rate(ds: xr.Dataset | PathLike, wear_rate: float | str | None) -> xr
         The sweep with its contacts at the velocities at which this rate has them, and their rises;
         these only from when the load of a point is reached on. Without fields, since those were
         stored at the sweep's own rate alone. The attribute ``wear_rate`` is the rate [m²/N].
+
+    Raises
+    ------
+    InputError
+        If the sweep does not answer for that wear rate.
 
     Examples
     --------

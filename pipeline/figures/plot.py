@@ -81,6 +81,11 @@ def plot(
     Figure or Path
         The figure; the file it was written to if `out` is given.
 
+    Raises
+    ------
+    InputError
+        If the kind, an option or the suffix is unknown, or the file cannot be written.
+
     Examples
     --------
     >>> import pipeline

@@ -85,6 +85,12 @@ def report(
     Path
         The file.
 
+    Raises
+    ------
+    InputError
+        If the suffix is another one, the file cannot be written, or the operating points or
+        conditions are faulty.
+
     Examples
     --------
     >>> import pipeline

@@ -128,6 +128,11 @@ def choose_fidelity(
     own_laws : bool
         See `pipeline.load_scene`.
 
+    Raises
+    ------
+    InputError
+        If the accuracy is not between 0 and 1, or there is no friction heat.
+
     Examples
     --------
     >>> import pipeline

@@ -67,6 +67,13 @@ def estimate(
     own_laws : bool
         See `pipeline.load_scene`.
 
+    Raises
+    ------
+    InputError
+        If there is to be no worker.
+    TriboError
+        If a load has no solution.
+
     Examples
     --------
     >>> import pipeline

@@ -109,6 +109,11 @@ def design(
         Logarithm of the ratio of rises near the limit to those that the samples tell, as direct
         simulations find it.
 
+    Raises
+    ------
+    InputError
+        If the input is not one of the samples, or not uniform, or a point lies outside the sweep.
+
     Examples
     --------
     >>> import pipeline

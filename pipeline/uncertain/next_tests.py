@@ -89,6 +89,11 @@ def candidates(
         Bulk temperatures of tests [K], or text with a unit; the scene's, and two above it, if not
         given.
 
+    Raises
+    ------
+    InputError
+        If the target is no unknown input and no load of the sweep.
+
     Examples
     --------
     >>> import pipeline

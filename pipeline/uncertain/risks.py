@@ -71,6 +71,11 @@ def risk(
     draws : Draws, optional
         Draws of the unknown inputs; by the scene's distributions if not given.
 
+    Raises
+    ------
+    InputError
+        If the point lies outside the sweep, or the samples are too few.
+
     Examples
     --------
     >>> import pipeline
@@ -120,6 +125,11 @@ def margin_intervals(
     """Distance of an operating point from severe wear, as intervals of probability.
 
     Parameters are those of `risk`.
+
+    Raises
+    ------
+    InputError
+        If the point lies outside the sweep, or the samples are too few.
 
     Examples
     --------
@@ -191,6 +201,11 @@ def risk_table(
         and the ``distance [K]`` below the critical temperature, with 5 % of it below ``distance low
         [K]`` and 95 % below ``distance high [K]``. A point that the samples say nothing about has a
         ``note`` instead.
+
+    Raises
+    ------
+    InputError
+        If the table has faults, all of which are named, or the samples are too few.
 
     Examples
     --------

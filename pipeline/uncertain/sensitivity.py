@@ -72,6 +72,11 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         depend on one another then, and there are no total indices; nor are there any where the
         scene correlates inputs.
 
+    Raises
+    ------
+    InputError
+        If the samples are too few.
+
     Examples
     --------
     >>> import pipeline

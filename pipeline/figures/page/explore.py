@@ -99,6 +99,11 @@ def explore(
     Page
         The file, its size, and what it holds.
 
+    Raises
+    ------
+    InputError
+        If the suffix is not .html, the number is negative, or the file cannot be written.
+
     Examples
     --------
     >>> import pipeline
