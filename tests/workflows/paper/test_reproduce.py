@@ -22,8 +22,13 @@ from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.synthetic_record import synthetic_record
 
 mpl.use("agg")
-mpl.rcParams["savefig.dpi"] = 40
 SMALL = {"preset": "draft", "surfaces": 2, "workers": 1}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _small_figures():
+    with mpl.rc_context({"savefig.dpi": 40}):
+        yield
 
 
 @pytest.fixture(scope="module")
