@@ -1,0 +1,141 @@
+"""Cost of hundreds of workers and a million points for the driver: which wall comes first.
+
+    python -m tests.cluster.wide --workers 200 --points 1000000 --seconds 2 --for 120
+
+The workers are threads of one process, and wait at each point in place of computing it; scheduler,
+schedule, commits and network (without encryption) are real. Prints a JSON document.
+"""
+
+import argparse
+import asyncio
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from contextlib import nullcontext, suppress
+from dataclasses import replace
+from pathlib import Path
+from unittest import mock
+
+from distributed import LocalCluster, Worker
+
+import pipeline
+from pipeline.run import schedule, work
+from pipeline.run.cluster import client_of
+from pipeline.store.write import Store
+from tests.cluster.cheap import EnoughError
+from tests.crash.many import sweep_of
+from tests.crash.sweeps import keep_one_thread
+
+ROOT = Path(__file__).parents[2]
+
+
+class Waiting:
+    """Points that take their time, with the data of the first at their load."""
+
+    def __init__(self, seconds):
+        self._seconds, self._known, self._run_points = seconds, {}, work.run_points
+        self._lock = threading.Lock()
+
+    def __call__(self, sweep, points, trunk=None, failed=()):
+        with self._lock:
+            for point in points:
+                if point.load not in self._known:
+                    (self._known[point.load],) = self._run_points(sweep, (point,))
+        time.sleep(self._seconds * len(points))
+        return tuple(replace(self._known[point.load], point=point) for point in points)
+
+
+async def host(address, number):
+    """Workers, all in this process."""
+    workers = [Worker(address, nthreads=2, memory_limit=0) for _ in range(number)]
+    await asyncio.gather(*workers)
+    await asyncio.gather(*(worker.finished() for worker in workers))
+
+
+def driven(out, address, options):
+    """Drive the workers for a while; what each point and the start cost."""
+    marks, tasks, commits = [], [], []
+    start, commit = schedule._Run._start, Store.commit
+    began = time.monotonic(), time.process_time()
+
+    def counted(self, *arguments):
+        tasks.append(None)
+        start(self, *arguments)
+
+    def timed(self, records):
+        before = time.monotonic(), time.thread_time()
+        commit(self, records)
+        took = time.monotonic() - before[0], time.thread_time() - before[1]
+        commits.append((len(records), *took))
+
+    def note(now):
+        mark = now.done, time.monotonic(), time.process_time(), len(tasks)
+        marks.append(mark)
+        if now.done and mark[1] - next(m[1] for m in marks if m[0]) > options.duration:
+            raise EnoughError
+
+    with (
+        mock.patch.object(schedule._Run, "_start", counted),
+        mock.patch.object(Store, "commit", timed),
+        suppress(EnoughError),
+    ):
+        sweep = sweep_of(options.points)
+        with client_of(address) as client:
+            pipeline.run_sweep(sweep, out, client=client, progress=note, patience=120.0)
+    first = next(mark for mark in marks if mark[0])
+    done, wall, cpu, number = (b - a for a, b in zip(first, marks[-1], strict=True))
+    in_commits = sum(took for _, _, took in commits[1:])
+    return {
+        "workers": options.workers,
+        "points": options.points,
+        "until_the_first_point": [first[1] - began[0], first[2] - began[1]],
+        "done": done,
+        "points_a_second": done / wall,
+        "driver_ms_a_task": 1e3 * cpu / max(number, 1),
+        "of_them_commits": 1e3 * in_commits / max(number, 1),
+        "driver_share_of_a_core": cpu / wall,
+        "commits": len(commits),
+        "longest_commit_s": max(took for _, took, _ in commits),
+        "commit_ms_a_point": 1e3 * in_commits / max(sum(n for n, _, _ in commits[1:]), 1),
+        "driver_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3,
+        "files": sum(len(names) for _, _, names in os.walk(out)),
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--workers", type=int, default=200)
+    parser.add_argument("--points", type=int, default=10_000)
+    parser.add_argument("--seconds", type=float, default=4.0, help="of a point")
+    parser.add_argument("--for", dest="duration", type=float, default=60.0, help="seconds")
+    parser.add_argument("--host", metavar="ADDRESS", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.host:
+        work.run_points, work._one_at_a_time = Waiting(options.seconds), nullcontext()
+        asyncio.run(host(options.host, options.workers))
+        return
+    keep_one_thread()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
+    ):
+        words = ["--host", cluster.scheduler_address, "--workers", str(options.workers)]
+        workers = subprocess.Popen(
+            [sys.executable, "-m", "tests.cluster.wide", *words, "--seconds", str(options.seconds)],
+            cwd=ROOT,
+        )
+        try:
+            report = driven(Path(folder) / "out.zarr", cluster.scheduler_address, options)
+        finally:
+            workers.kill()
+            workers.wait()
+        print(json.dumps(report, indent=1))
+
+
+if __name__ == "__main__":
+    main()
