@@ -105,7 +105,7 @@ def diagram(
         band = min(friction), max(friction)
         friction = float(np.median(friction))
     conditions = conditions_of(ds, friction, **changed)
-    beyond, limit = _beyond(ds, conditions), rise_limit(conditions)
+    beyond = _beyond(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure, axes = style.canvas(ax, (8.0, 6.4))
@@ -113,16 +113,7 @@ def diagram(
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
     if is_plane:
-        planes = _planes(ds, conditions)
-        plane = _quantile(planes, 0.5)
-        _regions(axes, plane, limit)
-        if isoline(axes, plane, limit, "boundary", colors=BLACK, linewidths=2.2):
-            label = "computed transition" + (", median" if len(planes) > 1 else "")
-            legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
-        legend += beyond
-        legend += _surface_band(axes, planes, conditions)
-        legend += _band(axes, ds, conditions, band)
-        legend += film_lines(axes, ds, conditions)
+        plane, legend = _on_plane(axes, ds, conditions, beyond, band)
     elif max(sizes) > 1:
         legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
@@ -133,10 +124,31 @@ def diagram(
     legend += beyond_figure
     _frame(axes, ds, log)
     if is_plane:
-        name_regions(axes, plane, limit, ds["load"].values, tests)
+        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
     severe = judged_by([conditions])
     style.legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
     return figure
+
+
+def _on_plane(
+    axes: Axes,
+    ds: xr.Dataset,
+    conditions: Conditions,
+    beyond: Sequence[Artist],
+    band: tuple[float, float] | None,
+) -> tuple[xr.DataArray, list[Artist]]:
+    """Draw regions, boundary and bands; return the plane of the median surface, and the legend."""
+    planes, limit = _planes(ds, conditions), rise_limit(conditions)
+    plane, legend = _quantile(planes, 0.5), list[Artist]()
+    _regions(axes, plane, limit)
+    if isoline(axes, plane, limit, "boundary", colors=BLACK, linewidths=2.2):
+        label = "computed transition" + (", median" if len(planes) > 1 else "")
+        legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
+    legend += beyond
+    legend += _surface_band(axes, planes, conditions)
+    legend += _band(axes, ds, conditions, band)
+    legend += film_lines(axes, ds, conditions)
+    return plane, legend
 
 
 def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:

@@ -182,11 +182,7 @@ class Ensemble:
         rises = decisive_rises(columns, loads, of_rows)
         require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
         done = np.isfinite(rises.sum(axis=1))
-        if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
-            raise InputError(
-                f"{np.count_nonzero(done)} of {about['samples']} samples are done at every load, "
-                "too few to judge by; run the sweep to its end"
-            )
+        _require_enough(int(np.count_nonzero(done)), about["samples"])
         hold = float(about["scene"]["loading"].get("hold", 0.0))
         tests = (*about["measured"], *about["tested"])
         by_hold = {
@@ -363,3 +359,12 @@ def _conditions_of_rows(
         pairs = zip(of_rows, shares, strict=True)
         of_rows = [replace(one, failing_share=share) for one, share in pairs]
     return of_rows
+
+
+def _require_enough(done: int, drawn: int) -> None:
+    """Raise an `InputError` for samples of which too few are done at every load."""
+    if done < max(1, min(_FEWEST, drawn)):
+        raise InputError(
+            f"{done} of {drawn} samples are done at every load, too few to judge by; run the sweep "
+            "to its end"
+        )
