@@ -195,6 +195,8 @@ def sent_once(connection: Connection, content: bytes) -> bytes | Future:
     if len(content) <= _LIGHT:
         return content
     for _ in range(_ATTEMPTS):
+        # A task's result, since Dask computes it again if the workers that hold it die; on every
+        # worker, since Dask prefers those that hold a task's inputs, and would leave others idle.
         shared = connection.client.submit(bytes, content, pure=False)
         with _losses_named(), suppress(TimeoutError, ValueError):  # the latter without any worker
             connection.client.replicate([shared], callback_timeout=connection.patience)

@@ -54,6 +54,8 @@ def interrupts_put_off() -> Iterator[None]:
     waiting: list[int] = []
     in_main_thread = threading.current_thread() is threading.main_thread()
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
+    # Inherited by what begins in here: a Ctrl-C in a terminal, which reaches every process of the
+    # foreground, stops the driver alone, and no worker that may be just starting.
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     if in_main_thread:
         handler = signal.signal(signal.SIGINT, lambda number, _: waiting.append(number))

@@ -1,5 +1,9 @@
 """Computes the points of a sweep as tasks of Dask, each after that of the next lower load.
 
+Of the ramps only so many are under way that each thread has one point waiting: the graph depends on
+no time. About once a second each worker is asked for the records that lie there; the writer commits
+them, and only then are they told as done.
+
 Points that were on a worker as it died are suspected, and tried again in the end, each alone on a
 worker; those fail that kill even that, time after time.
 """

@@ -1,6 +1,11 @@
 """What a worker does: the task of a point, whose result stays there for the next load.
 
 The driver takes records, and versions: other code must not enter the same store.
+
+::
+
+    TriboError
+    └── ExecutionError   the workers do not start, are lost, or run other code
 """
 
 from __future__ import annotations

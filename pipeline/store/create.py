@@ -1,6 +1,7 @@
 """Creation, opening and growth of a store, and the restoring of its root, which is written last.
 
-A growth between values makes a larger store beside the old one, in whose place it is renamed.
+A growth between values makes a larger store beside the old one, in whose place it is renamed. The
+file of the lock is linked into the larger store, so that the lock stays held throughout.
 """
 
 from __future__ import annotations

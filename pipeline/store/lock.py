@@ -1,6 +1,8 @@
 """The lock of a store: one driver writes at a time, whatever path it used for the store.
 
-On a disk of this machine it is a `flock`, elsewhere a heartbeat: a file that its holder renews.
+On a disk of this machine it is a `flock`, which the kernel releases when its process dies. On disks
+that other machines see, and in an object store, it is a heartbeat: a file that its holder renews.
+A killed process leaves that behind; the next one takes it after some minutes without a renewal.
 """
 
 from __future__ import annotations

@@ -306,7 +306,7 @@ def changed_chunks(store: Store) -> set[_Index] | None:
         name, _, file = key.partition("/")
         numbers = chunk_numbers(file)[: len(store.dims)]
         is_of_points = len(numbers) == len(store.dims) and name in store.arrays
-        if is_of_points and listed.get(key) != now.get(key):
+        if is_of_points and listed.get(key) != now.get(key):  # a restored file is older, not newer
             if name in AT_END:
                 numbers = store.chunk_of(numbers)
             chunks.add(numbers)

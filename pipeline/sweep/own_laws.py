@@ -1,6 +1,11 @@
 """The user's own laws, named in a scene as ``"module:name"``: code, which runs only where allowed.
 
 `Laws` finds the text of a module without running it; `Own` carries permission, text and hash.
+
+::
+
+    InputError
+    └── OwnLawError   code that the user has not allowed to run
 """
 
 from __future__ import annotations
