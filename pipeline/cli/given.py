@@ -25,7 +25,7 @@ from pipeline.tradeoff.choose import at_accuracy
 from tribo import InputError
 
 if TYPE_CHECKING:
-    from pipeline.uncertain.certify import SceneWith
+    from pipeline.uncertain.direct import SceneWith
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""

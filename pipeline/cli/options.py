@@ -231,9 +231,6 @@ GIVEN_MEASURED = _flag(
 )
 WEIGHED = (GIVEN_MEASURED, SCATTER)
 JUDGED = (AT, CRITERION, OWN_LAWS)
-CERTIFY = _flag(
-    "--certify", "find 25 boundaries of random inputs by simulations, and keep them in the store"
-)
 OF_INFER = (
     SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
     PRESET,

@@ -107,7 +107,7 @@ COMMANDS = (
         "ask", "risk", "unknowns:risk",
         "find the probability of severe wear, where inputs are not known exactly",
         f"results/uncertain.zarr {_AT}",
-        (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, *o.WEIGHED, o.CERTIFY, *o.JUDGED),
+        (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
         "ask", "sensitivity", "unknowns:sensitivity",

@@ -21,7 +21,6 @@ from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
 from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import frame_of_lines
-from pipeline.uncertain.certify import certify
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import QUANTILES, Draws
 from pipeline.uncertain.posterior import Posterior
@@ -30,7 +29,6 @@ from pipeline.uncertain.sensitivity import Sensitivity
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
-_NO_CERTIFICATE = "no boundary was found directly to compare with; irg risk --certify finds 25"
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 
@@ -40,8 +38,6 @@ def risk(options: argparse.Namespace) -> Result:
     if len(place) == 1:
         raise InputError("only one of --load and --velocity is given; give both or neither")
     ds = given.dataset_in(options)
-    if options.certify:
-        _certify(options, ds)
     samples = samples_in(options, ds, **given.criterion_in(options))
     ensemble, document, text = samples.ensemble, samples.as_dict(), list(samples.notes())
     if place:
@@ -67,16 +63,6 @@ def risk(options: argparse.Namespace) -> Result:
     draw = partial(pipeline.draw_risk, ensemble, plane, place, samples.posterior)
     out = given.beside(options.store, "_risk.png")
     return Result(document | _velocities(lines), text, warned, [cells], draw, out)
-
-
-def _certify(options: argparse.Namespace, ds: xr.Dataset) -> None:
-    """Find boundaries directly, and keep how far those of the samples are off."""
-    if others := given.flags_of(given.values_in(options, "at", "criterion")):
-        raise InputError(f"--certify judges the samples as they were drawn; leave out {others}")
-    ensemble = pipeline.Ensemble.of(ds)
-    if ensemble.certificate is None:
-        with working("finding boundaries directly") as progress:
-            certify(ensemble, given.scene_with_of(ds), progress=progress)
 
 
 def on_risk(here: Risk) -> str:
@@ -210,7 +196,6 @@ class Samples(NamedTuple):
             "samples_left_out": ensemble.missing,
             "unknown": [one.as_dict() for one in ensemble.unknown],
             "fixed": {one.unknown.path: one.value for one in ensemble.fixed},
-            "certificate": ensemble.certificate and ensemble.certificate.as_dict(),
             "left_out_held": ensemble.left_out.held,
             "left_out_contacts": ensemble.left_out.contacts,
         }
@@ -230,7 +215,6 @@ class Samples(NamedTuple):
         if ensemble.missing:
             yield f"  {ensemble.missing} samples are left out: not done at every load"
         yield f"  {_on_left_out(ensemble)}"
-        yield f"  {ensemble.certificate or _NO_CERTIFICATE}"
 
 
 def samples_in(options: argparse.Namespace, ds: xr.Dataset, **conditions: Any) -> Samples:

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from pipeline.scene.along import Place
 from pipeline.sweep.unknown import OF_90, Unknown
 from pipeline.uncertain.answers import draws_of, probability_of
-from pipeline.uncertain.certify import SceneWith, as_in_a_scene, log_rise
+from pipeline.uncertain.direct import SceneWith, as_in_a_scene, log_rise
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
 from tribo import InputError

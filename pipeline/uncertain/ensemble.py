@@ -38,7 +38,6 @@ from pipeline.sweep.plain import made
 from pipeline.sweep.samples import Design
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
-from pipeline.uncertain.certificate import Certificate
 from pipeline.uncertain.emulator import (
     Emulator,
     Groups,
@@ -49,9 +48,7 @@ from pipeline.uncertain.emulator import (
     decisive_rises,
     features_of,
     fitted,
-    kept_name,
     outer,
-    recalled,
 )
 from pipeline.uncertain.inputs import (
     BULK,
@@ -307,25 +304,15 @@ class Ensemble:
         return Excess(values, *map(np.abs, errors))
 
     def _widening(self, emulator: Emulator, velocities: Array) -> Array:
-        """Factors on errors by velocity: of left-out ends, and of the certificate if any."""
+        """Factors on errors by velocity, of left-out ends."""
         low, high = np.log(self.velocities)
         along = (np.log(velocities) - low) / (high - low)
-        by_ends = 1 + outer(along) * (emulator.check.ends - 1)
-        if self.certificate is None or emulator is not self._rise:
-            return by_ends
-        return by_ends * self.certificate.factors(along)
+        return np.asarray(1 + outer(along) * (emulator.check.ends - 1))
 
     @property
     def left_out(self) -> LeftOut:
         """What samples tell of the emulator of rises that are left out of it."""
         return self._rise.check
-
-    @functools.cached_property
-    def certificate(self) -> Certificate | None:
-        """The certificate of the samples; None where they were not certified."""
-        name = kept_name("certificate", self.inputs, self.rises)
-        rows = self.keeper and recalled(self.keeper, name)
-        return Certificate(**{name: tuple(row) for name, row in rows.items()}) if rows else None
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:
         """Raise an `InputError` for loads or velocities outside the sweep."""

@@ -12,7 +12,7 @@ import tribo
 from pipeline.analysis.frames import compared
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import SPECIFIC_WEAR_RATE
-from pipeline.uncertain import certify
+from pipeline.uncertain import direct
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -223,9 +223,9 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
     for number in (0, 7):
         values = dict(zip(paths, samples.inputs[number].tolist(), strict=True))
         row = [values.get(one.path, 0.12) for one in samples.unknown]
-        by_hand = certify.as_in_a_scene(samples, row) | at
+        by_hand = direct.as_in_a_scene(samples, row) | at
         by_hand[SPECIFIC_WEAR_RATE] = f"{1e9 * values[SPECIFIC_WEAR_RATE]!r} mm^3/(N m)"
         sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
         for load, rise in zip(samples.loads, samples.rises[number], strict=True):
-            expected = certify.log_rise(sweep, load, samples.sample_velocities[number])
+            expected = direct.log_rise(sweep, load, samples.sample_velocities[number])
             assert np.log(rise) == pytest.approx(expected, abs=1e-6)

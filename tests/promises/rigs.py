@@ -9,6 +9,7 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+from scipy.optimize import brentq
 
 import pipeline
 from pipeline.sweep.plan import run_point
@@ -17,7 +18,6 @@ from pipeline.sweep.unknown import at_scores
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
-from pipeline.uncertain.certify import boundary_near
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, FRICTION
 from tests.promises.risk import entries_of
@@ -25,6 +25,8 @@ from tests.promises.risk import entries_of
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
 _SEED = 2718  # of the truths
 _FIRST = 2**15  # draws of the prior; with four times the usual ones few truths need others
+_CLOSE = 1e-3  # of ln(velocity), to which a boundary is sought
+_STEP = 0.03  # of ln(velocity), twice as far each time, until a boundary lies between
 
 # A critical temperature of which little is known; a steel and a wear rate that were measured, with
 # tests at one bulk temperature, or neither of them, with tests at three.
@@ -78,6 +80,19 @@ def weighed(ensemble, tests, scatter=SCATTER):
         mock.patch.object(weigh, "_FIRST", _FIRST),
     ):
         return pipeline.posterior(tested, scatter)
+
+
+def boundary_near(excess, place, ends):
+    """Place near another beyond which an excess, which may jump, is positive; None if beyond."""
+    excess = functools.cache(excess)
+    step = _STEP if excess(place) < 0 else -_STEP
+    near = far = place
+    while excess(far) * excess(place) > 0:
+        near, far = far, min(max(far + step, ends[0]), ends[1])
+        if far == near:
+            return None
+        step *= 2
+    return float(brentq(excess, near, far, xtol=_CLOSE))
 
 
 _excess, _of_prior = Ensemble.excess, {}

@@ -95,11 +95,9 @@ def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test():
 def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(capsys):
     page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
-    assert len(commands) == 15
+    assert len(commands) == 14
     printed = []
     for command in commands[2:]:  # the first two tell the cost, and run what the notebook ran
-        if "--certify" in command:  # 25 boundaries, of which tests of a certificate find fewer
-            continue
         arguments = shlex.split(command)[1:]
         if "posterior.png" in command or "given-measured" in command:
             arguments += ["--scatter", "10%"]

@@ -161,7 +161,6 @@ def content_of_samples(
     ensemble = Ensemble.of(ds, **criterion)
     weighed = posterior_if_given(ensemble, given_measured, scatter)
     draws = weighed.draws if weighed else None
-    known = [str(ensemble.certificate)] if ensemble.certificate else []
     single = ensemble.loads if len(ensemble.loads) == 1 else None
     plane = probabilities(ensemble, draws, loads=single)
     shares, lines = risk_lines(plane)
@@ -169,7 +168,7 @@ def content_of_samples(
         "title": attributes.get("title"),
         "name": attributes.get("name"),
         "evidence": f", given {len(weighed.judged)} tests of the scene" if weighed else "",
-        "basis": [*map(str, (*ensemble.unknown, *ensemble.fixed)), *known],
+        "basis": [*map(str, (*ensemble.unknown, *ensemble.fixed))],
         "measured": [*ensemble.tests],
         "loads": plane["load"].values.tolist(),
         "velocities": plane["velocity"].values.tolist(),

@@ -1,4 +1,4 @@
-"""Boundaries that are found directly, and fits that a store keeps, on a rise in closed form."""
+"""Bands of the emulator, held against a rise in closed form."""
 
 import dataclasses
 import math
@@ -7,36 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline.sweep.unknown import drawn
-from pipeline.uncertain import certify
-from tests.helpers.samples import ALL, Memory, ensemble, rise
-
-
-@pytest.fixture
-def samples():
-    return dataclasses.replace(ensemble(), keeper=Memory())
-
-
-@pytest.mark.parametrize(("factor", "off", "held"), [(1.0, 0.003, 20), (1.1, 0.13, 0)])
-def test_a_certificate_says_how_far_the_emulator_is_off(samples, monkeypatch, factor, off, held):
-    # The rise is that at friction 1, whatever the friction.
-    units = dict(zip([one.path for one in ALL], [418.15, 1.2e-15, 0.1, 4.5e-6], strict=True))
-
-    def log_rise(entries, load, velocity):
-        inputs = np.array([[float(str(entries.get(path, 0.1)).split()[0]) for path in units]])
-        return math.log(factor * rise(inputs, load, velocity)[0])
-
-    monkeypatch.setattr(certify, "log_rise", log_rise)
-    assert samples.certificate is None
-    found = certify.certify(samples, dict)
-    assert len(found.found) == 25
-    assert found.error == pytest.approx(off, rel=0.1, abs=0.003)
-    assert held <= found.held <= held + 5
-    certified = dataclasses.replace(samples)
-    assert certified.certificate == found
-    row = np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]])
-    band, as_stated = (one.excess(row, 400.0, 5.9).error for one in (certified, samples))
-    assert (band > 5 * as_stated) == (factor > 1.0)
-    assert dataclasses.replace(samples, rises=1.01 * samples.rises).certificate is None
+from tests.helpers.samples import ALL, ensemble, rise
+from tests.promises.rigs import boundary_near
 
 
 def test_bands_hold_nine_of_ten_runs_at_the_loads_and_between_them_and_of_places_left_out():
@@ -77,6 +49,6 @@ def test_a_boundary_is_found_where_the_rise_jumps(place):
     def excess(log_velocity):
         return 0.7 * (log_velocity - 0.3) + math.copysign(0.005, log_velocity - 0.3)
 
-    assert certify.boundary_near(excess, place, (-1.0, 1.0)) == pytest.approx(0.3, abs=2e-3)
-    assert certify.boundary_near(excess, -0.4, (-1.0, 0.2)) is None
-    assert certify.boundary_near(excess, 0.9, (0.4, 1.0)) is None
+    assert boundary_near(excess, place, (-1.0, 1.0)) == pytest.approx(0.3, abs=2e-3)
+    assert boundary_near(excess, -0.4, (-1.0, 0.2)) is None
+    assert boundary_near(excess, 0.9, (0.4, 1.0)) is None
