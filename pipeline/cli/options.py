@@ -243,10 +243,6 @@ OF_INFER = (
         help="for samples: rank the measurements to make next, or plan COUNT tests at once",
     ),
     Option(
-        "--until", metavar="SPREAD",
-        help='with --next: plan tests until the target has this spread, like "5 %%" or "3 K"',
-    ),
-    Option(
         "--for", metavar="ENTRY", dest="target",
         help="target of the next test: an unknown input, such as temperature.critical, or a load, "
         'such as "400 N", for the boundary there; default: the whole boundary',

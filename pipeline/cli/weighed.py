@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import argparse
 import math
-from argparse import ArgumentTypeError as Refused
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
-from scipy.special import ndtr
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import at_in, criterion_in, flags_of, values_in
 from pipeline.cli.next_steps import next_tests
-from pipeline.cli.output import Result, counted, rounded, working
+from pipeline.cli.output import Result, rounded, working
 from pipeline.cli.unknowns import draws_in_words, scatter_in_words
-from pipeline.cli.values import share
-from pipeline.scene.units import difference_in_si, display
+from pipeline.scene.units import display
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
-from pipeline.uncertain.next_tests import MOST, Candidate, Programme, load_of_target, programme
+from pipeline.uncertain.next_tests import Candidate, load_of_target
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
 from tribo import InputError
 
@@ -36,7 +32,7 @@ _AT = "prior", "posterior"
 
 def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     """Print and draw the inputs as the tests leave them, and the tests to make next."""
-    given = values_in(options, "target", "until", "bulk_temperature")
+    given = values_in(options, "target", "bulk_temperature")
     if given and options.next is None:
         raise InputError(f"{flags_of(given)} belongs to --next, which is not given")
     if any(isinstance(bulk, dict) for bulk in options.bulk_temperature or ()):
@@ -202,18 +198,6 @@ def measurements_to_make(
     unknown = inputs.get(options.target or "")
     if options.target and unknown is None:
         load_of_target(weighed, options.target)
-    if options.until is not None:
-        most = options.next if options.next > 1 else MOST
-        goal = goal_of(options.until, options.target, unknown)
-        planned = programme(weighed, goal, most=most, **about)
-        document = _plan(options, planned.tests, planned.tests) | {
-            "until": planned.until,
-            "reached": planned.is_reached,
-            "stuck": planned.is_stuck,
-            "others": [{"what": one.what, "sd": one.spread} for one in planned.others],
-        }
-        frame = _measurements((*planned.tests, *planned.others), unknown)
-        return document, list(_on_programme(options, planned, unknown)), frame
     if options.next > 1:
         ranked = tests = pipeline.plan_tests(weighed, options.next, **about)
         head = f"{options.next} tests to make next, each beside those before it"
@@ -264,48 +248,3 @@ def _plan(
             for number, test in enumerate(tests, 1)
         ],
     }
-
-
-def goal_of(text: str, target: str | None, unknown: Unknown | None) -> float:
-    """Spread of a target until which to test, in SI or as a share."""
-    read: Callable[[str], float] = share
-    what, like, other = unknown.path if unknown else "the boundary", "5 %", ""
-    if unknown is None:
-        what += f"{f' at {target}' if target else ''}, in velocity"
-        other = ", or name an input by --for"
-    elif not unknown.is_relative:
-        low, high = unknown.quantile(ndtr(np.array([-0.5, 0.5])))
-        half = float(unknown.spread.of(float(high - low))) / 2
-        like = f"{rounded(half, 1)}{unknown.spread.suffix}"
-        read = float if unknown.unit == "1" else partial(difference_in_si, like=like)
-    try:
-        goal = read(text)
-    except (ValueError, Refused):
-        goal = math.nan
-    if 0 < goal < math.inf:
-        return goal
-    raise InputError(
-        f'--until is "{text}"; it is the standard deviation of {what}: give one such as "{like}"'
-        f"{other}"
-    )
-
-
-def _on_programme(
-    options: argparse.Namespace, planned: Programme, unknown: Unknown | None
-) -> Iterator[str | pd.DataFrame]:
-    """A sentence and a frame on a programme: its tests, and whether they reach the goal."""
-    goal, before = (_spread(value, unknown) for value in (planned.until, planned.before))
-    yield f"tests until {_target(options)} is known to {goal}; today it is to {before}"
-    if planned.tests:
-        yield _measurements(planned.tests, unknown)
-    count = counted(len(planned.tests), "test", "tests")
-    if planned.is_reached:
-        yield f"reached by {count}" if planned.tests else "reached already"
-        return
-    reason = "more of the same help little" if planned.is_stuck else "as many as were allowed"
-    yield f"not reached by {count}: {reason}"
-    if not planned.others:
-        yield "no other measurement alone takes away a tenth of what is left"
-        return
-    yield "what does, beside these tests:"
-    yield _measurements(planned.others, unknown)

@@ -136,49 +136,6 @@ def plan_tests(
     return tuple(itertools.islice(_Plan(posterior, target, bulk_temperatures).best(), count))
 
 
-MOST = 40
-"""Tests of a programme."""
-_LITTLE, _IN_A_ROW = 0.02, 3  # of the spread: what so many tests in a row at least take away
-_HELPS = 0.1  # of the spread, that another measurement takes away at least
-
-
-@dataclass(frozen=True, slots=True)
-class Programme:
-    """Tests that lead to a goal, as far as they do."""
-
-    until: float  # standard deviation of the target that is sought, as `Candidate.spread`
-    before: float  # that of today
-    tests: tuple[Candidate, ...]
-    is_reached: bool
-    is_stuck: bool
-    others: tuple[Candidate, ...]  # measurements that help where the tests do not suffice
-
-
-def programme(
-    posterior: Posterior,
-    until: float,
-    target: str | None = None,
-    bulk_temperatures: Sequence[float | str] = (),
-    most: int = MOST,
-) -> Programme:
-    """Plan tests until the target has a given spread, or further tests help little."""
-    if not until > 0:
-        raise InputError(f"until is {until:g}; give a spread above 0, such as 0.05")
-    plan = _Plan(posterior, target, bulk_temperatures)
-    tests: list[Candidate] = []
-    spreads, following, is_stuck = [plan.before], plan.best(), False
-    while plan.spread > until and len(tests) < most and not is_stuck:
-        tests.append(next(following))
-        spreads.append(tests[-1].spread)
-        earlier = spreads[-_IN_A_ROW - 1] if len(tests) >= _IN_A_ROW else math.inf
-        is_stuck = spreads[-1] > (1 - _LITTLE) ** _IN_A_ROW * earlier
-    if plan.spread <= until:
-        return Programme(until, plan.before, tuple(tests), True, False, ())
-    enough = (1 - _HELPS) * plan.spread
-    others = tuple(one for one in plan.ranked(plan.others) if one.spread < enough)
-    return Programme(until, plan.before, tuple(tests), False, is_stuck, others)
-
-
 class _Plan:
     """Truths drawn from what is known today, what each has learnt so far, and the target."""
 
