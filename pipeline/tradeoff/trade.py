@@ -285,7 +285,6 @@ def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ..
         "partition": () if unequal_bulks else ("uniform",),
         "heat_tolerance": (start.heat_tolerance / 100, min(0.1, start.heat_tolerance * 100)),
         "kernel": ("nearest-image",),
-        "precision": ("single",),
     }  # fmt: skip
 
 

@@ -91,7 +91,6 @@ def random_point(seed, wildness):
         "history_coarsening": draw.either(1, 1, 2),
         "increments": draw.integer(1, 8),
         "contact_tolerance": draw.log(1e-8, 1e-3, far=4.0),
-        "precision": draw.either("double", "double", "single"),
         "wear_scheme": draw.either("implicit", "implicit", "sdirk2", "explicit"),
         "heat_model": draw.either("elapsed", "elapsed", "history"),
         "partition": draw.either("local", "local", "uniform"),

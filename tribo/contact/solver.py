@@ -29,7 +29,6 @@ _FULL = 1e-14  # of the load that the hardness carries, within which all of it i
 _WINDOW_SHARE = 0.9  # of the tolerance, to which a part of the grid is solved on its own
 _LOOSE = 1e-2  # tolerance from which on single precision does where it is the faster one
 _SMALLEST_SINGLE = 1e-27  # of stresses and depths, a transform of which single precision can hold
-_DOUBLE_ROUNDING = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,7 +175,7 @@ def solve_contact(
     outcome = iterate(problem, guess, limits, initial_displacement, spent)
     solution = _solution(outcome, hardness)
     if not outcome.converged:
-        raise ConvergenceError(_failure(outcome, limits, _is_single(solid)), solution)
+        raise ConvergenceError(_failure(outcome, limits), solution)
     return solution
 
 
@@ -209,15 +208,10 @@ def _check(
     stress, depth = _scales(solid, normal_load)
     # An iteration multiplies stresses by depths, and depths by depths.
     in_range = all(SMALLEST < product < LARGEST for product in (stress * depth, depth * depth))
-    precision = "double"
-    if _is_single(solid):
-        precision = "single"
-        in_range = _single_holds(solid, normal_load)
     if normal_load and not in_range:
         raise InputError(
             f"normal_load is {normal_load:g} N on a patch of {area:g} m² of an influence of "
-            f"{solid.self_influence:g} m/Pa; {precision} precision cannot hold a contact of this "
-            "size"
+            f"{solid.self_influence:g} m/Pa; double precision cannot hold a contact of this size"
         )
 
 
@@ -231,10 +225,6 @@ def _single_holds(solid: ElasticHalfSpace, normal_load: float) -> bool:
     """True if stresses and depths of a contact are numbers that single precision can hold."""
     scales = _scales(solid, normal_load)
     return all(_SMALLEST_SINGLE < scale < 1 / _SMALLEST_SINGLE for scale in scales)
-
-
-def _is_single(solid: ElasticHalfSpace) -> bool:
-    return solid.rounding > _DOUBLE_ROUNDING
 
 
 def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
@@ -255,7 +245,7 @@ def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
     )
 
 
-def _failure(outcome: IterationResult, limits: Limits, single: bool) -> str:
+def _failure(outcome: IterationResult, limits: Limits) -> str:
     """Message on an iteration that has not converged, with advice."""
     advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
     if outcome.stalled:
@@ -264,8 +254,6 @@ def _failure(outcome: IterationResult, limits: Limits, single: bool) -> str:
             f"with displacements of {largest:.1e} m it falls no further, so ask for at "
             f"least {2 * outcome.residual:.0e}"
         )
-        if single:
-            advice += " or for double precision"
     return (
         f"the contact did not converge: residual {outcome.error:.2e} after "
         f"{math.ceil(outcome.convolutions)} iterations, asked were {limits.tolerance:.2e}; {advice}"

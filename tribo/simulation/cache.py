@@ -124,8 +124,6 @@ def forget_kernels() -> None:
 def _elastic_bodies(scene: Scene) -> ElasticBodies:
     modulus = contact_modulus(scene.pin.material, scene.disk)
     solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
-    if scene.fidelity.precision == "single":
-        solid = solid.in_single_precision()
     heights = _heights.get((scene.roughness, scene.pixels), scene.heights)
     separation = scene.separation(heights)
     if not scene.sweeps_over:

@@ -13,7 +13,6 @@ Averaging = Literal["mean", "sample"]
 Partition = Literal["local", "uniform"]
 HeatModel = Literal["elapsed", "history"]
 HeatKernel = Literal["pin", "endless", "nearest-image"]
-Precision = Literal["double", "single"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,10 +45,6 @@ class Fidelity:
         is taken where the wear is local, which keeps what each contact has wrong.
     contact_criterion : {"gap", "pressure-change"}
         Measure of the contact's error; see `tribo.solve_contact`.
-    precision : {"double", "single"}
-        Precision of the contact's transforms. Single precision is faster on large grids, and an
-        error where it does not reach the tolerance, mostly below 1e-3. From a tolerance of 1e-2 on
-        contacts are solved in it anyway, where it holds them.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
         Scheme by which wear advances over a step; see `tribo.wear.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
@@ -85,7 +80,6 @@ class Fidelity:
     kernel: ElasticKernel = "periodic"
     contact_tolerance: float = 1e-3
     contact_criterion: ContactCriterion = "gap"
-    precision: Precision = "double"
     wear_scheme: WearScheme = "implicit"
     heat_model: HeatModel = "elapsed"
     heat_kernel: HeatKernel = "pin"
@@ -109,7 +103,6 @@ class Fidelity:
             ("averaging", get_args(Averaging)),
             ("kernel", get_args(ElasticKernel)),
             ("contact_criterion", get_args(ContactCriterion)),
-            ("precision", get_args(Precision)),
             ("wear_scheme", get_args(WearScheme)),
             ("heat_model", get_args(HeatModel)),
             ("heat_kernel", get_args(HeatKernel)),

@@ -3,16 +3,12 @@
 import argparse
 import re
 from argparse import ArgumentTypeError as Refused
-from dataclasses import replace
 
 import pytest
 
 from pipeline.cli import values
 from pipeline.cli.given import conditions_in
 from pipeline.cli.parser import parse
-from pipeline.cli.weighed import goal_of
-from pipeline.sweep.unknown import Unit, Unknown
-from tribo import InputError
 
 
 @pytest.mark.parametrize(("text", "share"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0)])
@@ -72,36 +68,6 @@ def test_values_below_zero_reach_their_options():
     assert read("--share", "-5%").share == -0.05
     assert read("--friction", "-.1", "-q").friction == [-0.1]
     assert read("--bulk-temperature", "-5 degC").bulk_temperature == pytest.approx(268.15)
-
-
-HEAT = Unknown("temperature.critical", "normal", (418.15, 8.0), "K", Unit("°C", 1.0, 273.15))
-WIDE = replace(HEAT, kind="uniform", parameters=(383.15, 473.15))
-FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
-RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1")
-
-
-@pytest.mark.parametrize(
-    ("text", "target", "expected"),
-    [("5 %", None, 0.05), ("3 K", HEAT, 3.0), ("0.002", FRICTION, 0.002), ("10%", RATE, 0.1)],
-)
-def test_a_goal_has_the_unit_of_its_target(text, target, expected):
-    assert goal_of(text, target and target.path, target) == pytest.approx(expected)
-
-
-@pytest.mark.parametrize(
-    ("text", "target", "words"),
-    [
-        ("5 K", None, 'the boundary, in velocity: give one such as "5 %", or name an input by --f'),
-        ("5 %", HEAT, 'temperature.critical: give one such as "4 K"'),
-        ("5 %", WIDE, 'temperature.critical: give one such as "20 K"'),
-        ("-3 K", HEAT, 'temperature.critical: give one such as "4 K"'),
-        ("nan", FRICTION, 'friction.coefficient: give one such as "0.003"'),
-        ("1e-7 mm^3/(N m)", RATE, 'wear.specific_wear_rate: give one such as "5 %"'),
-    ],
-)
-def test_a_goal_in_another_unit_is_answered_with_the_target_and_one_of_its_own(text, target, words):
-    with pytest.raises(InputError, match=re.escape(words)):
-        goal_of(text, target and target.path, target)
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,6 @@ def test_each_numerical_choice_is_varied_alone(measured):
         "kernel",
         "partition",
         "pixels_per_element",
-        "precision",
         "wear_scheme",
     }
     draft = PRESETS["draft"]

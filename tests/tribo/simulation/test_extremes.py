@@ -269,39 +269,6 @@ def tolerances():
     )  # fmt: skip
 
 
-def single_precision():
-    def single(tolerance=1e-4, **parts):
-        fidelity = Fidelity(
-            pixels_per_element=1, increments=5, contact_tolerance=tolerance, precision="single"
-        )
-        return changed(fidelity=fidelity, **parts)
-
-    def heights(scale):
-        return MeasuredRoughness(scale * np.random.default_rng(0).uniform(size=SHAPE))
-
-    group = "single precision"
-    yield Extreme(group, "the small scene", single())
-    for pattern in ("local", "swept"):
-        yield Extreme(group, f"{pattern} wear", single(wear=Wear(1e-15, pattern)))
-    for share in (1e-6, 1.0):
-        what = f"{share:g} of nominal"
-        yield Extreme(group, what, single(roughness=heights(1e-6)), load=share * 750.0)
-    almost_full, ramp = 0.999 * CAPACITY, Ramp(150.0, 0.999 * CAPACITY)
-    yield Extreme(group, "0.999 H·A, contact 0.01", single(0.01, loading=ramp), load=almost_full)
-    yield Extreme(group, "heights of 1 mm", single(roughness=heights(1e-3)))
-    for what, scene, load in [
-        ("contact 1e-9", single(1e-9), 600.0),
-        ("0.999 H·A, contact 1e-4", single(loading=ramp), almost_full),
-        ("swept wear of 1 mm a step", single(wear=Wear(1e-12)), 600.0),
-    ]:
-        advice = "or for double precision"
-        yield Extreme(group, what, scene, advice, ConvergenceError, load=load)
-    yield Extreme(
-        group, "1e-33 of nominal", single(), "single precision cannot hold", InputError,
-        load=7.5e-31,
-    )  # fmt: skip
-
-
 EXTREMES = [
     *velocities(),
     *loads(),
@@ -312,7 +279,6 @@ EXTREMES = [
     *surfaces(),
     *materials(),
     *tolerances(),
-    *single_precision(),
 ]
 
 

@@ -7,7 +7,6 @@ from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import (
     QUANTILES,
     Ball,
-    ConvergenceError,
     Cylinder,
     Fidelity,
     Grid,
@@ -67,24 +66,6 @@ def test_only_the_trunk_can_be_gone_on_from():
 def test_parts_that_do_not_fit_make_no_scene(change, said):
     with pytest.raises(InputError, match=said):
         replace(small_scene(), **change)
-
-
-def test_single_precision_agrees_within_the_tolerance_that_it_allows():
-    double, single = (
-        last(small_scene(contact_tolerance=1e-3, precision=name), 600.0, 1.25).heat
-        for name in ("double", "single")
-    )
-    # Both pressures are within 1e-3 of the exact one; temperatures average over many elements.
-    assert single.rise_quantile == pytest.approx(double.rise_quantile, rel=2e-3)
-    assert single.rise_quantile[-1] != double.rise_quantile[-1]
-
-
-def test_single_precision_is_refused_where_it_does_not_reach_the_tolerance():
-    scene = small_scene(contact_tolerance=1e-8, precision="single")
-    with pytest.raises(ConvergenceError, match="ask for at least"):
-        list(simulate(scene, 600.0, 1.25))
-    with pytest.raises(InputError, match="double, single"):
-        small_scene(precision="half")
 
 
 def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
