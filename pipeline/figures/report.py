@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import pandas as pd
 import xarray as xr
-import yaml
 from matplotlib.figure import Figure
 
 from pipeline.analysis import dataset
@@ -30,6 +29,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.style import fit_to_width, svg_of
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import meanings
+from pipeline.store.attributes import package_versions
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.about import judged_by, on_plane
@@ -311,28 +311,14 @@ def _versions(attributes: Mapping[str, Any]) -> Iterator[Part]:
     yield f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
 
 
-_FILE = "CITATION.cff"
-
-
 def citation() -> Iterator[str]:
-    """References to the program and to the works that it builds on, a line each."""
-    package = resources.files("pipeline")
-    file = package / _FILE  # in a wheel; in a checkout it is beside the package
-    if not file.is_file():
-        file = package / ".." / _FILE
-    entry = yaml.safe_load(file.read_text(encoding="utf-8"))
-    yield _line(entry)
-    yield from map(_line, entry.get("references", []))
-
-
-def _line(entry: Mapping[str, Any]) -> str:
-    """One reference."""
-    names = [author.get("name") or author.get("family-names") for author in entry["authors"]]
-    people = " and ".join(", ".join(names).rsplit(", ", 1)) if len(names) > 1 else names[0]
-    version = f" (version {entry['version']})" if "version" in entry else ""
-    details = [f"{entry[key]}" for key in ("journal", "volume", "year", "doi", "url", "license")
-               if key in entry]  # fmt: skip
-    return ". ".join([f"{people}: {entry['title']}{version}", *details]) + "."
+    """References to the program and to the work that it builds on, a line each."""
+    version = package_versions()["tribo"]
+    yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
+    yield (
+        "Bosman and de Rooij: On the transition from mild to severe wear of lubricated, "
+        "concentrated contacts: The IRG (OECD) transition diagram."
+    )
 
 
 def sections_of_samples(

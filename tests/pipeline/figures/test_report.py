@@ -1,12 +1,13 @@
 """A report holds what a reader without the tool asks for, in one file."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import pipeline
-from pipeline.figures.report import sections_of_samples
+from pipeline.figures.report import citation, sections_of_samples
 from pipeline.scene.along import OperatingPoints
 from tests.helpers import samples, synthetic
 
@@ -39,6 +40,14 @@ def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
     assert "may err by up to 8 %" in page
     assert re.search(r"developers: irg-transition \(version .*\)\. BSD-3-Clause\.", page)
     assert not re.search(r'(src|href)="(?!data:|#)', page)
+
+
+def test_a_report_cites_what_the_citation_file_has():
+    file = (Path(__file__).parents[3] / "CITATION.cff").read_text(encoding="utf-8")
+    entries = re.findall(r"^\s*(?:title|version|license|- family-names): (.+)$", file, re.MULTILINE)
+    cited = "\n".join(citation())
+    assert len(entries) == 6
+    assert [entry for entry in entries if entry.strip('"') not in cited] == []
 
 
 def test_a_report_says_what_it_lacks(tmp_path):
