@@ -10,7 +10,7 @@ from pipeline.cli.output import Result, tell, working
 from pipeline.figures.plot import options_of, watch
 from tribo import InputError
 
-_OF_KINDS = (*given.PLACE, "scatter", "log", "show", "against", "given_measured")
+_OF_KINDS = (*given.PLACE, "scatter", "log", "show", "given_measured")
 """Options that only some kinds of figures have, beside the conditions."""
 
 

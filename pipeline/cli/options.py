@@ -315,10 +315,6 @@ OF_PLOT = (
     _quantity("--width", "W", "8.5 cm", "width of the figure; its text keeps its size"),
     _flag("--no-title", "draw no title, where a caption gives it"),
     _flag("--log", "logarithmic axes of the diagram"),
-    Option(
-        "--against", metavar="COLUMN",
-        help="column of pairs, such as a label or load, over which a diagram has their margins",
-    ),
     Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),
 )  # fmt: skip
 OF_EXPLORE = (

@@ -74,7 +74,6 @@ def diagram(
     log: bool = False,
     given_measured: bool = False,
     scatter: float | None = None,
-    against: str | None = None,
     ax: Axes | None = None,
     **changed: Any,
 ) -> Figure:
@@ -93,9 +92,7 @@ def diagram(
     if not has_plane(ds):
         if log or isinstance(friction, Sequence):
             raise InputError(_OF_A_PLANE)
-        return draw_rows(ds, against, ax, friction=friction, **changed)
-    if against is not None:
-        raise InputError("against is a column of rows with places of their own; leave it out")
+        return draw_rows(ds, ax, friction=friction, **changed)
     if several := entry_dims(ds):
         if isinstance(friction, Sequence):
             raise InputError(_ONE_LINE_EACH.format(several[0]))

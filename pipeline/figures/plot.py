@@ -64,8 +64,7 @@ def plot(
           ``realization``, seed of the surface to draw (if not given the first; in a diagram all,
           with a band from the tenth to the ninetieth of a hundred). In a diagram several values of
           ``friction`` make a band, and their median the boundary.
-        - diagram: ``log``, True for logarithmic axes, without velocity 0; of rows with places of
-          their own ``against``, the column over which their margins stand; of samples
+        - diagram: ``log``, True for logarithmic axes, without velocity 0; of samples
           ``given_measured``, True to let the measured transitions narrow the inputs, and
           ``scatter`` of `pipeline.posterior`.
         - ramp, fields, temperature: ``load`` [N], or text with a unit, the

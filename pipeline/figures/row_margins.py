@@ -19,7 +19,6 @@ from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, PURPLE, TINTS, VERMILION
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.variants import PLACE
-from tribo import InputError
 
 _MOST_TICKS = 24  # labels of rows that are written below a figure
 _MANY = 60  # rows, from which marks are small and errors have no caps
@@ -38,14 +37,12 @@ _ASIDE = 5  # [pt] of the mark of either factor from its row
 
 
 @style.in_house_style
-def draw_rows(
-    ds: xr.Dataset, against: str | None = None, ax: Axes | None = None, **conditions: Any
-) -> Figure:
+def draw_rows(ds: xr.Dataset, ax: Axes | None = None, **conditions: Any) -> Figure:
     """Draw the margin of each row [K], and its factors where places about it were simulated."""
     rows = rows_of(ds, **conditions)
     frame = frame_of_rows(ds, rows)
     columns = labels_of_rows(frame)
-    x, ticks, label = _axis(frame, columns, against)
+    x, ticks, label = _axis(frame, columns)
     has_factors = PLACE in ds.coords and ax is None
     figure, axes = style.canvas(ax, (8.0, 6.6 if has_factors else 4.8))
     panels = [axes]
@@ -56,10 +53,9 @@ def draw_rows(
     _draw_margins(panels[0], x, frame)
     panels[0].set_title(style.title_of(ds), pad=10, wrap=True)
     panels[-1].set_xlabel(style.as_text(label))
-    if ticks:
-        every = math.ceil(len(ticks) / _MOST_TICKS)
-        shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
-        panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
+    every = math.ceil(len(ticks) / _MOST_TICKS)
+    shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
+    panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
     judged = {row.conditions for row in rows}
     handles = [handle for one in panels for handle in one.get_legend_handles_labels()[0]]
     title = judged_by(judged) if len(judged) == 1 else "severe wear: by the conditions of each row"
@@ -67,24 +63,12 @@ def draw_rows(
     return figure
 
 
-def _axis(
-    frame: pd.DataFrame, columns: list[str], against: str | None
-) -> tuple[np.ndarray[Any, Any], list[str], str]:
+def _axis(frame: pd.DataFrame, columns: list[str]) -> tuple[np.ndarray[Any, Any], list[str], str]:
     """Places of the rows along the axis, its ticks where these are words, and its label."""
-    names = {column.rpartition(" [")[0] or column: column for column in columns}
-    if against is not None and against not in {*names, *columns}:
-        held = ", ".join(names)
-        raise InputError(f"against is {against!r}, which is no column of the rows; give {held}")
-    if against is None:
-        own = [c for c in columns if "." not in c and c not in ("load [N]", "velocity [m/s]")]
-        column = own[0] if own else None
-        places = frame[columns].drop(columns="realization", errors="ignore")
-        x = places.groupby(list(places), sort=False, dropna=False).ngroup().to_numpy()
-    else:
-        column = names.get(against, against)
-        if pd.api.types.is_numeric_dtype(frame[column]):
-            return frame[column].to_numpy(float), [], column
-        x = pd.factorize(frame[column])[0]
+    own = [c for c in columns if "." not in c and c not in ("load [N]", "velocity [m/s]")]
+    column = own[0] if own else None
+    places = frame[columns].drop(columns="realization", errors="ignore")
+    x = places.groupby(list(places), sort=False, dropna=False).ngroup().to_numpy()
     firsts = np.unique(x, return_index=True)[1]
     if column is None:
         return x, [str(number + 1) for number in range(len(firsts))], "row"

@@ -10,7 +10,6 @@ from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Column, placed_rows
 from tests.helpers.tiny import sweep
 from tests.pipeline.conftest import commit_all
-from tribo import InputError
 
 RADII, ABOUT = (6e-3, 8e-3), [(1.0, 1.0), (1.0, 0.5), (1.0, 2.0), (0.5, 1.0), (2.0, 1.0)]
 COOL = ("--critical-temperature", "90 degC")
@@ -74,14 +73,13 @@ def test_a_boundary_of_pairs_is_their_factors_or_says_what_has_them(stores, irg)
     assert "sweep.around = 5" in refused
 
 
-def test_the_figure_of_pairs_has_their_margins_against_a_column(stores):
-    with pytest.raises(InputError, match="no column of the rows; give gear, angle, load"):
-        pipeline.plot(stores["alone"], "diagram", against="pin")
+def test_the_figure_of_pairs_has_their_margins_by_row(stores):
     ds, hot = draft(stores["alone"]), {"critical_temperature": "300 degC"}
-    (axes,) = pipeline.plot(ds, "diagram", against="angle", **hot).axes
-    assert axes.get_xlabel() == "angle [deg]"
+    (axes,) = pipeline.plot(ds, "diagram", **hot).axes
+    assert axes.get_xlabel() == "gear"
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["a", "b"]
     (drawn,) = (line for line in axes.lines if line.get_gid() == "mild wear")
-    np.testing.assert_array_equal(drawn.get_xdata(), [20, 5])
+    np.testing.assert_array_equal(drawn.get_xdata(), [0, 1])
     distances = pipeline.margin_table(ds, **hot)["distance [K]"]
     np.testing.assert_array_equal(drawn.get_ydata(), distances)
 
