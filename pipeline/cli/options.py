@@ -129,7 +129,7 @@ OF_NEW = (
             LIST.but(help="list the shipped scenes"),
         ),
     ),
-    _flag("--full", "explain every entry, and add unused ones as comments"),
+    _flag("--full", "add every unused entry as a comment with its meaning"),
     Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
 )  # fmt: skip
 

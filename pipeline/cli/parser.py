@@ -34,7 +34,7 @@ _AT = '--load "500 N" --velocity "2 m/s"'
 COMMANDS = (
     Command(
         "run", "new", "begin:new",
-        "write a scene to start from; --full explains every entry",
+        "write a scene to start from; --full has every entry",
         "scene.toml --from twin_disc", o.OF_NEW,
     ),
     Command(

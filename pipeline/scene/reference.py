@@ -6,7 +6,7 @@ import itertools
 import math
 import re
 import shutil
-import textwrap
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -15,9 +15,9 @@ from typing import Any
 
 import tribo
 from pipeline.scene.compounds import Either, Entry, List, Optional, Table, Tables
-from pipeline.scene.document import as_toml, read_document
-from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
-from pipeline.scene.format import FIDELITY, SCENE, UNKNOWN, USUAL_PRESET
+from pipeline.scene.document import as_toml
+from pipeline.scene.faults import did_you_mean, entry_at, quoted
+from pipeline.scene.format import FIDELITY, SCENE, UNKNOWN
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
@@ -148,32 +148,21 @@ def written(value: Any, kind: Kind | None = None) -> str:
     return f"{value:g}" if isinstance(value, float) else quoted(value)
 
 
-_WIDTH = 98
-_USUAL = "first_try"
 _FILES = ("disk.roughness.file", "loading.file")
-_HEAD = """\
-# A scene to start from. Its entries are those of a steel cylinder on a ground steel disk in white
-# oil: put your own in their place. An entry such as "#hold" is not used; take the # off to use it.
-"""
-_NEXT = """\
-#
-# Its meaning      irg check {name}.toml
-# Its diagram      irg run {name}.toml, then irg plot results/{name}.zarr
-"""
+_MEANT, _LONGEST = 40, 80  # column in which meanings begin, and their characters
 
 
 def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> list[Path]:
-    """Write a scene to start from: a short one, or one in which every entry is explained.
+    """Write a scene to start from: a short one, a shipped one, or one that has every entry.
 
     Parameters
     ----------
     path : path
         File to write; it must not exist yet.
     like : str, optional
-        Name of a shipped scene to begin with, every entry explained. By default a scene whose
-        diagram takes seconds.
+        Name of a shipped scene to copy. By default a short scene whose diagram takes seconds.
     full : bool
-        Explain every entry of the template, too, and add those that it has not as comments.
+        Add every entry that the short scene has not as a comment, with its meaning.
 
     Returns
     -------
@@ -201,21 +190,17 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
             f'"{like}" is not a shipped scene{did_you_mean(like, shipped)}; there are '
             f"{', '.join(shipped)}"
         )
-    source = shipped[like or _USUAL]
-    entries = read_document(source, Faults()).entries()
-    if like is None:
-        head = _HEAD
-        entries |= {"title": "My system", "fidelity": {"preset": USUAL_PRESET}}
-        del entries["measured"]
-    else:
-        lines = source.read_text(encoding="utf-8").splitlines(keepends=True)
-        head = "".join(itertools.takewhile(lambda line: line.startswith("#"), lines))
-    text = "\n".join([head + _NEXT.format(name=path.stem).rstrip(), *_lines(entries), ""])
-    if like is None and not full:
-        short = resources.files("pipeline.scene").joinpath("template.toml")
-        text = short.read_text(encoding="utf-8").replace("NAME", path.stem)
-    beside = [str(name) for key in _FILES if (name := entry_at(entries, key))]
-    copies = [(source.parent / name, path.parent / Path(name).name) for name in beside]
+    short = resources.files("pipeline.scene").joinpath("template.toml")
+    text = short.read_text(encoding="utf-8").replace("NAME", path.stem)
+    copies = []
+    if like is not None:
+        text = shipped[like].read_text(encoding="utf-8")
+        entries, folder = tomllib.loads(text), shipped[like].parent
+        beside = [str(name) for key in _FILES if (name := entry_at(entries, key))]
+        copies = [(folder / name, path.parent / Path(name).name) for name in beside]
+    elif full:
+        head = "".join(itertools.takewhile(lambda line: line[0] == "#", text.splitlines(True)))
+        text = "\n".join([head + _MARKS, *_lines(tomllib.loads(text)), ""])
     for file in (path, *(copy for _, copy in copies)):
         if file.exists():
             raise InputError(f"{file} exists already; give another name, or remove it")
@@ -230,65 +215,46 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     return [path, *(copy for _, copy in copies)]
 
 
+_MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
+
+
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """A scene's entries with what each means, and those that it does not have as comments."""
+    """Every entry of the format on a line of its own, as a comment where a scene has it not."""
+    listed: dict[str, str] = {}  # keys of tables that may be several, each with its first header
     for section in sections():
         table, _, name = section.path.partition(".")
-        values = entry_at(entries, section.path) if section.path else entries
+        path, values = section.path, entry_at(entries, section.path) if section.path else entries
         if name == "NAME":
-            tables = [(f"[{table}.{key}]", one) for key, one in entries.get(table, {}).items()]
-        elif section.is_list and values:
-            tables = [(section.header, item) for item in values]
-        elif isinstance(values, str):  # short for a name of the library
-            tables = [(section.header, {"like": values})]
-        else:
-            tables = [(section.header if section.path else "", values)]
-        for number, (header, held) in enumerate(tables):
-            yield from _section(section, header, held, comment=number == 0)
+            ((name, values),) = entries[table].items()
+            path = f"{table}.{name}"
+        keys, meaning = section.keys(), section.entry.meaning
+        if section.is_list and section.path == table:
+            if earlier := listed.keys() & keys.keys():
+                meaning = f"With the keys of {listed[min(earlier)]}, and these"
+            keys = {key: entry for key, entry in keys.items() if key not in listed}
+            listed |= dict.fromkeys(keys, section.header)
+        if path:
+            yield _meant("" if values else "#", section.header.replace(section.path, path), meaning)
+        for key, (entry, form) in keys.items():
+            default = entry.default
+            if path == "fidelity" and key != "preset":
+                default = getattr(tribo.PRESETS[entries["fidelity"]["preset"]], key)
+            mark, value = "#", example(entry, default)
+            if key in (values or {}):
+                mark, value = "", values[key]
+            elif entry.kind is UNKNOWN:  # an entry of it, since all are long
+                ((inner, value),) = value.items()
+                key = f"{key}.{inner}"
+            other = "" if form in ("", section.form_of(values or {})) else f" ({form})"
+            yield _meant(mark, f"{key} = {as_toml(value)}", entry.meaning, other)
 
 
-def _section(
-    section: Section, header: str, values: Mapping[str, Any] | None, comment: bool
-) -> Iterator[str]:
-    """Lines of one table: all keys with comments, or only those given without."""
-    yield ""
-    if comment and section.path:
-        yield from _wrapped(section.entry.meaning)
-    if header:
-        yield header if values is not None else f"#{header}"
-    entries = values or {}
-    used = section.form_of(entries)
-    others: dict[str, tuple[Entry, str]] = {}
-    for key, (entry, form) in section.keys().items():
-        if form not in ("", used):
-            others[key] = entry, form
-        elif comment or key in entries:
-            yield from _key(section, key, entry, entries, comment)
-    if others and comment:
-        form = next(iter(others.values()))[1]
-        yield from _wrapped(f"Or, for a {form}, in place of the keys of the {used}:")
-        for key, (entry, _) in others.items():
-            yield from _key(section, key, entry, {}, comment)
-
-
-def _key(
-    section: Section, key: str, entry: Entry, entries: Mapping[str, Any], comment: bool
-) -> Iterator[str]:
-    """Lines of one key: its meaning and the values allowed, and its value or an example."""
-    default = entry.default
-    if section.path == "fidelity" and key != "preset":
-        default = getattr(tribo.PRESETS[entries.get("preset", USUAL_PRESET)], key)
-    if comment:
-        usual = written(default, entry.kind)
-        ending = f"; default {usual}" if usual else ""
-        yield from _wrapped(f"{entry.meaning} Give {entry.kind}{ending}.")
-    value = entries[key] if key in entries else example(entry, default)
-    mark = "" if key in entries else "#"
-    if entry.kind is UNKNOWN:  # a line for each, since they are long
-        for name, distribution in value.items():
-            yield f"{mark}{key}.{name} = {as_toml(distribution)}"
-    else:
-        yield f"{mark}{key} = {as_toml(value)}"
+def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
+    """A line with its meaning behind it, of a long one the first clause."""
+    plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
+    sentence = re.split(r"[;.](?: |$)", plain)[0]
+    clause = sentence if len(sentence) <= _LONGEST else re.split("[,:] ", sentence)[0]
+    return f"{mark + line:{_MEANT}} # {clause}{form}"
 
 
 def example(entry: Entry, default: Any = None) -> Any:
@@ -315,14 +281,6 @@ def _allowed(kind: Kind, default: Any) -> Any:
         case Number():
             return 0.1
     return "text"
-
-
-def _wrapped(text: str) -> Iterator[str]:
-    """Text as comments, without the marks of Markdown; quoted words stay on one line."""
-    plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", text).replace("`", "")
-    kept = re.sub('"[^"]*"', lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), plain)
-    for line in textwrap.wrap(kept, _WIDTH, break_long_words=False, break_on_hyphens=False):
-        yield "# " + line.replace("\N{NO-BREAK SPACE}", " ")
 
 
 if __name__ == "__main__":

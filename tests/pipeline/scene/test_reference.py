@@ -23,8 +23,6 @@ def test_the_page_is_what_the_format_says():
 def test_a_new_scene_means_what_the_shipped_one_does(name, tmp_path):
     new_scene(tmp_path / f"{name}.toml", like=name)
     assert load_scene(tmp_path / f"{name}.toml") == load_scene(WORKFLOWS / f"{name}.toml")
-    lines = (tmp_path / f"{name}.toml").read_text(encoding="utf-8").splitlines()
-    assert max(map(len, lines)) <= 110  # a line can be read, and changed by itself
 
 
 @pytest.fixture(scope="module")
@@ -45,10 +43,10 @@ def test_the_short_scene_means_what_the_full_one_does(template, tmp_path):
 def test_the_template_holds_every_table_and_key(template):
     text = template.read_text(encoding="utf-8")
     names = re.findall(r"^#?(\w+)[\w.]* = ", text, flags=re.MULTILINE)
-    assert sorted(names) == sorted(key for _, key in KEYS)
-    headers = re.findall(r"^#?\[+([\w.]+)\]+$", text, flags=re.MULTILINE)
+    assert set(names) == {key for _, key in KEYS}
+    assert len(text.splitlines()) <= 150
+    headers = re.findall(r"^#?\[+([\w.]+)\]+ +#", text, flags=re.MULTILINE)
     assert headers == [s.path.replace("NAME", "steel") for s in sections() if s.path]
-    assert max(map(len, text.splitlines())) <= 100
 
 
 @pytest.mark.parametrize(("section", "key"), KEYS, ids=[f"{s.path}.{key}" for s, key in KEYS])
