@@ -18,7 +18,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - simulation: `run_point`, `estimate`, `run_sweep`, `follow_boundary`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`
 - answers: `boundary`, `Conditions`, `temperatures`, `decisive_temperature`, `margins`,
-  `margin_table`, `warned`, `at_entries`, `at_wear_rate`, `diff`, `vary`, `critical_temperatures`
+  `margin_table`, `warned`, `at_entries`, `diff`, `vary`, `critical_temperatures`
 - inputs that are not known exactly: `Ensemble`, `probabilities`, `risk`, `risk_table`,
   `margin_intervals`, `sensitivity`, `posterior`, `candidates`, `plan_tests`, `design`, `Goal`,
   `Place`

@@ -7,7 +7,6 @@ from .analysis.difference import diff as diff
 from .analysis.margins import margin_table as margin_table
 from .analysis.margins import margins as margins
 from .analysis.scenes import at_entries as at_entries
-from .analysis.scenes import at_wear_rate as at_wear_rate
 from .analysis.warned_points import warned as warned
 from .figures.page.explore import explore as explore
 from .figures.plot import plot as plot

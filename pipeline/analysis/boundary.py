@@ -47,7 +47,6 @@ def boundary(
     """Critical velocity for each load and critical load for each velocity.
 
     Over several random surfaces there is a boundary for each of them, and the band of them all.
-    At another wear rate, call it with the sweep of `pipeline.at_wear_rate`.
 
     Parameters
     ----------
@@ -158,8 +157,6 @@ def _judged(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     }
     judged = xr.Dataset(parts, attrs=attributes_by(conditions))
     judged.attrs["missing_points"] = int(is_missing.sum())
-    if "wear_rate" in ds.attrs:
-        judged.attrs["wear_rate"] = ds.attrs["wear_rate"]
     return judged
 
 
@@ -204,7 +201,7 @@ def _described(values: xr.DataArray, units: str, words: str) -> xr.DataArray:
 
 _UNITS = {
     "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
-    "failing_share": "1", "wear_rate": "m2 N-1",
+    "failing_share": "1",
 }  # fmt: skip
 """Units of the conditions that are attributes of a boundary."""
 

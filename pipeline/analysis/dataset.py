@@ -16,7 +16,7 @@ from pipeline.store.read import open_store
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import RISES, at_bulks, columns_needed, corrected_columns
-from pipeline.sweep.variants import VARIANT, WEAR_RATE, Variant
+from pipeline.sweep.variants import VARIANT, Variant
 from tribo import InputError
 from tribo.types import Array
 
@@ -122,37 +122,13 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a sweep at its own wear rate, opened if given by its path."""
-    return _of_one_scene(_at_own_wear_rate(with_wear_rates(source)))
+    """The dataset of a sweep, with what one scene says alone where entries have one value each."""
+    return _of_one_scene(opened(source))
 
 
-def with_wear_rates(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a sweep with all its wear rates, opened if given by its path."""
+def opened(source: xr.Dataset | PathLike) -> xr.Dataset:
+    """The dataset of a sweep, opened if given by its path."""
     return ordered(source) if isinstance(source, xr.Dataset) else open_sweep(source)
-
-
-def own_wear_rate(ds: xr.Dataset) -> float:
-    """Specific wear rate of a sweep's scene [m²/N]; 0 where nothing wears."""
-    wear = attributes_of(ds).get("scene", {}).get("wear") or {}
-    return float(wear.get("specific_wear_rate", 0.0))
-
-
-def _at_own_wear_rate(ds: xr.Dataset) -> xr.Dataset:
-    """The rows of a sweep at its scene's own wear rate, which velocities belong to."""
-    if WEAR_RATE not in ds.dims:
-        return ds
-    own, attributes = own_wear_rate(ds), attributes_of(ds)
-    place = attributes["over"].index(WEAR_RATE)
-    others = [name for name in attributes["over"] if name != WEAR_RATE]
-    scenes = [
-        scene
-        | {name: scene[name][:place] + scene[name][place + 1 :] for name in ("values", "written")}
-        for scene in attributes["scenes"]
-        if scene["values"][place] == own
-    ]
-    changes = {"over": others or None, "scenes": scenes if others else None}
-    at_own = ds.sel({WEAR_RATE: own})
-    return at_own.drop_attrs(deep=False).assign_attrs(with_changes(ds.attrs, changes))
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:

@@ -15,7 +15,6 @@ import xarray as xr
 from pipeline.analysis.dataset import (
     attributes_of,
     dataset_of,
-    own_wear_rate,
     plane_of,
     sweep_at_bulks,
     values_of,
@@ -36,7 +35,6 @@ from pipeline.sweep.severity import (
     rise_limit,
     worst_rises,
 )
-from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
@@ -154,18 +152,10 @@ def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
     reader = ds["status"].encoding.get("reader")
     if reader is None:
         return
-    # The velocity at another wear rate is that of a contact of the store, scaled.
-    rate = ds.attrs.get("wear_rate")
-    scale = {"velocity": rate / own_wear_rate(ds)} if rate else {}
     places: dict[str, list[int | None]] = {}
     for name in reader.dims:
         values = np.atleast_1d(ds[name].values).tolist() if name in ds.coords else [None]
-        places[name] = [
-            None if value is None else reader.position(name, value * scale.get(name, 1))
-            for value in values
-        ]
-    if rate:  # interpolated between all of them
-        places |= {name: [*reader.positions(name)] for name in reader.dims if name == WEAR_RATE}
+        places[name] = [None if value is None else reader.position(name, value) for value in values]
     indices = set()
     for found in np.argwhere(suspects).tolist():
         at = dict(zip(dims, found, strict=True))

@@ -207,7 +207,7 @@ def _states(ds: xr.Dataset, has_seeds: bool) -> pd.DataFrame:
 
 _ATTRIBUTES = (
     "scene", "conditions", "friction_band", "lubrication", "loads", "velocities", "realizations",
-    "samples", "sample_seed", "wear_rates", "measured", "tested", "preset",
+    "samples", "sample_seed", "measured", "tested", "preset",
 )  # fmt: skip
 _NOT_SHOWN = (
     "friction_heat", "unequal_bulks", "lubrication.", "sweep.samples.",
@@ -233,7 +233,6 @@ _PATHS = {
     "realizations": "sweep.realizations",
     "samples": "sweep.samples",
     "sample_seed": "sweep.sample_seed",
-    "wear_rates": "sweep.wear_rates",
     "preset": "fidelity.preset",
     **{f"conditions.{name}": path for name, path in ENTRIES.items()},
     "conditions.disk_temperature": "temperature.bulk.disk",
@@ -258,7 +257,7 @@ _UNITS = {
     "N": ("reference_load", "loads", "normal_load", "load_scatter"),
     "m/s": ("entrainment_velocity", "velocities", "velocity", "velocity_scatter"),
     "s": ("hold", "settling_time"),
-    "mm³/(N m)": ("specific_wear_rate", "wear_rates"),
+    "mm³/(N m)": ("specific_wear_rate",),
     "°C": ("bulk_temperature", "disk_temperature", "critical_temperature", "temperatures"),
     "1/GPa": ("pressure_coefficients",),
     "mm²/s": ("viscosities", "thermal_diffusivity"),

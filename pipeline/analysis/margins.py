@@ -20,8 +20,8 @@ from pipeline.analysis.dataset import (
     dataset_of,
     has_plane,
     is_emulated,
+    opened,
     require_plane,
-    with_wear_rates,
 )
 from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
@@ -102,7 +102,7 @@ def margins_at(
 
 def rows_of(ds: xr.Dataset | PathLike, **given: Any) -> tuple[JudgedRow, ...]:
     """The planes of a sweep along whatever stands in front, each judged by its conditions."""
-    ds = with_wear_rates(ds)
+    ds = opened(ds)
     if is_emulated(ds):
         require_plane(ds)
     if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long

@@ -1,13 +1,7 @@
-"""A sweep at values of entries and wear rates that it was computed for, and scene by scene.
-
-A point at the velocity V and the sweep's own wear rate k has the contacts of V' = Vk/k' at the rate
-k', so that rows at several rates share contacts. Between them the logarithm of the rise is
-interpolated over that of the rate, as it is between velocities.
-"""
+"""A sweep at values of entries that it was computed for, and scene by scene."""
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -15,7 +9,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
-import scipy  # loads its parts when they are used
 import xarray as xr
 
 from pipeline.analysis.dataset import (
@@ -23,17 +16,13 @@ from pipeline.analysis.dataset import (
     dataset_of,
     entry_dims,
     has_plane,
-    is_emulated,
-    own_wear_rate,
-    with_wear_rates,
+    opened,
 )
 from pipeline.analysis.tables import frame_of
-from pipeline.scene.units import display, in_si, to_si
+from pipeline.scene.units import display, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.variants import WEAR_RATE
 from tribo import InputError
-from tribo.types import Array
 
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
@@ -83,109 +72,6 @@ its scene sweep.over, and run it into another store
     return ds
 
 
-def at_wear_rate(ds: xr.Dataset | PathLike, wear_rate: float | str | None) -> xr.Dataset:
-    """Take a sweep at a specific wear rate, without a new simulation.
-
-    Parameters
-    ----------
-    ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or the path of a store, of a scene with
-        ``[sweep] wear_rates``.
-    wear_rate : float or str or None
-        Specific wear rate [m²/N] or text such as ``"2e-6 mm^3/(N m)"``, within those of the sweep;
-        its own if None.
-
-    Returns
-    -------
-    Dataset
-        The sweep with its contacts at the velocities at which this rate has them, and their rises;
-        these only from when the load of a point is reached on. Without fields, since those were
-        stored at the sweep's own rate alone. The attribute ``wear_rate`` is the rate [m²/N].
-
-    Raises
-    ------
-    InputError
-        If the sweep does not answer for that wear rate.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ds = pipeline.open_sweep("results/first_try.zarr")
-    >>> pipeline.at_wear_rate(ds, "2e-6 mm^3/(N m)")
-    Traceback (most recent call last):
-        ...
-    tribo.errors.InputError: wear_rate is 2e-06 mm³/(N m); the sweep was computed for its own \
-rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into another store
-    """
-    rows, ds = with_wear_rates(ds), dataset_of(ds)
-    if wear_rate is None:
-        return ds
-    rate = in_si("wear_rate", wear_rate, "2e-6 mm^3/(N m)")
-    if is_emulated(ds):
-        raise InputError(
-            f"wear_rate is {display(rate, 'mm³/(N m)', 4)}, but these samples have it as an input; "
-            f'give --at "wear.specific_wear_rate={rate * 1e9:g} mm^3/(N m)", in Python '
-            "pipeline.Ensemble.of"
-        )
-    attributes = attributes_of(ds)
-    stored_rate = own_wear_rate(ds)
-    if rate == stored_rate:
-        return ds.assign_attrs(wear_rate=rate)
-    _require_known(rate, stored_rate, rows)
-
-    def at_rate(name: str) -> xr.DataArray:
-        values = rows[name].transpose(*ds[name].dims, WEAR_RATE).values
-        return ds[name].copy(data=_power_law(rows[WEAR_RATE].values, values, rate))
-
-    scale, quantile = stored_rate / rate, at_rate("rise_quantile")
-    changed = {
-        "rise_quantile": quantile,
-        "mean_rise": at_rate("mean_rise"),
-        "max_rise": quantile.isel(cooler_share=-1),
-        "sliding_distance": ds["sliding_distance"] * scale,
-        "pin_heat_share": at_rate("pin_heat_share"),
-    }
-    changed = {name: values.assign_attrs(ds[name].attrs) for name, values in changed.items()}
-    velocities = (ds["velocity"] * scale).assign_attrs(ds["velocity"].attrs)
-    left_out = [name for name in ds.data_vars if "x" in ds[name].dims]
-    coords = {"velocity": velocities, WEAR_RATE: rate}
-    return (
-        ds.drop_vars(left_out)
-        .assign(changed)
-        .assign_coords(coords)
-        .assign_attrs(
-            wear_rate=rate,
-            velocities=json.dumps([v * scale for v in attributes.get("velocities", [])]),
-            title=f"{attributes.get('title')}, wear rate {display(rate, 'mm³/(N m)', 4)}",
-        )
-    )
-
-
-def _require_known(rate: float, stored_rate: float, rows: xr.Dataset) -> None:
-    text = f"wear_rate is {display(rate, 'mm³/(N m)', 4)}; the sweep was computed for"
-    if not stored_rate:
-        raise InputError(f"{text} a pin that does not wear, and has no others")
-    if WEAR_RATE not in rows.dims:
-        raise InputError(
-            f"{text} its own rate alone, {display(stored_rate, 'mm³/(N m)', 4)}: give its scene "
-            "sweep.wear_rates, and run it into another store"
-        )
-    low, high = rows[WEAR_RATE].values[[0, -1]].tolist()
-    if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
-        ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
-        raise InputError(f"{text} {ends}: give one within")
-
-
-def _power_law(rates: Array, rises: Array, rate: float) -> Array:
-    """Rises at a rate, between those at others along the last axis; NaN where one is not known."""
-    positive = np.all(rises > 0, axis=-1, keepdims=True)
-    logarithms = np.log(np.where(positive, rises, 1.0))
-    curve = scipy.interpolate.PchipInterpolator(np.log(rates), logarithms, axis=-1)
-    power_law = np.exp(curve(np.log(rate)))
-    is_finite = np.isfinite(rises).all(axis=-1)
-    return np.where(is_finite, np.where(positive[..., 0], power_law, 0.0), np.nan)
-
-
 def taken(
     ds: xr.Dataset, values: Mapping[str, float | str]
 ) -> tuple[xr.Dataset, dict[str, float | str]]:
@@ -199,20 +85,15 @@ def taken(
 
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
     """The sweep of each scene: with each combination of the values of its entries."""
-    return map(dataset_of, with_all_wear_rates(ds))
+    ds = opened(ds)
+    names = entry_dims(ds)
+    for places in np.ndindex(*(ds.sizes[name] for name in names)):
+        yield dataset_of(ds.isel(dict(zip(names, places, strict=True))))
 
 
 def planes(ds: xr.Dataset) -> list[xr.Dataset]:
     """The sweep of each scene; none where rows have places of their own, and no plane."""
     return [*scenes(ds)] if has_plane(ds) else []
-
-
-def with_all_wear_rates(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
-    """The sweep of each scene at all its wear rates."""
-    ds = with_wear_rates(ds)
-    names = entry_dims(ds)
-    for places in np.ndindex(*(ds.sizes[name] for name in names)):
-        yield ds.isel(dict(zip(names, places, strict=True)))
 
 
 def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:

@@ -149,10 +149,9 @@ def selected(sweep: Sweep) -> dict[str, Any]:
 
 
 def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """The store, or another one, at the entries and the wear rate that the user asked for."""
+    """The store, or another one, at the entries that the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
     _tell_of_another_law(options, ds)
-    ds = pipeline.at_wear_rate(ds, getattr(options, "wear_rate", None))
     wanted = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
     if not is_emulated(ds):
         return pipeline.at_entries(ds, wanted)

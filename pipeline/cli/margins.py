@@ -27,7 +27,6 @@ from pipeline.cli.given import by_samples, conditions_in, dataset_in, operating_
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
-from pipeline.scene.units import display
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
@@ -183,8 +182,7 @@ def _judged_by(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str
     frictions = conditions.get("friction")
     each = [{"friction": one} for one in frictions] if isinstance(frictions, tuple) else [{}]
     several = (conditions_of(scene, **conditions | one) for one in each for scene in scenes(ds))
-    rate = options.wear_rate and f"; wear rate {display(options.wear_rate, 'mm³/(N m)')}"
-    return f"{judged_by(several)}{rate or ''}"
+    return judged_by(several)
 
 
 _IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K]"
@@ -219,7 +217,7 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
         document[outcome] = worded.tolist()
     # Of several values where scenes differ in them.
     held = document | {"friction": frames.frictions_of(crossings)} | crossings.attrs
-    names = ("friction", *frames.JUDGED, "wear_rate")
+    names = ("friction", *frames.JUDGED)
     conditions = {name: held[name] for name in names if name in held}
     missing = frames.missing_points(crossings)
     return document | {"conditions": conditions, "missing_points": missing}

@@ -182,9 +182,6 @@ AT = Option(
     help='take one value of an entry in sweep.over, like "pin.radius=2 mm"; for samples, fix an '
     "unknown input; may be repeated for other entries",
 )  # fmt: skip
-WEAR_RATE = _quantity(
-    "--wear-rate", "K", "2e-6 mm^3/(N m)", "specific wear rate of a store with wear_rates"
-)
 
 FRICTION = Option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
 FRICTIONS = FRICTION.but(action="append", help="coefficient of friction; may be repeated")

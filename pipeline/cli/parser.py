@@ -69,14 +69,14 @@ COMMANDS = (
         "ask", "boundary", "margins:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (o.STORE, o.TABLE, *o.WEIGHED, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS),
+        (o.STORE, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS),
     ),
     Command(
         "ask", "margin", "margins:margin",
         "distance of operating points from severe wear: one, a table, or the rows of pairs",
         f"results/scene.zarr {_AT}",
         (
-            o.STORE, *o.PLACE, o.POINTS, o.TABLE, *o.WEIGHED, o.WEAR_RATE, o.AT, o.CONDITIONS,
+            o.STORE, *o.PLACE, o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
             o.OWN_LAWS,
         ),
     ),
@@ -131,7 +131,7 @@ COMMANDS = (
         "show", "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
-            o.STORE, *o.OF_PLOT, *o.WEIGHED, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS,
+            o.STORE, *o.OF_PLOT, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
             *o.PLACE, o.REALIZATION, o.OWN_LAWS,
         ),
     ),
@@ -141,7 +141,7 @@ COMMANDS = (
         "results/scene.zarr --points duty.csv -o report.html",
         (
             o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            o.POINTS, o.WEAR_RATE, o.AT, o.CONDITIONS, o.OWN_LAWS,
+            o.POINTS, o.AT, o.CONDITIONS, o.OWN_LAWS,
         ),
     ),
     Command(

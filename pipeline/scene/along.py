@@ -112,10 +112,10 @@ def with_first_row(document: Document, pairs: list[dict[str, Any]]) -> Document:
 
 def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make: Make) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
-    if sweep.variants.wear_rates or sweep.variants.velocities:
+    if sweep.variants.velocities:
         raise InputError(
-            "sweep.along: its rows have places of their own, as samples have, and wear_rates have "
-            "a plane; leave out one or the other"
+            "sweep.along: its rows have places of their own, as samples have; leave out one or the "
+            "other"
         )
     steps = np.geomspace(1 / _REACH, _REACH, around) if around else ()
     factors = [float(f"{f:.4g}") for f in steps if f != 1.0]

@@ -6,7 +6,6 @@ A sample is read as if its values stood in the file; a distribution is checked a
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
@@ -19,7 +18,7 @@ from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
-from pipeline.scene.units import UnitError, difference_in_si, display, si_unit, to_si
+from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import (
@@ -119,11 +118,7 @@ def samples_of(
         number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
         notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
         return None
-    rates = tables["sweep"]["wear_rates"]
-    design = _design(inputs, layers, tables["sweep"]["sample_seed"], rates, sweep)
-    if rates:  # the scene's own is one value of an input that all samples have
-        (rate,) = (one for one in design.inputs if one.path == SPECIFIC_WEAR_RATE)
-        known += (Fixed(rate, rate.parameters[0]),)
+    design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep)
     if sweep.variants.columns:
         raise InputError(
             "sweep.realizations: sweep.samples excludes them; make the surface an unknown input: "
@@ -189,10 +184,9 @@ def _design(
     inputs: Sequence[Unknown],
     layers: list[Layer],
     seed: int,
-    rates: Mapping[str, float] | None,
     sweep: Sweep,
 ) -> Design:
-    """Rule by which samples are drawn; of several wear rates they reach beyond their ends."""
+    """Rule by which samples are drawn."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:
         raise InputError(
@@ -204,37 +198,15 @@ def _design(
     pairs = zip(inputs, layers, strict=True)
     drawn = [(one, layer) for one, layer in pairs if layer != "conditions"]
     rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
-    if rates:
-        require_around(rates, sweep)
-        if "wear rate" in layers:
-            raise InputError(
-                "sweep.wear_rates: the wear rate is unknown, and so its samples have it: leave out "
-                "one or the other"
-            )
-    if (rates or separable) and rate and "wear rate" not in layers:
-        # Both ends are two standard deviations from the scene's own at least.
-        factor = math.sqrt(max(rates["to"] / rate, rate / rates["from"])) if rates else _FACTOR
+    if separable and rate and "wear rate" not in layers:
         unit = Unit("mm³/(N m)", 1e-9)
-        spread = Unknown(SPECIFIC_WEAR_RATE, "log-normal", (rate, factor), _OF_RATE, unit)
+        spread = Unknown(SPECIFIC_WEAR_RATE, "log-normal", (rate, _FACTOR), _OF_RATE, unit)
         drawn.append((spread, "wear rate"))
     if not separable:
         drawn = [(one, "contact" if layer != "heat" else layer) for one, layer in drawn]
     unknown, kinds = tuple(one for one, _ in drawn), tuple(layer for _, layer in drawn)
     group = samples_per_contact(kinds, rate > 0, separable)
     return Design(unknown, kinds, ends, seed, group)
-
-
-def require_around(rates: Mapping[str, float], sweep: Sweep) -> None:
-    """Raise `InputError` unless wear rates lie about that of the scene."""
-    if not isinstance(sweep.scene.wear, Wear) or not sweep.scene.wears:
-        raise InputError("sweep.wear_rates: nothing wears by a rate; leave them out")
-    own, ends = sweep.scene.wear.specific_wear_rate, (rates["from"], rates["to"])
-    if not ends[0] <= own <= ends[1] or ends[0] == ends[1]:
-        low, high, within = (display(rate, "mm³/(N m)") for rate in (*ends, own))
-        raise InputError(
-            f"sweep.wear_rates: from {low} to {high} does not enclose the scene's own, {within}; "
-            "give a lower and a higher one"
-        )
 
 
 def _drawn(draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make) -> Variants:

@@ -326,13 +326,6 @@ SWEEP = Table({
         "Number of samples drawn of the `unknown` inputs, each at a velocity of its own; fewer are "
         "drawn where more would share their contacts, as `irg check` says."),
     "sample_seed": Optional(SEED, "Seed of the samples.", default=0),
-    "wear_rates": Optional(Table({
-        "from": Entry(WEAR_RATE, "Lowest of them."),
-        "to": Entry(WEAR_RATE, "Highest of them."),
-    }), "Specific wear rates for which the diagram answers, too, with the scene's own between "
-        "them: `irg boundary --wear-rate`. Velocities are added so far beyond the scene's that "
-        "each rate has those of the scene. With `samples` the wear rate is an input of theirs: "
-        '`irg risk --at "wear.specific_wear_rate=..."`.'),
     "over": Optional(ByPath(List(Scalar(), distinct=True), "the paths of others"),
         'Values of entries by their paths, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`: '
         "all is computed for each value, and for every combination of several entries.",

@@ -1,4 +1,4 @@
-"""Entries with several values: ``[sweep] over``, by the paths of entries, and ``wear_rates``.
+"""Entries with several values: ``[sweep] over``, by the paths of entries.
 
 Every combination is read as if its values stood in the file, or were given by ``--set``.
 """
@@ -6,25 +6,22 @@ Every combination is read as if its values stood in the file, or were given by `
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 from pipeline.scene.compounds import flat
-from pipeline.scene.distributions import Make, differing_inputs, require_around
+from pipeline.scene.distributions import Make, differing_inputs
 from pipeline.scene.document import Document
 from pipeline.scene.faults import entry_at, quoted
-from pipeline.scene.units import UnitError, display, si_unit, to_si
+from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column, Variants, combinations, wear_rates
-from tribo import InputError, Wear
+from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
+from tribo import InputError
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = ("loads", "velocities", "variants", "unequal_bulks", "independent", "steps")
-_ASKED_BY = {VARIANT: "along", WEAR_RATE: "wear_rates"}  # entries that fill these dimensions
 _MOST = 10_000  # combinations, each of which is read as a scene
-_RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
 
 
 def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Make) -> Variants:
@@ -55,10 +52,10 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
 def notes_on_first_values(table: Variants) -> Iterator[str]:
     """Notes that a command prints which computes one value of each entry alone."""
     for column in table.chosen:
-        if asked_by := _ASKED_BY.get(column.name):
+        if column.name == VARIANT:
             yield (
-                f"note: sweep.{asked_by} is ignored here; the scene's own values are taken, or "
-                "those of its first row: --set takes others"
+                "note: sweep.along is ignored here; the scene's own values are taken, or those of "
+                "its first row: --set takes others"
             )
         else:
             yield (
@@ -129,36 +126,3 @@ def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) ->
             "common; leave out sweep.fields, or give an entry that keeps the grid"
         )
     return scene
-
-
-def with_rates_of(asked: Mapping[str, float] | None, sweep: Sweep, notes: list[str]) -> Sweep:
-    """The sweep with rows at several wear rates, from the lowest to the highest asked for [m²/N].
-
-    Velocities are added, with a note, so that every rate covers the scene's own velocities.
-    """
-    if not asked or sweep.variants.draw:  # whose inputs have it
-        return sweep
-    require_around(asked, sweep)
-    (low, high), wear = asked.values(), cast(Wear, sweep.scene.wear)
-    own = wear.specific_wear_rate
-    if any(sweep.variant(name).scene.wear != wear for name in sweep.variants.given):
-        raise InputError(
-            "sweep.wear_rates: sweep.over changes the wear, too; leave out one or the other"
-        )
-    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
-    further = [*_beyond(moving[0], low / own), *_beyond(moving[-1], high / own)] if moving else []
-    if further:
-        ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))
-        notes.append(
-            f"sweep.wear_rates: {len(further)} velocities down and up to {ends} are added, so that "
-            "every wear rate has the scene's velocities"
-        )
-    velocities = tuple(sorted({*sweep.plane.velocities, *further}))
-    table = wear_rates(own, low, high) * sweep.variants
-    return sweep.changed(variants=table, velocities=velocities)
-
-
-def _beyond(velocity: float, factor: float) -> list[float]:
-    """Velocities from one, without it, to a multiple of it [m/s]."""
-    count = math.ceil(abs(math.log(factor)) / math.log(_RATIO) - 1e-9)
-    return [float(f"{velocity * factor ** (n / count):.4g}") for n in range(1, count + 1)]

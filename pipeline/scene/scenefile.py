@@ -17,7 +17,7 @@ from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library
 from pipeline.scene.logs import with_rows
-from pipeline.scene.over import over_of, with_first_values, with_rates_of
+from pipeline.scene.over import over_of, with_first_values
 from pipeline.scene.parts import (
     corrections_of,
     criterion_of,
@@ -110,7 +110,6 @@ def load_scene(
             over = over_of(asked["over"], sweep, variant)
             samples = samples_of(tables, sweep, over, variant, faults, fixed_paths(document))
             sweep = sweep.changed(variants=samples or over * sweep.variants)
-            sweep = with_rates_of(asked["wear_rates"], sweep, faults.notes)
             if pairs:
                 sweep = along_of(pairs, asked["around"], sweep, variant)
             sweep = sweep.changed(notes=tuple(faults.notes))

@@ -30,9 +30,9 @@ from tribo.errors import shortened
 
 _OPTIONAL = (
     "coordinates", "fixed", "lubrication", "sample_corrections", "samples", "sample_seed",
-    "unknown", "wear_rates",
+    "unknown",
 )  # fmt: skip
-"""Attributes of a scene that a store has only where there are samples, wear rates or an oil."""
+"""Attributes of a scene that a store has only where there are samples or an oil."""
 _LONGEST = 2000  # characters of a message, which somebody is to read
 _ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
 

@@ -164,7 +164,7 @@ def _misfits(root: Root, sweep: Sweep) -> Iterator[str]:
     stored, wanted = [dim for dim in dims if dim not in PLANE], [*sweep.variants.axes]
     if stored != wanted:
         have, gives = (", ".join(names) or "none" for names in (stored, wanted))
-        by = "by sweep.over, wear_rates, realizations or samples"
+        by = "by sweep.over, realizations or samples"
         yield f"axes {by}: {have} in the store, {gives} in the scene"
         return
     yield from _differences_of_scenes(root, sweep)

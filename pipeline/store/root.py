@@ -87,7 +87,6 @@ ATTRIBUTES: dict[Any, Any] = {
     "boundary_only": bool,
     "coordinates?": str,
     "realizations": list[int],
-    "wear_rates?": tuple[float, float],
     "samples?": int,
     "sample_seed?": int,
     "unknown?": list[Unknown],

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import VARIANT, WEAR_RATE, Column
+from pipeline.sweep.variants import VARIANT, Column
 from tribo import InputError, WarningKind
 
 FORMAT = 3
@@ -61,11 +61,6 @@ COORDINATES = {
     "cooler_share": Variable(("cooler_share",), "1", "share of the contact area that is cooler"),
     "bulk_ratio": Variable(
         ("bulk_ratio",), "K", "bulk temperature of the disk less that of the pin, over friction"
-    ),
-    "wear_rate": Variable(
-        ("wear_rate",),
-        "m^2/N",
-        "specific wear rate; its points slide at the velocity times the scene's own rate over it",
     ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
@@ -150,7 +145,7 @@ AT_END = FIELDS | BULK_FIELDS
 """Variables at the end of a point."""
 
 
-_OF_TABLE = ("realization", VARIANT, "sample", WEAR_RATE)  # which the table of variants has, or not
+_OF_TABLE = ("realization", VARIANT, "sample")  # which the table of variants has, or not
 
 
 def is_coordinate(name: str) -> bool:

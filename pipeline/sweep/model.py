@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.about import About, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.variants import WEAR_RATE, Part, Variant, Variants
-from tribo import InputError, Ramp, Scene, SelfAffineRoughness, Wear
+from pipeline.sweep.variants import Part, Variant, Variants
+from tribo import InputError, Ramp, Scene, SelfAffineRoughness
 from tribo.simulation import inseparable, mechanics, wear_number
 
 _DIGITS = 12  # of a wear number: two that ought to be the same differ by rounding
@@ -67,7 +67,7 @@ class Point(NamedTuple):
     """One place in the diagram, and in which variant of the scene."""
 
     load: float  # on the whole pin [N]
-    velocity: float  # [m/s]; at another wear rate that of its contact, see `Sweep.velocity_of`
+    velocity: float  # [m/s]
     variant: Variant = ()
 
     def __str__(self) -> str:
@@ -156,24 +156,6 @@ class Sweep:
                 "higher load does not pass through the end of a lower one; give a number, "
                 '"all" or "end"'
             )
-        if self.variants.wear_rates and (fault := self._fault_of_wear_rates()):
-            raise InputError(f"sweep.wear_rates: {fault}")
-
-    def _fault_of_wear_rates(self) -> str | None:
-        """Reason why rows at several wear rates have not one contact, and what to do."""
-        if not isinstance(self.scene.wear, Wear) or not self.scene.wears:
-            return "nothing wears by a rate; leave them out"
-        if self.scene.unequal_bulks:
-            return "the bulk temperatures are unequal; give one, or leave them out"
-        if not self.scene.friction_heat:
-            return "there is no friction, and so no heat; give friction.coefficient above 0"
-        own, rates = self.scene.wear.specific_wear_rate, self.variants.wear_rates
-        if own not in rates:
-            return f"the scene's own, {1e9 * own:g} mm³/(N m), is none of them; give it, too"
-        velocities = [speed * own / rate for speed in self.plane.velocities for rate in rates]
-        if reason := inseparable(self.scene, velocities):
-            return f"{reason}; change that, or leave them out"
-        return None
 
     def __repr__(self) -> str:
         return as_lines(f"{self.about.name}: {self.about.title}", self._rows())
@@ -220,7 +202,7 @@ class Sweep:
         """For each row of the table, the first with the same contacts; see `Lead`."""
         if self._leads is None:
             table = self.variants
-            scenes = ((name, self._of_contact(name).scene) for name in table.names)
+            scenes = ((name, self.variant(name).scene) for name in table.names)
             found = leads_of(scenes, table.velocities, self.plane.velocities)
             object.__setattr__(self, "_leads", found)
         return self._leads or {}
@@ -233,32 +215,11 @@ class Sweep:
 
     def require_search(self) -> None:
         """Raise an `InputError` where no boundary can be looked for along velocities."""
-        if self.variants.wear_rates:
-            raise InputError(
-                "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "
-                "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the "
-                "whole sweep"
-            )
         if not self.variants.has_plane:
             raise InputError(
                 "each row has a velocity of its own, such as of samples, and answers follow from "
                 "all; leave out the search (--boundary-only)"
             )
-
-    def _of_contact(self, name: Variant) -> Self:
-        """The sweep of one row at the wear rate by which its contacts have their velocities."""
-        if not (self.variants.wear_rates and isinstance(self.scene.wear, Wear)):
-            return self.variant(name)
-        own = self.scene.wear.specific_wear_rate
-        return self.variant(name).with_part((("wear.specific_wear_rate", own),))
-
-    def velocity_of(self, point: Point) -> float:
-        """Sliding velocity at a point [m/s]: at other wear rates, where its contact is the same."""
-        rate = dict(point.variant).get(WEAR_RATE)
-        if not isinstance(self.scene.wear, Wear) or not isinstance(rate, float):
-            return point.velocity
-        own = self.scene.wear.specific_wear_rate
-        return point.velocity if rate == own else point.velocity * own / rate
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s]; not if the load is a record."""

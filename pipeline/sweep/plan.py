@@ -252,8 +252,7 @@ def _simulated(
         if contact.on_trunk:
             state = replace(contact.history or contact, heat=None)
         if contact.index in asked or contact.normal_load >= load or contact.is_asked:
-            velocities = map(sweep.velocity_of, points)
-            places = [(run.scene, speed) for run, speed in zip(runs, velocities, strict=True)]
+            places = [(run.scene, at.velocity) for run, at in zip(runs, points, strict=True)]
             heats = {place: _with_heat(*place, contact, first) for place in dict.fromkeys(places)}
             for variant, run, place in zip(variants, runs, places, strict=True):
                 hot = heats[place]

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
-
-import numpy as np
 
 from pipeline.sweep.samples import Draw
 from tribo import InputError
@@ -23,12 +20,6 @@ Variant = tuple[tuple[str, Label], ...]
 """Name of a row: the dimensions in front of load and velocity, each with the row's value."""
 Part = tuple[tuple[str, Any], ...]
 """What a row changes: fields of a sweep's parts, or of theirs, such as ``roughness.seed``."""
-
-WEAR_RATE = "wear_rate"
-"""Dimension of rows at several wear rates, all on the contacts of the scene's own."""
-# Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
-# them were off by up to 0.1 to 0.3 %, as with more of them: by the elements on which a quantile is.
-_RATE_RATIO = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,11 +149,6 @@ class Variants:
             return "risk", "sensitivity"
         return ("boundary" if self.has_plane else "margin"), "plot"
 
-    @property
-    def wear_rates(self) -> tuple[float, ...]:
-        """Specific wear rates at which rows have the contacts of the scene's own [m²/N]."""
-        return tuple(self.axes.get(WEAR_RATE, ()))  # type: ignore[arg-type]
-
     def _places(self, name: str) -> tuple[Any, ...] | None:
         return next((column.values for column in self.columns if column.name == name), None)
 
@@ -178,12 +164,10 @@ class Variants:
         raise InputError(f"{key} is {value}, which the sweep does not have; it has {held}")
 
     def as_entries(self) -> dict[str, Any]:
-        """What the scene says of the rows, as plain data: seeds, wear rates, and unknown inputs."""
+        """What the scene says of the rows, as plain data: seeds, and unknown inputs."""
         entries: dict[str, Any] = {"realizations": list(self.axes.get("realization", ()))}
         if along := [column.name for column in self.coordinates]:
             entries["coordinates"] = " ".join(along)  # where readers of CF look for them
-        if rates := self.wear_rates:
-            entries["wear_rates"] = [min(rates), max(rates)]
         if self.draw:
             entries["samples"] = len(self.axes[VARIANT])
             entries["sample_seed"] = self.draw.design.seed
@@ -225,22 +209,6 @@ def surfaces(seeds: Sequence[int]) -> Variants:
     meaning = "seed of the random surface"
     column = Column("realization", tuple(seeds), is_drawn=True, meaning=meaning)
     return Variants((column,), tuple((("roughness.seed", seed),) for seed in seeds))
-
-
-def wear_rates(own: float, low: float, high: float) -> Variants:
-    """The scene at other wear rates, on the contacts of its own [m²/N].
-
-    A contact at the velocity V and the own rate k is that of V' and another rate k' where kV =
-    k'V': a row at the rate k' slides at k/k' times the velocities of the plane.
-    """
-    count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
-    even = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
-    others = (rate for rate in even if not math.isclose(rate, own, rel_tol=1e-6))
-    rates = (own, *others)  # the own first, whose contacts lead the others
-    meaning = "specific wear rate; its points slide at the velocity times the own rate over it"
-    texts = tuple(f"{1e9 * k:g} mm³/(N m) at {own / k:g} times the velocity" for k in rates)
-    column = Column(WEAR_RATE, rates, "m^2/N", meaning=meaning, texts=texts)
-    return Variants((column,), tuple((("wear.specific_wear_rate", rate),) for rate in rates))
 
 
 def drawn_rows(draw: Draw, count: int) -> Variants:

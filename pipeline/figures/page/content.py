@@ -21,16 +21,13 @@ from pipeline.analysis.dataset import (
     corrected_sweep,
     end_of_point,
     ordered,
-    own_wear_rate,
     plane_of,
     values_of,
-    with_wear_rates,
 )
 from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.difference import entries_of
 from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.margin_error import error_table
-from pipeline.analysis.scenes import at_wear_rate
 from pipeline.analysis.transition import interpolated, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls
@@ -39,68 +36,61 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.severity import above_colder, rise_limit, worst_moment
-from pipeline.sweep.variants import WEAR_RATE
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask
 
 MOST_FIELDS = 500
 """Number of points whose fields a page holds unless told otherwise, some 5 MB."""
 
-_RATES = 7  # wear rates at least, between which a page takes straight lines of the logarithms
-
 _NUMBERS = (
-    ("contact_width", "contact width", "µm", 1e6, 0),
-    ("contact_fraction", "contact area", "% of the window", 100.0, 0),
-    ("mean_pressure", "mean pressure", "GPa", 1e-9, 0),
-    ("max_pressure", "highest pressure", "GPa", 1e-9, 0),
-    ("saturated_fraction", "contact at the hardness", "%", 100.0, 0),
-    ("wear_depth_max", "wear depth", "µm", 1e6, 0),
-    ("wear_volume", "worn volume", "mm³", 1e9, 0),
-    ("pin_heat_share", "pin’s share of the heat", "%", 100.0, None),
-    ("sliding_distance", "sliding distance", "m", 1.0, -1),
-    ("time", "duration", "s", 1.0, 0),
+    ("contact_width", "contact width", "µm", 1e6),
+    ("contact_fraction", "contact area", "% of the window", 100.0),
+    ("mean_pressure", "mean pressure", "GPa", 1e-9),
+    ("max_pressure", "highest pressure", "GPa", 1e-9),
+    ("saturated_fraction", "contact at the hardness", "%", 100.0),
+    ("wear_depth_max", "wear depth", "µm", 1e6),
+    ("wear_volume", "worn volume", "mm³", 1e9),
+    ("pin_heat_share", "pin’s share of the heat", "%", 100.0),
+    ("sliding_distance", "sliding distance", "m", 1.0),
+    ("time", "duration", "s", 1.0),
 )
-"""Numbers of a point: variable, label, unit, its factor, and the power of the wear rate that they
-follow; None where they are known at the sweep's own alone."""
+"""Numbers of a point: variable, label, unit, and its factor."""
 
 
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
-    rows, ds = ds, ordered(plane_of(ds))
+    ds = ordered(plane_of(ds))
     attributes = attributes_of(ds)
     conditions = conditions_of(ds, **criterion)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
-    stored, rates = _wear_rates(rows)
     done = values_of(ds, "status") == DONE
-    systems = (corrected_sweep(at_wear_rate(rows, rate), conditions) for rate in rates or (None,))
-    tables = [_tables(system, conditions.decisive, ratios, shares) for system in systems]
-    # By load, velocity, wear rate, bulk ratio, share or quantile, and step.
-    deciding, quantiles = (np.stack(parts, axis=-4) for parts in zip(*tables, strict=True))
-    own = stored, ratios.index(0.0), shares.index(conditions.failing_share)
-    load = values_of(ds, "normal_load")[..., None, None, None, :]
-    worst = worst_moment(deciding, load, ds["load"].values[:, None, None, None, None, None])
-    decisive = np.where(done[..., None, None, None], _at_step(deciding, worst), np.nan)
+    system = corrected_sweep(ds, conditions)
+    # By load, velocity, bulk ratio, share or quantile, and step.
+    deciding, quantiles = _tables(system, conditions.decisive, ratios, shares)
+    own = ratios.index(0.0), shares.index(conditions.failing_share)
+    load = values_of(ds, "normal_load")[..., None, None, :]
+    worst = worst_moment(deciding, load, ds["load"].values[:, None, None, None, None])
+    decisive = np.where(done[..., None, None], _at_step(deciding, worst), np.nan)
     # The step at which each point is shown is the one that decides.
-    steps = worst[..., own[0], own[1], own[2]]
+    steps = worst[..., own[0], own[1]]
     has_heat = attributes.get("scene", {}).get("friction_heat", True)
     has_fields = set(FIELDS) <= set(ds.data_vars)
     chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
     return {
         **_about(ds, attributes),
         **_on_points(ds),
-        "conditions": _conditions(ds, conditions) | ({"wear_rate": rates[stored]} if rates else {}),
+        "conditions": _conditions(ds, conditions),
         "controls": [
             asdict(control)
-            for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1, rates)
+            for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1)
         ],
         "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
-        "wear_rates": rates,
         "bulk_ratios": ratios,
         "shares": shares,
-        "rises": packed_array(_at_step(quantiles, steps[..., None, None, None]), "<f4"),
+        "rises": packed_array(_at_step(quantiles, steps[..., None, None]), "<f4"),
         **_planes(decisive, ds, own),
         "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
@@ -135,9 +125,9 @@ def _on_points(ds: xr.Dataset) -> dict[str, Any]:
         "status": packed_array(status, "i1"),
         "asked": packed_array(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
         "numbers": [
-            {"label": label, "unit": unit, "power": power}
+            {"label": label, "unit": unit}
             | {"values": packed_array(factor * values_of(end, name), "<f4")}
-            for name, label, unit, factor, power in _NUMBERS
+            for name, label, unit, factor in _NUMBERS
             if name in ds
         ],
         "messages": {
@@ -184,15 +174,6 @@ def content_of_samples(
     }
 
 
-def _wear_rates(ds: xr.Dataset) -> tuple[int, list[float]]:
-    """Place of the sweep's own among the wear rates that it answers for, and these [m²/N]."""
-    kept = with_wear_rates(ds).indexes.get(WEAR_RATE)
-    if kept is None:
-        return 0, []
-    rates = sorted({*kept.tolist(), *np.geomspace(kept.min(), kept.max(), _RATES)})
-    return rates.index(own_wear_rate(ds)), rates
-
-
 def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
     """Failing shares between which the deciding rise is linear; the scene's alone without."""
     failing_share = conditions.failing_share
@@ -222,23 +203,23 @@ def _at_step(values: Array, steps: Indices) -> Array:
     return chosen
 
 
-def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str, Any]:
+def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int]) -> dict[str, Any]:
     """Tables of the deciding rise along velocity at each load, and along load at each velocity.
 
-    Rises by load, velocity, wear rate, bulk ratio and share [K]; `own` are the places of the last
-    three that the scene has, whose error is told.
+    Rises by load, velocity, bulk ratio and share [K]; `own` are the places of the last two that the
+    scene has, whose error is told.
     """
     loads, velocities = ds["load"].values, ds["velocity"].values
     done = values_of(ds, "status") == DONE
     missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
-    by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :, :].size)
-    rows = along(rises, velocities, by_velocity, -4)
-    plane = along(rows, loads, by_load, -5)
-    columns = along(rises, loads, by_load, -5)
-    across = np.zeros(plane.shape[:-3], dtype=bool)
+    by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
+    rows = along(rises, velocities, by_velocity, -3)
+    plane = along(rows, loads, by_load, -4)
+    columns = along(rises, loads, by_load, -4)
+    across = np.zeros(plane.shape[:-2], dtype=bool)
     across[..., ::by_load, :] = bridged(done, missing, by_velocity)
     upwards = bridged(done.swapaxes(-1, -2), missing.swapaxes(-1, -2), by_load)
-    at_own = rises[..., own[0], own[1], own[2]]
+    at_own = rises[..., own[0], own[1]]
     return {
         "fine": {
             "velocity": between(velocities, by_velocity).tolist(),
@@ -247,7 +228,7 @@ def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int, int]) -> dict[str
         "parts": {"load": by_load, "velocity": by_velocity},
         "lines": {
             "velocity": packed_array(plane, "<f4"),
-            "load": packed_array(columns.swapaxes(-5, -4), "<f4"),
+            "load": packed_array(columns.swapaxes(-4, -3), "<f4"),
         },
         "bridged": {"velocity": _bits(across), "load": _bits(upwards)},
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.analysis.decisive import COLDEST_OIL, HOTTEST_OIL
-from pipeline.scene.units import display
 from pipeline.sweep.conditions import Conditions
 
 _ZERO_CELSIUS = 273.15  # [K]
@@ -45,9 +44,9 @@ class Control:
 
 
 def controls(
-    conditions: Conditions, has_heat: bool, two_bulks: bool, has_share: bool, rates: Sequence[float]
+    conditions: Conditions, has_heat: bool, two_bulks: bool, has_share: bool
 ) -> list[Control]:
-    """Controls of the conditions that a sweep answers for, among them wear rates [m²/N]."""
+    """Controls of the conditions that a sweep answers for."""
     cold = "must be 0: the sweep was computed without friction, and so without any heat"
     friction = Control(
         "friction", "friction coefficient", 0.0,
@@ -70,8 +69,6 @@ def controls(
                 fault="from 0 (the maximum) to below 100 %",
             )
         )  # fmt: skip
-    if rates:
-        form.append(_wear_rate(min(rates), max(rates)))
     return form
 
 
@@ -114,13 +111,3 @@ def _bulk(name: str, of_body: str, value: float) -> Control:
     fault = f"from {' to '.join(ends)} °C"
     limits = {"least": COLDEST_OIL, "most": HOTTEST_OIL, "fault": fault}
     return _celsius(name, f"bulk temperature{of_body} [°C]", value, 200.0, **limits)
-
-
-def _wear_rate(least: float, most: float) -> Control:
-    """Control of the wear rate, between the lowest and highest computed [m²/N]."""
-    span = " to ".join(display(rate, _RATE) for rate in (least, most))
-    return Control(
-        "wear_rate", "specific wear rate [10⁻⁶ mm³/(N m)]", 1e15 * least, 1e15 * most, 0.01,
-        factor=1e15, least=least * (1 - 1e-9), most=most * (1 + 1e-9),
-        fault=f"from {span}, for which the sweep was computed",
-    )  # fmt: skip

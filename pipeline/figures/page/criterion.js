@@ -4,9 +4,8 @@
 
 /**
  * @typedef {{friction: number, bulk_temperature: number, disk_temperature?: number,
- *   critical_temperature: number | null, failing_share: number, criterion?: string,
- *   wear_rate?: number}} Conditions temperatures in kelvin, the wear rate in m²/N;
- *   that of the disk's bulk only where it may differ from the pin's
+ *   critical_temperature: number | null, failing_share: number, criterion?: string}} Conditions
+ *   temperatures in kelvin; that of the disk's bulk only where it may differ from the pin's
  */
 
 /** Bulk temperature of the disk less that of the pin [K]. @param {Conditions} conditions */

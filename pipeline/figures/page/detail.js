@@ -52,7 +52,7 @@ function showDistribution(rows) {
 function showFields(i, j) {
   const places = surfaces().map((surface) => sweep.place(surface, i, j));
   const place = places.find((number) => String(number) in content.fields.points);
-  const isOwn = sweep.rateRatio === 1 && bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
+  const isOwn = bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
   if (place === undefined || !isOwn) {
     element("fields").replaceChildren();
     element("fields-note").textContent = content.fields.stored

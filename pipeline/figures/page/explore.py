@@ -19,10 +19,10 @@ from pipeline.analysis.dataset import (
     attributes_of,
     dataset_of,
     is_emulated,
+    opened,
     require_plane,
-    with_wear_rates,
 )
-from pipeline.analysis.scenes import entries_in_words, with_all_wear_rates
+from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.figures.page.controls import Control, scene_choice, surface_choice
@@ -114,8 +114,8 @@ def explore(
     path = writable_path(out, _SUFFIXES)
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
-    ds = with_wear_rates(ds)
-    parts, judged = [*with_all_wear_rates(ds)], {"criterion": criterion, "own_laws": own_laws}
+    ds = opened(ds)
+    parts, judged = [*scenes(ds)], {"criterion": criterion, "own_laws": own_laws}
     if is_emulated(ds):
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
         scripts, bodies = ["samples"], [_of_samples(one) for one in held]

@@ -4,7 +4,6 @@
 
 /** Show all that follows from the choices of the reader. */
 function update() {
-  sweep.takeWearRate(chosen.conditions.wear_rate);
   drawDiagram();
   showLegend();
   showTables();

@@ -11,14 +11,14 @@
  * @typedef {{name: ControlName, factor: number, offset: number, least: number | null,
  *   most: number | null, fault: string}} Control
  * @typedef {"friction" | "bulk_temperature" | "disk_temperature" | "critical_temperature"
- *   | "failing_share" | "wear_rate"} ControlName
- * @typedef {{label: string, unit: string, power: number | null, values: string}} Numbers
+ *   | "failing_share"} ControlName
+ * @typedef {{label: string, unit: string, values: string}} Numbers
  * @typedef {{title: string, name: string, conditions: Conditions, controls: Control[],
  *   measured: Measurement[], chosen: boolean, loads: number[], velocities: number[],
  *   fine: {velocity: number[], load: number[]}, parts: {velocity: number, load: number},
  *   lines: {velocity: string, load: string}, bridged: {velocity: string, load: string},
  *   missing: number[],
- *   quantiles: number[], wear_rates: number[], bulk_ratios: number[], shares: number[],
+ *   quantiles: number[], bulk_ratios: number[], shares: number[],
  *   surfaces: number[] | null, status: string, asked: string, times: string, rises: string,
  *   numbers: Numbers[], deciding: string, errors: string,
  *   outcomes: {velocity: string[], load: string[]}, range: {velocity: number[], load: number[]},
@@ -45,23 +45,11 @@ class Sweep {
     /** Relative errors of the rise by surface, on and between the loads, and the velocities. */
     this.errors = new Float32Array(bytes(content.errors));
     this.numbers = content.numbers.map(({ values }) => new Float32Array(bytes(values)));
-    /** Lines by share, bulk ratio and wear rate. @type {Map<string, number[][][]>} */
+    /** Lines by share and bulk ratio. @type {Map<string, number[][][]>} */
     this.kept = new Map();
-    /** Wear rate over the sweep's own; at another one the contacts are those of other velocities. */
-    this.rateRatio = 1;
     this.velocities = content.velocities;
     this.fine = content.fine;
     this.range = content.range;
-  }
-
-  /** Take the contacts at a wear rate. @param {number} [rate] */
-  takeWearRate(rate) {
-    const { conditions, velocities, fine, range } = this.content;
-    this.rateRatio = rate === undefined ? 1 : rate / (conditions.wear_rate ?? NaN);
-    const scaled = (/** @type {number[]} */ all) => all.map((velocity) => velocity / this.rateRatio);
-    this.velocities = scaled(velocities);
-    this.fine = { load: fine.load, velocity: scaled(fine.velocity) };
-    this.range = { load: range.load, velocity: scaled(range.velocity) };
   }
 
   /** @param {number} surface @param {number} i of the load @param {number} j of the velocity */
@@ -70,27 +58,21 @@ class Sweep {
   }
 
   /**
-   * Entry of a table by place, wear rate, bulk ratio and a last axis of which entries are weighed;
-   * by straight lines between wear rates, of the logarithms, and between bulk ratios.
+   * Entry of a table by place, bulk ratio and a last axis of which entries are weighed, by straight
+   * lines between bulk ratios.
    * @param {Float32Array} table @param {number} width of the last axis @param {Conditions} conditions
    * @returns {(place: number, last: [number, number][]) => number}
    */
   reader(table, width, conditions) {
-    const { wear_rates: rates, bulk_ratios: ratios } = this.content;
-    const byRate = weights(rates.map(Math.log), Math.log(conditions.wear_rate ?? 1));
+    const { bulk_ratios: ratios } = this.content;
     const byRatio = weights(ratios, bulkRatio(conditions));
-    const count = Math.max(rates.length, 1);
     return (place, last) => {
-      let product = 1;
-      for (const [r, ofRate] of byRate) {
-        let value = 0;
-        for (const [b, ofRatio] of byRatio) {
-          const begin = ((place * count + r) * ratios.length + b) * width;
-          for (const [k, weight] of last) value += ofRatio * weight * table[begin + k];
-        }
-        product *= ofRate === 1 ? value : value ** ofRate;
+      let value = 0;
+      for (const [b, ofRatio] of byRatio) {
+        const begin = (place * ratios.length + b) * width;
+        for (const [k, weight] of last) value += ofRatio * weight * table[begin + k];
       }
-      return product;
+      return value;
     };
   }
 
@@ -101,7 +83,7 @@ class Sweep {
    */
   lines(axis, conditions) {
     const { shares, lines } = this.content;
-    const key = `${axis} ${conditions.failing_share} ${bulkRatio(conditions)} ${conditions.wear_rate}`;
+    const key = `${axis} ${conditions.failing_share} ${bulkRatio(conditions)}`;
     const kept = this.kept.get(key);
     if (kept) return kept;
     const read = this.reader(new Float32Array(bytes(lines[axis])), shares.length, conditions);

@@ -72,9 +72,8 @@ function description(i, j, isFull) {
       rows.push(["contact above critical", banded(all.map(({ failed }) => 100 * failed), "%", 3)]);
     }
     const numbers = isFull ? content.numbers : content.numbers.slice(0, 1);
-    numbers.forEach(({ label, unit, power }, k) => {
-      const factor = sweep.rateRatio === 1 ? 1 : sweep.rateRatio ** (power ?? NaN);
-      const values = all.map(({ place }) => factor * sweep.numbers[k][place]);
+    numbers.forEach(({ label, unit }, k) => {
+      const values = all.map(({ place }) => sweep.numbers[k][place]);
       if (values.some(Number.isFinite)) rows.push([label, banded(values, unit)]);
     });
     if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => sweep.times[place]), "s")]);

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from scipy.special import ndtr
 
 import pipeline
 from pipeline.scene.faults import SceneFileError
@@ -240,18 +239,6 @@ def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
         "velocity_scatter": 0.1,
         "friction_scatter": 0.004,
     }
-
-
-def test_samples_have_the_wear_rate_as_an_input_where_several_are_asked_for(tmp_path):
-    rates = 'wear_rates = { from = "0.6e-6 mm^3/(N m)", to = "2.4e-6 mm^3/(N m)" }'
-    text = SCENE.replace("[sweep]", f"[sweep]\n{rates}")
-    assert "leave out one or the other" in faults(scene(tmp_path, text=text))[0]
-    only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
-    path = scene(tmp_path, only, text=text)
-    (fixed,) = (draw := pipeline.load_scene(path).variants.draw).fixed
-    assert str(fixed) == "wear.specific_wear_rate is fixed at 1.2e-06 mm³/(N m)"
-    (rate,) = (one for one in draw.design.inputs if one.path == fixed.unknown.path)
-    assert rate.quantile(ndtr(np.array([-2.0, 2.0]))) == pytest.approx([0.6e-15, 2.4e-15])
 
 
 # Inputs whose value is given above their distribution
