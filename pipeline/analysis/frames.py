@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -145,11 +146,16 @@ def laboratory_tests(ds: xr.Dataset) -> list[dict[str, Any]]:
     return [*(attributes.get("measured") or []), *(attributes.get("tested") or [])]
 
 
-def own_conditions(conditions: Conditions, test: Mapping[str, Any]) -> Conditions:
-    """Conditions with the friction and the bulk temperature of a test, where it has its own."""
-    own = conditions.at_friction(test.get("friction"))
-    bulk = test.get("bulk_temperature")
-    return own if bulk is None else own.changed(bulk_temperature=bulk)
+def own_conditions(ds: xr.Dataset, conditions: Conditions, test: Mapping[str, Any]) -> Conditions:
+    """Conditions of a test: friction and bulk of its own or the scene, not those judged by."""
+    stored = attributes_of(ds).get("conditions") or {}
+    bulks: dict[str, Any] = {
+        body: stored.get(body) for body in ("bulk_temperature", "disk_temperature")
+    }
+    if test.get("bulk_temperature") is not None:
+        bulks = {"bulk_temperature": test["bulk_temperature"], "disk_temperature": None}
+    own = replace(conditions, friction=stored.get("friction", conditions.friction), **bulks)
+    return own.at_friction(test.get("friction"))
 
 
 def compared(ds: xr.Dataset, **conditions: Any) -> pd.DataFrame | None:
@@ -186,17 +192,19 @@ def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...
     rows_by = functools.cache(lambda judged: tuple(rows_under(plane, judged)))
     held = (attributes_of(ds).get("scene") or {}).get("loading", {}).get("hold") or 0.0
     for test in laboratory_tests(ds):
-        own = own_conditions(conditions, test)
         place = test["normal_load"], test["velocity"]
-        given = (test.get("outcome") or "transition", *place, own.friction, own.bulk_temperature)
         hold = test.get("hold")
         note = "" if hold in (None, held) else f"computed with the hold of the scene, {held:g} s"
+        at = test.get("friction"), test.get("bulk_temperature")
         try:
+            own = own_conditions(ds, conditions, test)
+            at = own.friction, own.bulk_temperature
             margins = [row.at(*place) for row in rows_by(own)]
             computed, temperature, agrees = _answer(test, margins)
         except InputError as error:
             computed, temperature, agrees, note = NOT_KNOWN, None, NOT_KNOWN, str(error)
-        yield (*given, hold, computed, temperature, agrees, note)
+        kind = test.get("outcome") or "transition"
+        yield (kind, *place, *at, hold, computed, temperature, agrees, note)
 
 
 def _answer(test: Mapping[str, Any], margins: Sequence[Margin]) -> tuple[str, float, str]:

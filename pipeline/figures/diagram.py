@@ -115,9 +115,9 @@ def diagram(
         legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
-    legend += mark_tests(axes, tests)
+    legend += mark_tests(axes, tests, conditions.bulk_temperature, _own_bulk(ds))
     if is_plane:
-        legend += at_own_conditions(axes, plane, tests, conditions)
+        legend += at_own_conditions(axes, ds, plane, tests, conditions)
     legend += beyond_figure
     _frame(axes, ds, log)
     if is_plane:
@@ -146,6 +146,11 @@ def _on_plane(
     legend += _band(axes, ds, conditions, band)
     legend += film_lines(axes, ds, conditions)
     return plane, legend
+
+
+def _own_bulk(ds: xr.Dataset) -> float:
+    """Bulk temperature of the scene [K], which tests have that give none."""
+    return float(attributes_of(ds)["conditions"]["bulk_temperature"])
 
 
 def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
@@ -179,7 +184,8 @@ def _of_scenes(ds: xr.Dataset, changed: Mapping[str, Any], log: bool, ax: Axes |
         label, width = (name, 2.0) if is_drawn else (f"{name}: no transition computed", 0.0)
         legend.append(Line2D([], [], lw=width, color=colour, label=label))
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
-    legend += [*mark_tests(axes, tests), *beyond_figure]
+    bulk = several[0][1].bulk_temperature
+    legend += [*mark_tests(axes, tests, bulk, _own_bulk(several[0][0])), *beyond_figure]
     _frame(axes, ds, log)
     entries = " and ".join(entry_dims(ds)).replace(".", " ").replace("_", " ")
     title = f"transition to severe wear, by {entries}"

@@ -22,12 +22,13 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.surface import Lubrication
-from tribo import Criterion, lubrication_regime
+from tribo import Criterion, InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask
 
 _NEAR = 0.02  # relative difference of the limit that is not worth a mark of its own
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
+_SAME_BULK, _FAINT = 1.0, 0.35  # [K] between bulk temperatures, and opacity of tests at others
 _RESOLUTION = 60
 _LEVELS = (
     (BOUNDARY, "mixed", (0, (1, 2))),
@@ -67,15 +68,37 @@ _TESTS: dict[str | None, tuple[Any, ...]] = {
 """Label, gid, marker, colours of face and edge, and widths of both [pt], by outcome of a test."""
 
 
-def mark_tests(axes: Axes, tests: Sequence[Mapping[str, Any]]) -> list[Artist]:
-    """Mark measured transitions, and tests: open where wear stayed mild, filled where severe."""
+def mark_tests(
+    axes: Axes, tests: Sequence[Mapping[str, Any]], bulk: float, own_bulk: float
+) -> list[Artist]:
+    """Mark measured transitions, and tests: open where wear stayed mild, filled where severe.
+
+    Those at another bulk temperature than that of the plane [K] are faint, and have it beside them;
+    a test that gives none has the scene's own.
+    """
     legend: list[Artist] = []
+    warmer = [test.get("bulk_temperature") or own_bulk for test in tests]
     for outcome, (label, gid, marker, mfc, mec, ms, mew) in _TESTS.items():
-        if of_kind := [test for test in tests if test.get("outcome") == outcome]:
-            legend += axes.plot(
-                [test["velocity"] for test in of_kind], [test["normal_load"] for test in of_kind],
-                ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec, mew=mew, zorder=4,
-                label=label, gid=gid,
+        for is_other in (False, True):
+            of_kind = [
+                test
+                for test, own in zip(tests, warmer, strict=True)
+                if test.get("outcome") == outcome and (abs(own - bulk) > _SAME_BULK) == is_other
+            ]
+            if of_kind:
+                look = {"alpha": _FAINT, "gid": f"{gid}-elsewhere"} if is_other else {"gid": gid}
+                legend += axes.plot(
+                    [test["velocity"] for test in of_kind],
+                    [test["normal_load"] for test in of_kind],
+                    ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec, mew=mew, zorder=4,
+                    label=label + (", at another bulk temperature" if is_other else ""), **look,
+                )  # fmt: skip
+    for test, own in zip(tests, warmer, strict=True):
+        if abs(own - bulk) > _SAME_BULK:
+            axes.annotate(
+                f"{own - 273.15:.3g} °C", (test["velocity"], test["normal_load"]), (0, 7),
+                textcoords="offset points", ha="center", fontsize=8, color=GREY, zorder=4,
+                annotation_clip=True, gid="bulk of a test",
             )  # fmt: skip
     return legend
 
@@ -100,7 +123,11 @@ def in_reach(
 
 
 def at_own_conditions(
-    axes: Axes, plane: xr.DataArray, tests: Sequence[Mapping[str, Any]], conditions: Conditions
+    axes: Axes,
+    ds: xr.Dataset,
+    plane: xr.DataArray,
+    tests: Sequence[Mapping[str, Any]],
+    conditions: Conditions,
 ) -> list[Artist]:
     """Mark the transition computed at each test's own conditions, if others, and join both."""
     places = []
@@ -109,7 +136,11 @@ def at_own_conditions(
     for test in tests:
         if conditions.disk_temperature is not None and test.get("bulk_temperature"):
             continue  # another plane: the test had both bodies at one temperature
-        load, own_limit = test["normal_load"], rise_limit(own_conditions(conditions, test))
+        load = test["normal_load"]
+        try:
+            own_limit = rise_limit(own_conditions(ds, conditions, test))
+        except InputError:  # a test as warm as the critical temperature
+            continue
         if abs(own_limit / limit - 1) < _NEAR or not math.isfinite(own_limit):
             continue
         if not loads[0] <= load <= loads[-1]:

@@ -63,8 +63,6 @@ def draw_risk(
     axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
     bar.set_label("probability of severe wear")
-    for marks in mark_tests(axes, ensemble.tests):
-        marks.set_clip_on(False)
     if place:
         axes.plot(
             place["velocity"], place["load"], marker="*", ms=15, mfc=VERMILION, mec=BLACK,
@@ -73,7 +71,20 @@ def draw_risk(
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
     (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
     if columns.size:  # where anything is uncertain at some load, and a little more
-        axes.set_xlim(x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)])
+        left, right = x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)]
+        tested = [test["velocity"] for test in ensemble.tests if x[0] <= test["velocity"] <= x[-1]]
+        axes.set_xlim(min(left, *tested, right), max(right, *tested, left))
+    bulk = ensemble.conditions.bulk_temperature
+    (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    inside = [
+        test
+        for test in ensemble.tests
+        if low <= test["velocity"] <= high and bottom <= test["normal_load"] <= top
+    ]
+    mark_tests(axes, inside, bulk, bulk)
+    if left_out := len(ensemble.tests) - len(inside):
+        tests = "test lies" if left_out == 1 else "tests lie"
+        axes.plot([], [], ls="none", label=f"{left_out} {tests} beyond the figure")
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)

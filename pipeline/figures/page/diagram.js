@@ -179,11 +179,21 @@ function drawnMeasured(frame) {
   return content.measured.flatMap((measurement) => {
     const [x, y] = [frame.x(measurement.velocity), frame.y(measurement.normal_load)];
     const expected = frame.x(expectedVelocity(measurement));
-    const mark = testMark(x, y, measurement.outcome);
+    const sign = testMark(x, y, measurement.outcome);
+    const mark = hasDrawnBulk(measurement) ? sign : faintTest(sign, x, y - 18 < frame.top ? y + 17 : y - 11, conditionsOf(measurement));
     if (!hasOwnConditions(measurement) || !Number.isFinite(expected)) return [mark];
     const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
     return [line, diamond(expected, y, 4.5, "expected"), mark];
   });
+}
+
+/**
+ * The mark of a test at another bulk temperature than that of the diagram, with its own beside it.
+ * @param {SVGElement} sign @param {number} x @param {number} y of the text @param {Conditions} own
+ */
+function faintTest(sign, x, y, { bulk_temperature: bulk }) {
+  const words = svg("text", { x, y, class: "bulk-of-test" }, `${shown(bulk - ZERO_CELSIUS, 3)} °C`);
+  return svg("g", { class: "is-far" }, sign, words);
 }
 
 /** Signs of measured transitions and of tests. @param {Measurement[]} tests */

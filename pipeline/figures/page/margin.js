@@ -2,12 +2,19 @@
 "use strict";
 /* Measured transitions and tests, and the margin of an operating point. */
 
-/** Conditions of a test: its own friction and bulk temperature, if it has any. @param {Measurement} test */
-function conditionsOf({ friction, bulk_temperature }) {
-  const own = { ...chosen.conditions, friction: friction ?? chosen.conditions.friction };
-  if (bulk_temperature === undefined) return own;
-  const disk = own.disk_temperature === undefined ? {} : { disk_temperature: bulk_temperature };
-  return { ...own, ...disk, bulk_temperature };
+/**
+ * Conditions of a test: friction and bulk of its own or of the scene, whatever the reader has set.
+ * @param {Measurement} test
+ */
+function conditionsOf({ friction, bulk_temperature: bulk }) {
+  const { friction: usual, bulk_temperature, disk_temperature } = content.conditions;
+  const own = { ...chosen.conditions, friction: friction ?? usual, bulk_temperature: bulk ?? bulk_temperature };
+  return disk_temperature === undefined ? own : { ...own, disk_temperature: bulk ?? disk_temperature };
+}
+
+/** A test was made at the bulk temperature that the diagram is drawn for. @param {Measurement} test */
+function hasDrawnBulk(test) {
+  return Math.abs(conditionsOf(test).bulk_temperature - chosen.conditions.bulk_temperature) <= 1;
 }
 
 /** A test has another transition than the boundary that is drawn. @param {Measurement} test */

@@ -55,3 +55,19 @@ def test_tests_are_drawn_open_and_filled_and_those_far_outside_are_said():
     (legend,) = figure.legends or [figure.axes[0].get_legend()]
     said = [text.get_text() for text in legend.get_texts()]
     assert "beyond the figure: test of 9000 N at 1 m/s" in said
+
+
+def test_other_conditions_for_the_plane_leave_the_tests_at_their_own():
+    ds = sweep(rig("severe", 0.7 * CRITICAL, bulk_temperature=400.0), rig("mild", 0.7 * CRITICAL))
+    kept = ["friction", "bulk temperature [°C]", "computed", "agrees"]
+    there = compared(ds, friction=0.15, bulk_temperature="60 degC")
+    assert there[kept].equals(compared(ds)[kept])
+    warm, cold = rig("mild", 1.0, bulk_temperature=333.15), rig("mild", 1.2)
+    axes = diagram(sweep(warm, cold), bulk_temperature="60 degC").axes[0]
+    drawn = {line.get_gid(): line for line in axes.lines}
+    assert drawn["tested-mild"].get_xdata().tolist() == [1.0]
+    assert drawn["tested-mild-elsewhere"].get_xdata().tolist() == [1.2]
+    assert drawn["tested-mild-elsewhere"].get_alpha() < 0.5
+    assert [text.get_text() for text in axes.texts if text.get_gid() == "bulk of a test"] == [
+        "25 °C"
+    ]
