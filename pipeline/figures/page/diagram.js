@@ -180,7 +180,8 @@ function drawnMeasured(frame) {
     const [x, y] = [frame.x(measurement.velocity), frame.y(measurement.normal_load)];
     const expected = frame.x(expectedVelocity(measurement));
     const sign = testMark(x, y, measurement.outcome);
-    const mark = hasDrawnBulk(measurement) ? sign : faintTest(sign, x, y - 18 < frame.top ? y + 17 : y - 11, conditionsOf(measurement));
+    const at = y - 18 < frame.top ? y + 17 : y - 11;
+    const mark = hasDrawnBulk(measurement) ? sign : faintTest(sign, x, at, conditionsOf(measurement));
     if (!hasOwnConditions(measurement) || !Number.isFinite(expected)) return [mark];
     const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
     return [line, diamond(expected, y, 4.5, "expected"), mark];

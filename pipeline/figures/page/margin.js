@@ -8,8 +8,9 @@
  */
 function conditionsOf({ friction, bulk_temperature: bulk }) {
   const { friction: usual, bulk_temperature, disk_temperature } = content.conditions;
-  const own = { ...chosen.conditions, friction: friction ?? usual, bulk_temperature: bulk ?? bulk_temperature };
-  return disk_temperature === undefined ? own : { ...own, disk_temperature: bulk ?? disk_temperature };
+  const [pin, disk] = [bulk ?? bulk_temperature, bulk ?? disk_temperature];
+  const own = { ...chosen.conditions, friction: friction ?? usual, bulk_temperature: pin };
+  return disk_temperature === undefined ? own : { ...own, disk_temperature: disk };
 }
 
 /** A test was made at the bulk temperature that the diagram is drawn for. @param {Measurement} test */
