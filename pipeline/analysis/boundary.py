@@ -7,7 +7,7 @@ was computed; a mean, which this would bias, is given only if every surface has 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,9 +24,11 @@ from pipeline.analysis.transition import (
     SEVERE,
     UNITS,
     Crossing,
+    along_friction,
     exponent,
     outcomes,
     range_of,
+    spread,
 )
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
@@ -148,10 +150,13 @@ def _judged(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     is_missing = rise.isnull() & asked(ds)
     oil = np.array(None, dtype=object)
     oil[()] = Lubrication.stored(attributes_of(ds))
+    friction = np.array(None, dtype=object)
+    friction[()] = conditions.friction_factor if conditions.has_friction_curve else None
     parts = {  # underscored, since a dimension may have any other name
         "_rise": rise,
         "_is_missing": is_missing,
         "_limit": rise_limit(conditions),
+        "_friction": ((), friction),
         "_oil": ((), oil),
         "_temperature": conditions.mean_bulk_temperature,
     }
@@ -213,9 +218,15 @@ def _transitions(axis: str, ds: xr.Dataset, judged: xr.Dataset) -> dict[str, xr.
     noun = "velocity" if axis == "velocity" else "normal load"
     x, ends = rise[axis].values, range_of(ds, axis)
 
-    def along(row: Array, missing: Mask, limit: float) -> tuple[float, ...]:
-        transition = Crossing.along(x, row, limit, ends, missing)
-        slope = exponent(x, row, transition.place)
+    def along(
+        row: Array, missing: Mask, limit: float, friction: Callable[[Array], Array] | None
+    ) -> tuple[float, ...]:
+        places, is_done = x, np.isfinite(row)
+        if friction and axis == "velocity":
+            places, row = along_friction(x, row, friction)
+            missing, is_done = spread(missing), spread(is_done)
+        transition = Crossing.along(places, row, limit, ends, missing, is_done)
+        slope = exponent(places, row, transition.place)
         return transition.place, transition.outcome, *transition.computed, transition.bridged, slope
 
     place, outcome, low, high, bridged, slope = xr.apply_ufunc(
@@ -223,7 +234,8 @@ def _transitions(axis: str, ds: xr.Dataset, judged: xr.Dataset) -> dict[str, xr.
         rise,
         is_missing,
         judged["_limit"],
-        input_core_dims=[[axis], [axis], []],
+        judged["_friction"],
+        input_core_dims=[[axis], [axis], [], []],
         output_core_dims=[[]] * 6,
         output_dtypes=[float, np.int8, float, float, int, float],
         vectorize=True,

@@ -147,6 +147,12 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     )
 
 
+def at_one_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
+    """A decisive rise [K] without the friction factor of its velocity, if there is one."""
+    velocities = rise["velocity"]
+    return rise / velocities.copy(data=conditions.friction_factor(velocities.values))
+
+
 def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
     """Compare points of a store, by the given dimensions, with their checksums, each once."""
     reader = ds["status"].encoding.get("reader")
@@ -179,12 +185,16 @@ def _turns(rise: Array, limit: float) -> Mask:
     return beside
 
 
-def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> xr.DataArray:
+def refined(
+    rise: xr.DataArray, resolution: int, conditions: Conditions, continued: bool = False
+) -> xr.DataArray:
     """Interpolate a decisive rise [K] onto so many loads and velocities, evenly spaced.
 
-    With a limit [K] it is extrapolated below mild points and above severe ones, as a power of
-    velocity; else it is NaN beyond the outermost points that are done.
+    If continued, it is extrapolated below mild points and above severe ones, as a power of
+    velocity, unless friction depends on the velocity; else it is NaN beyond the outermost points.
     """
+    limit = rise_limit(conditions) if continued and not conditions.has_friction_curve else None
+    rise = at_one_friction(rise, conditions)
     x = {name: rise[name].values for name in PLANE}
     axes = {name: np.linspace(values[0], values[-1], resolution) for name, values in x.items()}
 
@@ -199,7 +209,8 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
             return np.moveaxis(interpolated(x[name], columns, axes[name]), 0, axis)
         return np.apply_along_axis(partial(row_along, name), axis, values)
 
-    plane = along("load", -2, along("velocity", -1, rise.values))
+    friction = conditions.friction_factor(axes["velocity"])
+    plane = along("load", -2, along("velocity", -1, rise.values) * friction)
     coords = {
         name: (name, axes[str(name)], coord.attrs) if name in axes else coord.variable
         for name, coord in rise.coords.items()

@@ -18,7 +18,16 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.margin_error import RiseError, RisePlane, rise_error
-from pipeline.analysis.transition import UNITS, Crossing, certain, interpolated, outcomes
+from pipeline.analysis.transition import (
+    SEVERAL,
+    UNITS,
+    Crossing,
+    along_friction,
+    certain,
+    interpolated,
+    outcomes,
+    spread,
+)
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import contact_temperature, rise_limit
 from tribo import Criterion, InputError
@@ -68,7 +77,14 @@ class Margin:
 
     @property
     def verdict(self) -> str:
-        """``"mild"`` or ``"severe"`` beyond the error of the temperature, else not decided."""
+        """``"mild"`` or ``"severe"`` beyond the error of the temperature, else not decided.
+
+        Nor is a place between points decided where wear is severe at a lower velocity or load, and
+        mild at a higher one.
+        """
+        named = zip(("velocity", "load"), (self.velocity_outcome, self.load_outcome), strict=True)
+        if not self.is_computed and any(said == outcomes(axis)[SEVERAL] for axis, said in named):
+            return NOT_DECIDED
         return verdict_on(self.is_severe, self.distance, self.temperature_error)
 
     @property
@@ -101,7 +117,7 @@ def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
 class JudgedRow:
     """Decisive rises of one row of the table of variants by load and velocity, and how to judge."""
 
-    grid: RisePlane
+    grid: RisePlane  # at one friction, where it depends on the velocity
     conditions: Conditions
     promised: float | None  # relative error of its boundary velocities
     ends: Mapping[str, tuple[float, float]]  # of the loads [N] and velocities [m/s] asked for
@@ -162,9 +178,10 @@ class JudgedRow:
         )
 
     def at_velocity(self, velocity: float, continued: bool = False) -> Array:
-        """Rise by load at one velocity [K]."""
+        """Rise by load at one velocity [K], with the friction there."""
         x, rows = self.grid.velocities, self.grid.rises
-        return np.array([_at(x, row, velocity, continued) for row in rows])
+        at_one_friction = np.array([_at(x, row, velocity, continued) for row in rows])
+        return at_one_friction * self.conditions.friction_factor(np.array(velocity))
 
     def along(self, axis: str, load: float, velocity: float, rise: float) -> Crossing:
         """Transition along an axis through a place, and the rise there if that is finite.
@@ -172,7 +189,8 @@ class JudgedRow:
         Between those of the sweep, rises go on where wear is certainly mild or severe.
         """
         x, other, place, along = self.grid.velocities, self.grid.loads, load, velocity
-        rises, limit, ends = self.grid.rises, rise_limit(self.conditions), self.ends[axis]
+        limit, ends = rise_limit(self.conditions), self.ends[axis]
+        rises = self.grid.rises * self.conditions.friction_factor(x)
         is_missing = self.grid.is_missing
         if axis == "load":
             x, other, place, along = other, x, velocity, load
@@ -180,11 +198,17 @@ class JudgedRow:
         above = int(np.searchsorted(other, place))
         is_between = above < len(other) and other[above] != place
         missing = np.logical_or.reduce(is_missing[above - is_between : above + 1])
+        has_curve = self.conditions.has_friction_curve
         if place in other:
-            return Crossing.along(x, rises[above], limit, ends, missing)
-        if axis == "load":
+            computed = going_on = rises[above]
+            rise = math.nan
+        elif axis == "load":
             computed, here = self.at_velocity(velocity), np.array([velocity])
-            going_on = np.array([certain(other, row, here, limit)[0] for row in self.grid.rises])
+            factor = self.conditions.friction_factor(here)
+            by_load = [certain(other, row, here, limit / factor[0]) for row in self.grid.rises]
+            going_on = np.concatenate(by_load) * factor
+        elif has_curve:  # how friction goes on beyond the points is no power law
+            computed = going_on = np.array([_at(other, column, place) for column in rises.T])
         else:
             certainly = [certain(x, row, x, limit) for row in rises]
             rows = np.where(np.isfinite(rises), rises, certainly)
@@ -199,6 +223,9 @@ class JudgedRow:
                 x, going_on = np.insert(x, number, along), np.insert(going_on, number, rise)
                 is_done, missing = (np.insert(mask, number, False) for mask in (is_done, missing))
             going_on[number] = rise
+        if has_curve and axis == "velocity":
+            x, going_on = along_friction(x, going_on, self.conditions.friction_factor)
+            missing, is_done = spread(missing), spread(is_done)
         return Crossing.along(x, going_on, limit, ends, missing, is_done)
 
 

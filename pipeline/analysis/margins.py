@@ -23,7 +23,7 @@ from pipeline.analysis.dataset import (
     opened,
     require_plane,
 )
-from pipeline.analysis.decisive import conditions_of, decisive_rise
+from pipeline.analysis.decisive import at_one_friction, conditions_of, decisive_rise
 from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
 from pipeline.analysis.margin_error import RisePlane, grids_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
@@ -125,7 +125,8 @@ def rows_under(scene: xr.Dataset, conditions: Conditions) -> Iterator[JudgedRow]
     }
     entries = {path: scene[path].item() for path in about.get("entries", {})}
     front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
-    for grid, row in zip(grids_of(scene, rise), itertools.product(*front.values()), strict=True):
+    grids = grids_of(scene, at_one_friction(rise, conditions))
+    for grid, row in zip(grids, itertools.product(*front.values()), strict=True):
         labels = dict(zip(front, row, strict=True))
         yield JudgedRow(
             grid=grid,

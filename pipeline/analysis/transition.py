@@ -21,7 +21,7 @@ from pipeline.analysis.dataset import attributes_of
 from tribo import Criterion
 from tribo.types import Array, Mask
 
-CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW = range(6)
+CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
 
 BEYOND = (ABOVE, BELOW)
@@ -38,6 +38,7 @@ def outcomes(axis: str) -> Mapping[int, str]:
         UNKNOWN: "not known yet",
         ABOVE: f"mild at every {axis} computed",
         BELOW: f"severe at every {axis} computed",
+        SEVERAL: f"not decided: severe at some {axis} and mild at a higher one",
     }
 
 
@@ -72,6 +73,8 @@ class Crossing:
         done = x[is_done]
         computed = (float(done[0]), float(done[-1])) if done.size else (math.nan, math.nan)
         place = crossing(x, rise, limit)
+        if _is_mild_again(rise, limit):
+            return cls(math.nan, SEVERAL, computed)
         if math.isfinite(place):
             is_missing = np.zeros_like(is_done) if is_missing is None else is_missing
             held, missing = x[is_done & ~is_missing], x[is_missing]
@@ -87,6 +90,13 @@ class Crossing:
         else:
             outcome = MILD if computed[1] >= ends[1] else ABOVE
         return cls(place, outcome, computed)
+
+
+def _is_mild_again(rise: Array, limit: float) -> bool:
+    """Wear is severe somewhere along a line, and mild beyond."""
+    known = rise[np.isfinite(rise)]
+    severe = Criterion.is_severe(known, limit)
+    return bool(severe.any() and Criterion.is_mild(known[np.argmax(severe) :], limit).any())
 
 
 def in_words(outcome: str, computed: Iterable[float], along: str) -> str:
@@ -116,6 +126,7 @@ ENTRIES = {
 
 
 _NEAR = 1.01  # ratio of abscissae over which an exponent is taken
+_PARTS = 16  # of an interval of velocities, between which friction is taken as it is there
 _FLAT = 0.25  # least exponent of a power law that is continued down to 0
 
 
@@ -158,6 +169,28 @@ def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> 
                 exponent = np.log(y[first] / y[second]) / np.log(x[first] / x[second])
                 result[beyond] = y[first] * (places[beyond] / x[first]) ** exponent
     return result
+
+
+def along_friction(
+    velocities: Array, rises: Array, factor: Callable[[Array], Array]
+) -> tuple[Array, Array]:
+    """Velocities [m/s] close together, and rises [K] there with friction by velocity.
+
+    Between two velocities the friction is known, and only the heat is interpolated: rises are
+    divided by the factor of their friction, and multiplied by that of each place.
+    """
+    steps = np.arange((len(velocities) - 1) * _PARTS + 1) / _PARTS
+    places = np.interp(steps, np.arange(len(velocities)), velocities)
+    between = interpolated(velocities, rises / factor(velocities), places) * factor(places)
+    between[::_PARTS] = rises
+    return places, between
+
+
+def spread(mask: Mask) -> Mask:
+    """A mask of velocities at those of `along_friction`, False between them."""
+    fine = np.zeros((len(mask) - 1) * _PARTS + 1, dtype=bool)
+    fine[::_PARTS] = mask
+    return fine
 
 
 def certain(x: Array, y: Array, places: Array, limit: float) -> Array:

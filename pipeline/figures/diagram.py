@@ -214,8 +214,8 @@ def _probability(
 def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Decisive rise over the plane, on each surface of which something is known."""
     # A sweep that only follows the boundary knows the plane elsewhere as mild or severe alone.
-    limit = None if asked(ds).all() else rise_limit(conditions)
-    planes = refined(decisive_rise(ds, conditions), _RESOLUTION, limit)
+    on_boundary = not asked(ds).all()
+    planes = refined(decisive_rise(ds, conditions), _RESOLUTION, conditions, continued=on_boundary)
     rows = planes.transpose(..., *PLANE)
     planes = xr.DataArray(
         rows.values.reshape(-1, *rows.shape[-2:]),

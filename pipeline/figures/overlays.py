@@ -138,14 +138,18 @@ def at_own_conditions(
             continue  # another plane: the test had both bodies at one temperature
         load = test["normal_load"]
         try:
-            own_limit = rise_limit(own_conditions(ds, conditions, test))
+            own = own_conditions(ds, conditions, test)
+            factor = own.friction_factor(velocities) / conditions.friction_factor(velocities)
+            here = float(np.interp(test["velocity"], velocities, factor))
+            own_limit = rise_limit(own)
         except InputError:  # a test as warm as the critical temperature
             continue
-        if abs(own_limit / limit - 1) < _NEAR or not math.isfinite(own_limit):
+        if abs(own_limit / limit / here - 1) < _NEAR or not math.isfinite(own_limit):
             continue
         if not loads[0] <= load <= loads[-1]:
             continue
-        velocity = crossing(velocities, plane.sel(load=load, method="nearest").values, own_limit)
+        rises = plane.sel(load=load, method="nearest").values * factor
+        velocity = crossing(velocities, rises, own_limit)
         if math.isfinite(velocity):
             places.append((velocity, load))
             ends = [velocity, test["velocity"]], [load, load]

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.analysis.dataset import one_row, sweep_at_bulks
 from pipeline.analysis.decisive import conditions_of, decisive_rise
-from pipeline.analysis.transition import crossing, interpolated
+from pipeline.analysis.transition import along_friction, crossing
 from pipeline.figures import style
 from pipeline.figures.fields import chosen_points, indices_of, point_name, require_done_at
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
@@ -211,11 +211,10 @@ def temperature(
         curves.append((conditions, conditions.decisive.temperature, _DECIDING))
     for judged, name, look in curves:
         rises = decisive_rise(row, judged).values[0]
-        computed = velocities[np.isfinite(rises)]
         require_done_at(load_here, np.isfinite(rises))
-        between = np.linspace(computed[0], computed[-1], 200)
+        between, fine = along_friction(velocities, rises, conditions.friction_factor)
         for places, values, part in (
-            (between, interpolated(velocities, rises, between), {"ls": look["ls"]}),
+            (between, fine, {"ls": look["ls"]}),
             (velocities, rises, {"ls": "none", "marker": look["marker"]}),
         ):
             curve = style.celsius(contact_temperature(values, conditions))
@@ -225,6 +224,8 @@ def temperature(
         critical = style.celsius(conditions.critical_temperature)
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
         rises = decisive_rise(row, conditions).values[0]
+        if conditions.has_friction_curve:
+            velocities, rises = along_friction(velocities, rises, conditions.friction_factor)
         transition = crossing(velocities, rises, rise_limit(conditions))
         if np.isfinite(transition):
             label = f"transition, {transition:.3g} m/s"

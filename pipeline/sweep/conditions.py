@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError
 from tribo import BULK_RATIOS, Corrections, Criterion, InputError, MeasuredLoad, Ramp
+from tribo.types import Array
 
 _BULKS = ("bulk_temperature", "disk_temperature")
 _NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
@@ -98,7 +99,7 @@ class Conditions:
                 f"temperature, {in_celsius(warmest)}"
             )
         _ = self.decisive
-        if self.corrections and self.corrections.friction and self.bulk_difference:
+        if self.has_friction_curve and self.bulk_difference:
             raise InputError(
                 "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
                 "rise is not proportional to friction; give one bulk temperature, or one friction"
@@ -159,9 +160,16 @@ class Conditions:
 
     def friction_at(self, velocity: float) -> float:
         """Coefficient of friction at a sliding velocity [m/s]."""
-        if self.corrections is None:
-            return self.friction
-        return self.friction * float(self.corrections.friction_factor(np.array(velocity)))
+        return self.friction * float(self.friction_factor(np.array(velocity)))
+
+    @property
+    def has_friction_curve(self) -> bool:
+        """Friction depends on the velocity."""
+        return bool(self.corrections and self.corrections.friction)
+
+    def friction_factor(self, velocity: Array) -> Array:
+        """Friction at sliding velocities [m/s] over the coefficient of friction."""
+        return (self.corrections or Corrections()).friction_factor(velocity)
 
     def at_friction(self, friction: float | None) -> Conditions:
         """The conditions with a friction measured at one point; as they are where there is none."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -91,7 +91,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "bulk_ratios": ratios,
         "shares": shares,
         "rises": packed_array(_at_step(quantiles, steps[..., None, None]), "<f4"),
-        **_planes(decisive, ds, own),
+        **_planes(decisive, ds, own, conditions.friction_factor),
         "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
     }
@@ -203,17 +203,21 @@ def _at_step(values: Array, steps: Indices) -> Array:
     return chosen
 
 
-def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int]) -> dict[str, Any]:
+def _planes(
+    rises: Array, ds: xr.Dataset, own: tuple[int, int], friction: Callable[[Array], Array]
+) -> dict[str, Any]:
     """Tables of the deciding rise along velocity at each load, and along load at each velocity.
 
     Rises by load, velocity, bulk ratio and share [K]; `own` are the places of the last two that the
-    scene has, whose error is told.
+    scene has, whose error is told. Friction is the factor that depends on velocity.
     """
     loads, velocities = ds["load"].values, ds["velocity"].values
     done = values_of(ds, "status") == DONE
     missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
-    rows = along(rises, velocities, by_velocity, -3)
+    by_friction = friction(velocities)[:, None, None]
+    fine_friction = friction(between(velocities, by_velocity))[:, None, None]
+    rows = along(rises / by_friction, velocities, by_velocity, -3) * fine_friction
     plane = along(rows, loads, by_load, -4)
     columns = along(rises, loads, by_load, -4)
     across = np.zeros(plane.shape[:-2], dtype=bool)
@@ -233,7 +237,7 @@ def _planes(rises: Array, ds: xr.Dataset, own: tuple[int, int]) -> dict[str, Any
         "bridged": {"velocity": _bits(across), "load": _bits(upwards)},
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
         "error": max(
-            error_of_lines(at_own, velocities, by_velocity),
+            error_of_lines(at_own, velocities, by_velocity, friction),
             error_of_lines(at_own.swapaxes(-1, -2), loads, by_load),
         ),
     }
@@ -335,11 +339,17 @@ def bridged(done: Mask, missing: Mask, parts: int) -> Mask:
     return fine
 
 
-def error_of_lines(values: Array, places: Array, parts: int) -> float:
-    """Largest relative error of crossings by straight lines of logarithms, at their middles."""
+def error_of_lines(
+    values: Array, places: Array, parts: int, factor: Callable[[Array], Array] = np.ones_like
+) -> float:
+    """Largest relative error of crossings by straight lines of logarithms, at their middles.
+
+    The factor is that of the friction at each place.
+    """
     if len(places) == 1:
         return 0.0
-    double, fine = between(places, 2 * parts), along(values, places, 2 * parts, -1)
+    double = between(places, 2 * parts)
+    fine = along(values / factor(places), places, 2 * parts, -1) * factor(double)
     with np.errstate(divide="ignore", invalid="ignore"):
         x, y = np.log(double), np.log(fine)
         slope = np.diff(y[..., ::2]) / np.diff(x[::2])

@@ -10,7 +10,7 @@
  *   transitions on several surfaces, and their quantiles
  */
 
-const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW] = [0, 1, 2, 3, 4, 5];
+const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL] = [0, 1, 2, 3, 4, 5, 6];
 const BAND = [0.1, 0.5, 0.9];
 
 /** Index of the first entry above a value. @param {ArrayLike<number>} x ascending @param {number} value */
@@ -106,6 +106,7 @@ function transitionAlong(x, y, limit, range, isBridged = () => false) {
   if (!known.length || Number.isNaN(limit)) return result(UNKNOWN, NaN, NaN);
   const n = known.findIndex((k) => y[k] >= limit);
   if (n < 0) return high >= range[1] ? result(MILD, Infinity, Infinity) : result(ABOVE, high, Infinity);
+  if (known.slice(n).some((k) => y[k] <= limit && k > known[n])) return result(SEVERAL, NaN, NaN);
   const [last, first] = [known[n - 1], known[n]];
   if (n === 0 && y[first] > limit) {
     return low <= range[0] ? result(SEVERE, -Infinity, -Infinity) : result(BELOW, -Infinity, low);

@@ -166,7 +166,7 @@ def test_decisive_temperature_is_that_of_the_closed_form(sweep):
 def test_the_plane_passes_through_the_boundary():
     ds = synthetic.sweep(rise=curved)
     rise = decisive_rise(ds, synthetic.conditions())
-    fine = refined(rise, 12 * 14 + 1)  # its velocities hold the sweep's own
+    fine = refined(rise, 12 * 14 + 1, synthetic.conditions())  # its velocities hold the sweep's own
     crossings, limit = boundary(ds), synthetic.limit()
     at_sweep = fine.sel(velocity=VELOCITIES, method="nearest", tolerance=1e-9)
     for velocity, load in zip(VELOCITIES, crossings["critical_load"].values, strict=True):
@@ -177,7 +177,7 @@ def test_the_plane_passes_through_the_boundary():
 
 def test_the_plane_ends_with_the_known_points():
     ds = synthetic.sweep(status={(750.0, 4.0): PENDING, (200.0, 0.5): FAILED, (400.0, 2.0): FAILED})
-    fine = refined(decisive_rise(ds, synthetic.conditions()), 50)
+    fine = refined(decisive_rise(ds, synthetic.conditions()), 50, synthetic.conditions())
     assert np.isnan(fine[-1, -1])
     assert np.isnan(fine[0, 0])
     assert np.isfinite(fine).sum() > 0.97 * fine.size

@@ -1,0 +1,61 @@
+"""Friction that depends on the velocity, between the velocities of a sweep."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+import tribo
+from pipeline.figures.plot import plot
+from tests.helpers import javascript, synthetic
+
+FALLING = tribo.Corrections(friction=((0.5, 1.6), (2.0, 0.9), (6.0, 0.55)))
+BACK = tribo.Corrections(friction=((0.5, 4.0), (2.0, 0.9), (6.0, 0.2)))
+
+
+def swept(corrections):
+    conditions = replace(synthetic.conditions(), corrections=corrections)
+    return synthetic.sweep(velocities=[0.5, 2.0, 6.0], measured=[], conditions=conditions.as_dict())
+
+
+def temperature(corrections, load, velocity):
+    factor = float(corrections.friction_factor(np.array(velocity)))
+    return 298.15 + 0.1 * factor * float(synthetic.rise(load, velocity, 0.9))
+
+
+def test_friction_is_that_of_the_place_and_not_interpolated():
+    ds = swept(FALLING)
+    for load, velocity in ((600.0, 1.0), (625.0, 1.0), (300.0, 3.5)):
+        (margin,) = pipeline.margins(ds, load, velocity)
+        expected = temperature(FALLING, load, velocity)
+        assert margin.decisive_temperature == pytest.approx(expected, abs=1e-6)
+
+
+def test_boundary_margin_page_and_figure_cross_at_one_velocity():
+    ds = swept(FALLING)
+    crossings = pipeline.boundary(ds)["critical_velocity"].sel(load=[500.0, 600.0])
+    for load, velocity in zip((500.0, 600.0), crossings.values, strict=True):
+        assert temperature(FALLING, load, velocity) == pytest.approx(418.15, abs=0.02)
+        (margin,) = pipeline.margins(ds, load, 1.0)
+        assert margin.critical_velocity == pytest.approx(velocity, rel=1e-9)
+    on_page = javascript.run(ds, "return summary().velocity.map(({ middle }) => middle);")
+    whole = pipeline.boundary(ds)["critical_velocity"]
+    np.testing.assert_allclose(on_page, whole, rtol=2e-3)
+    axes = plot(ds, "temperature", load="600 N").axes[0]
+    assert f"transition, {crossings[1]:.3g} m/s" in [line.get_label() for line in axes.lines]
+
+
+def test_wear_that_is_mild_again_at_a_higher_velocity_is_not_decided_between_points():
+    ds = swept(BACK)
+    crossings = pipeline.boundary(ds)
+    codes = crossings["outcome_at_load"]
+    assert (codes == 6).any()
+    assert crossings["critical_velocity"].where(codes == 6, drop=True).isnull().all()
+    (between,) = pipeline.margins(ds, 600.0, 4.0)
+    assert between.verdict == "not decided"
+    assert between.velocity_outcome.startswith("not decided: severe at some velocity")
+    (computed,) = pipeline.margins(ds, 600.0, 6.0)
+    assert computed.verdict == "mild"
+    words = "return summary().velocity.map(({ transitions }) => transitions[0].outcome);"
+    assert javascript.run(ds, words) == codes.values.tolist()
