@@ -5,7 +5,7 @@ On a ramp they are the ends of points at lower loads, bit for bit, else steps of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -14,6 +14,8 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plain import made
 from tribo import MeasuredLoad, Scene
 from tribo.loading import Station
+
+_MOST_OF_HOLD = 60  # moments of a hold at which a wearing contact and a warming body are judged
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +27,8 @@ class Stations:
     # Time between stations of a recorded load, or of one that is held [s]: 0 for every step, None
     # for those alone that decide.
     interval: float | None = None
+    # A body warms as a whole while a hold wears the contact away: the worst moment lies inside.
+    judges_hold: bool = False
 
     @classmethod
     def of(cls, sweep: Sweep) -> Self:
@@ -34,7 +38,7 @@ class Stations:
             return stations
         steps = sweep.record.steps or _usual(sweep)
         if steps == "end":
-            return cls(steps)
+            return cls(steps, judges_hold=_warms_in_hold(sweep))
         if steps == "loads":
             return cls(steps, sweep.plane.loads)
         scene, highest = sweep.variant(sweep.variants.names[0]).scene, max(sweep.plane.loads)
@@ -44,6 +48,7 @@ class Stations:
 
         end = way(highest)[-1].time
         interval = 0.0 if steps == "all" else end / (int(steps) + 1)
+        warms = _warms_in_hold(sweep)
         if isinstance(scene.loading, MeasuredLoad):
             return cls(steps, interval=interval)
         loads = set[float]()
@@ -51,11 +56,11 @@ class Stations:
             trunk = [step for step in way(load) if step.on_trunk and step.normal_load < highest]
             places = _even([step.time for step in trunk], interval, end)
             loads |= {trunk[place].normal_load for place in places}
-        return cls(steps, tuple(sorted(loads)), interval)
+        return cls(steps, tuple(sorted(loads)), interval, warms)
 
     def as_dict(self) -> dict[str, Any]:
         """As plain data."""
-        return {"steps": self.steps, "loads": list(self.loads), "interval": self.interval}
+        return asdict(self)
 
     def below(self, load: float) -> tuple[float, ...]:
         """Loads that are stations of the points at a load [N]."""
@@ -63,7 +68,7 @@ class Stations:
 
     def asked(self, scene: Scene, load: float) -> frozenset[int]:
         """Indices of the steps on the point's own way at which a temperature is asked for."""
-        if self.interval is None:
+        if self.interval is None and not self.judges_hold:
             return frozenset()
         is_record = isinstance(scene.loading, MeasuredLoad)
         way = list(scene.loading.stations(load, scene.fidelity.increments))
@@ -72,8 +77,10 @@ class Stations:
             return frozenset()
         reached = [step.index for step in way if step.normal_load == load and not step.holding]
         times = [step.time for step in own]
-        even = _even(times, self.interval, times[-1])
-        return frozenset([*reached, *(own[number].index for number in even)])
+        kept = set[int]() if self.interval is None else {*_even(times, self.interval, times[-1])}
+        if self.judges_hold:
+            kept |= _growing(len(own))
+        return frozenset([*reached, *(own[number].index for number in kept)])
 
     def count(self, scene: Scene, load: float) -> int:
         """Most stations that a point at a load may have, its end included."""
@@ -95,6 +102,28 @@ def _usual(sweep: Sweep) -> str:
     is_ramp = not isinstance(loading, MeasuredLoad) and not loading.hold
     is_plane = plane.chosen is None and not plane.independent and sweep.variants.has_plane
     return "loads" if is_ramp and is_plane else "end"
+
+
+def _warms_in_hold(sweep: Sweep) -> bool:
+    """The load is held, and a body of some variant has a heat capacity."""
+    loading = sweep.scene.loading
+    if isinstance(loading, MeasuredLoad) or not loading.hold:
+        return False
+    several = (sweep.variant(name) for name in sweep.variants.names)
+    bulks = (
+        bulk
+        for one in several
+        if (held := one.conditions.corrections)
+        for bulk in (held.pin_bulk, held.disk_bulk)
+    )
+    return any(bulk.capacity for bulk in bulks if bulk)
+
+
+def _growing(count: int) -> set[int]:
+    """Places of all steps of a hold; of very many those at times that grow by a ratio."""
+    if count <= _MOST_OF_HOLD:
+        return {*range(count)}
+    return {*(np.geomspace(1, count, _MOST_OF_HOLD).round().astype(int) - 1).tolist()}
 
 
 def _even(times: list[float], interval: float, end: float) -> list[int]:

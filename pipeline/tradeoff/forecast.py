@@ -203,7 +203,8 @@ def savings(sweep: Sweep) -> Iterator[str]:
     elif still := sum(velocity == 0 for velocity in plane.velocities):
         points = still * len(plane.loads) * len(sweep.variants.names)
         yield f"heat at {points} points, since nothing moves there"
-    is_end = Stations.of(sweep).interval is None
+    stations = Stations.of(sweep)
+    is_end = stations.interval is None and not stations.judges_hold
     if is_end and steps > 1 and scene.friction_heat and not scene.remembers_heat:
         yield f"temperatures before the last step (up to {steps - 1} a point)"
     if scene.coarsening > 1:

@@ -11,6 +11,7 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import momentary_rise
+from pipeline.sweep.stations import Stations
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
 
@@ -98,3 +99,19 @@ def test_any_part_of_a_sweep_has_the_temperatures_that_it_has_in_the_whole(tmp_p
         at_share = quantiles.sel(cooler_share=0.9).where(held)
         if held.any():
             assert hottest == pytest.approx(at_share.max().item(), rel=1e-12)
+
+
+def test_a_hold_that_warms_a_body_is_judged_inside():
+    warming = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=3.0, loss=1.0))
+    conditions = Conditions(0.1, 298.15, 418.15, corrections=warming)
+    ramp = tribo.Ramp(150.0, 750.0, hold=100.0, hold_steps=40)
+    wear = tribo.Wear(1e-16)
+    held = tiny.sweep(loading=ramp, wear=wear, loads=(600.0,), conditions=conditions)
+    result = pipeline.run_point(held, 600.0, 1.0)
+    assert len(result.columns["time"]) == 41  # where the load is reached, and each step
+    assert 4.0 < result.verdict(conditions).time < 104.0
+    without = held.changed(conditions=replace(conditions, corrections=None))
+    assert len(pipeline.run_point(without, 600.0, 1.0).columns["time"]) == 2
+    coarse = held.changed(loading=tribo.Ramp(150.0, 750.0, hold=100.0, hold_steps=4000))
+    many = Stations.of(coarse).asked(coarse.scene, 600.0)
+    assert 50 < len(many) <= 61

@@ -25,6 +25,7 @@ from tribo.thermal.quantiles import contact_quantiles as contact_quantiles
 from tribo.thermal.quantiles import failed_share as failed_share
 from tribo.thermal.quantiles import require_share as require_share
 from tribo.thermal.quantiles import rise_exceeded as rise_exceeded
+from tribo.thermal.rim import rim_warming as rim_warming
 from tribo.thermal.stem import Stem as Stem
 from tribo.thermal.stem import stem_fraction as stem_fraction
 from tribo.thermal.track import track_warming as track_warming

@@ -5,6 +5,7 @@ Which doubts there are is in test_facts.py.
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import tribo
@@ -46,6 +47,10 @@ def oiled(viscosity):
     return SMOOTH.changed(oil=tribo.Oil((313.15, 373.15), (viscosity, 0.9 * viscosity), 866.0))
 
 
+def dense(density):
+    return SMOOTH.changed(oil=tribo.Oil((313.15, 373.15), (3e-5, 5e-6), density))
+
+
 def ramped(reference):
     return SMOOTH.changed(loads=(750.0,), loading=tribo.Ramp(150.0, reference))
 
@@ -78,7 +83,7 @@ USUAL = [
     ("pin's radius is", 1e-4, 1.0, lambda v: said_of(with_pin(radius=v))),
     ("pin's length is", 1e-4, 1.0, lambda v: said_of(with_pin(length=v))),
     ("crown radius is", 1e-4, 100.0, lambda v: said_of(crowned(v))),
-    ("bulk temperature is", 200.0, 800.0, lambda v: said_of(warmer(v))),
+    ("bulk temperature is", 223.0, 523.0, lambda v: said_of(warmer(v))),
     ("wear rate is", 1e-20, 1e-11, lambda v: said_of(SMOOTH.changed(wear=tribo.Wear(v)))),
     ("disk's Ra is", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
     ("velocity is", 0.0, 100.0, lambda v: said_of(SMOOTH.changed(velocities=(v,)))),
@@ -90,6 +95,7 @@ USUAL = [
         lambda v: said_of(hard(v)),
     ),
     ("oil's kinematic", 0.5e-6, 0.1, lambda v: said_of(oiled(v))),
+    ("oil's density", 500.0, 2000.0, lambda v: said_of(dense(v))),
     ("loading.reference_load is", 7.5, 75e3, lambda v: said_of(ramped(v))),
     ("the test of", 20.0, 7500.0, lambda v: said_of(with_test(v))),
 ]
@@ -101,6 +107,43 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(words, low, high, sa
         assert any(words in doubt for doubt in said(value)), value
     for value in (low * JUST_MORE, high * JUST_LESS):
         assert not any(words in doubt for doubt in said(value)), value
+
+
+def test_a_band_beside_its_own_friction_is_doubted():
+    for band, count in (((0.09, 0.103), 0), ((0.11, 0.13), 1), ((0.05, 0.09), 1)):
+        said = doubts(SMOOTH.changed(friction_band=band), facts_of(SMOOTH))
+        assert sum("a band that holds the coefficient" in doubt for doubt in said) == count
+
+
+def disc(hold, bulk, width=10e-3):
+    """Discs of 100 mm that roll, on tracks as wide as they are."""
+    pin = replace(SMOOTH.scene.pin, length=10e-3)
+    track = tribo.Track.under(pin, STEEL, 0.1 * np.pi, width)
+    corrections = tribo.Corrections(pin_track=track, track=track, pin_bulk=bulk, disk_bulk=bulk)
+    return SMOOTH.changed(
+        pin=pin,
+        conditions=replace(SMOOTH.conditions, corrections=corrections),
+        motion=tribo.Motion(slide_roll_ratio=0.5, track_length=0.1 * np.pi),
+        loading=tribo.Ramp(500.0, 750.0, hold=hold),
+    )
+
+
+@pytest.mark.parametrize(
+    ("hold", "bulk", "words"),
+    [
+        (0.0, None, ""),
+        (60.0, None, "warms as a whole"),
+        (60.0, tribo.Bulk(288.0), "one heat is counted twice"),
+        (60.0, tribo.Bulk(288.0, 5.0), "one heat is counted twice"),
+    ],
+)
+def test_a_width_beside_a_capacity_or_a_hold_is_doubted_with_its_size(hold, bulk, words):
+    sweep = disc(hold, bulk)
+    said = [doubt for doubt in doubts(sweep, facts_of(sweep)) if "heated around its rim" in doubt]
+    assert len(said) == (2 if words else 0)
+    assert all(words in doubt for doubt in said)
+    open_sides = disc(hold, bulk, width=None)
+    assert "around its rim" not in " ".join(doubts(open_sides, facts_of(open_sides)))
 
 
 @pytest.mark.parametrize(
