@@ -24,7 +24,7 @@ def rim_warming(
 
         ΔT = q a/K (2 Fo + 1/4 − 2 Σ exp(−βₙ² Fo)/βₙ²),  Fo = κt/a², J₁(βₙ) = 0
 
-    2 Fo q a/K is the mean warming, of which a loss to the surroundings takes its part.
+    A loss of all of the disc to its surroundings adds its own decay to each root, 0 among them.
 
     Parameters
     ----------
@@ -45,9 +45,10 @@ def rim_warming(
     '24.2 K'
     """
     fourier = diffusivity * time / radius**2
-    roots = scipy.special.jn_zeros(1, _ROOTS)
-    late = float(np.sum(np.exp(-(roots**2) * fourier) / roots**2))
-    rest = 2 * float(np.sum(1 / roots**2)) - 2 * late  # 1/4 − 2 Σ with as many terms of both
     capacity = math.pi * radius**2 * width * heat_capacity
     mean = -math.expm1(-loss * time / capacity) / loss if loss else time / capacity
+    decay = loss / capacity * radius**2 / diffusivity  # which every root has besides
+    roots = scipy.special.jn_zeros(1, _ROOTS) ** 2
+    rest = 2 * float(np.sum(-np.expm1(-(roots + decay) * fourier) / (roots + decay)))
+    rest += 1 / 4 - 2 * float(np.sum(1 / roots))  # of the higher roots, which have settled
     return mean + rest / (2 * math.pi * width * diffusivity * heat_capacity)

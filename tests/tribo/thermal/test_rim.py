@@ -32,7 +32,7 @@ def test_the_rim_warms_as_rings_that_conduct(time):
     assert found == pytest.approx(by_rings(time), rel=2e-3)
 
 
-@pytest.mark.parametrize(("time", "within"), [(60.0, 0.02), (600.0, 0.03)])
-def test_a_loss_takes_its_part_of_the_mean(time, within):
+@pytest.mark.parametrize("time", [5.0, 60.0, 600.0])
+def test_a_loss_takes_its_part(time):
     found = rim_warming(time, RADIUS, WIDTH, DIFFUSIVITY, CAPACITY, loss=5.0)
-    assert found == pytest.approx(by_rings(time, loss=5.0), rel=within)
+    assert found == pytest.approx(by_rings(time, loss=5.0), rel=2e-3)
