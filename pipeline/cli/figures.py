@@ -60,7 +60,8 @@ def report(options: argparse.Namespace) -> Result:
     """Write a report of a store."""
     ds, conditions = given.dataset_in(options), given.conditions_in(options)
     out = options.output or given.beside(options.store, "_report.html")
+    weighing = given.values_in(options, "scatter", "given_measured")
     with working("writing the report"):
-        written = pipeline.report(ds, out, options.points, **conditions)
+        written = pipeline.report(ds, out, options.points, **weighing, **conditions)
     warned = pipeline.warned(ds, **conditions)
     return Result({"file": str(written)}, [str(written)], warned)

@@ -141,7 +141,7 @@ COMMANDS = (
         "results/scene.zarr --points duty.csv -o report.html",
         (
             o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            o.POINTS, o.AT, o.CONDITIONS, o.OWN_LAWS,
+            o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS, o.OWN_LAWS,
         ),
     ),
     Command(

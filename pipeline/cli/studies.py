@@ -132,8 +132,9 @@ def design(options: argparse.Namespace) -> Result:
         answer, text = limit.as_dict(), [_in_words(limit)]
     document = samples.as_dict() | answer
     document["direct"] = direct and asdict(direct)
-    document["confirmed"] = bool(direct and direct.agrees_with(goal.risk))
-    text += [*_on_check(goal, limit, at, direct, reason), *samples.notes()]
+    fits = not (samples.posterior and samples.posterior.misfit)
+    document["confirmed"] = bool(fits and direct and direct.agrees_with(goal.risk))
+    text += [*(_on_check(goal, limit, at, direct, reason) if fits else ()), *samples.notes()]
     draw = partial(pipeline.draw_design, limits, samples.ensemble)
     out = given.beside(options.store, "_design.png")
     return Result(document, text, pipeline.warned(ds), [frame], draw, out)

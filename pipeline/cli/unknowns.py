@@ -20,7 +20,7 @@ from pipeline.cli import given
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
 from pipeline.sweep.samples import JUDGED
-from pipeline.uncertain.answers import frame_of_lines
+from pipeline.uncertain.answers import MEAN_OF_RUNS, frame_of_lines
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import QUANTILES, Draws
 from pipeline.uncertain.posterior import Posterior
@@ -192,6 +192,7 @@ class Samples(NamedTuple):
         ensemble = self.ensemble
         return {
             "given_measured": self.posterior is not None,
+            "misfit": self.posterior.misfit if self.posterior else "",
             "samples": len(ensemble.inputs),
             "samples_left_out": ensemble.missing,
             "unknown": [one.as_dict() for one in ensemble.unknown],
@@ -203,6 +204,9 @@ class Samples(NamedTuple):
     def notes(self) -> Iterator[str]:
         """Basis of the numbers."""
         ensemble, weighed = self
+        yield f"  {MEAN_OF_RUNS}"
+        if weighed and weighed.misfit:
+            yield f"warning: {weighed.misfit}; nothing is decided by it"
         basis = "as the scene assumes them"
         if weighed:
             basis = f"given {weighed.evidence}, {scatter_in_words(weighed)}"

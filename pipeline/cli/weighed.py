@@ -78,8 +78,7 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
     yield from dict.fromkeys(f"  {one}" for sweep in weighed.ensembles for one in sweep.fixed)
     yield draws_in_words(weighed)
-    rows = map(_before_and_after, weighed.summary(), weighed.unknown)
-    yield frame_of(("input", "before", "after", "90 % within"), rows)
+    yield frame_of(("input", "before", "after", "90 % within"), weighed.in_words())
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")
         yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
@@ -94,10 +93,7 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
             "and fit as well: check the speed, or test a reference oil"
         )
     if not weighed.fits:
-        yield (
-            f"warning: the model does not fit: {'; '.join(weighed.faults)}; look at the scene and "
-            "at [unknown], no test is named"
-        )
+        yield f"warning: {weighed.misfit}; no test is named"
         if weighed.evidence_gain is None:
             yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
     yield from (
@@ -143,22 +139,6 @@ def _on_discrepancy(gain: float) -> str:
     if abs(gain) > _TELLS:
         meaning = "the model lacks these slopes" if gain > 0 else "the model needs no slopes"
     return f"with the discrepancy the tests are {times} times as likely: {meaning}"
-
-
-def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:
-    """Path of an input, its mean and spread before and after, and 90 % of it, in its units."""
-    mean, spread = unknown.shown, unknown.spread
-    if unknown.kind == "list":
-        odds = row["posterior"]["probability"]
-        best = max(odds, key=odds.__getitem__)
-        value = f"{mean.of(float(best)):g}{mean.suffix}"
-        return unknown.path, f"one of {len(odds)}", f"{value} likeliest, {odds[best]:.2f}", ""
-    before, after = (
-        f"{mean.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}" for name in _AT
-    )
-    within = " to ".join(f"{mean.of(value):.4g}" for value in row["posterior"]["interval"])
-    unit = mean.suffix if spread == mean else f"{mean.suffix}, ± in{spread.suffix}"
-    return unknown.path, before, after, f"{within}{unit}"
 
 
 def _in_si(weighed: Posterior) -> pd.DataFrame:

@@ -60,6 +60,8 @@ def report(
     ds: xr.Dataset | PathLike,
     out: str | Path,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
+    given_measured: bool = False,
+    scatter: float | None = None,
     **conditions: Any,
 ) -> Path:
     """Write a report of a sweep, for people without the tool: one file of HTML.
@@ -76,6 +78,10 @@ def report(
         File to write, .html; a browser prints it on A4 or to PDF.
     points : path or mapping of str to sequence, optional
         Operating points whose margins to tell; see `pipeline.margin_table`.
+    given_measured : bool
+        True to weigh the inputs of samples by the tests of their scene.
+    scatter : float, optional
+        Relative standard deviation of the velocities of these tests; see `pipeline.posterior`.
     **conditions
         Friction, temperatures, share and criterion in place of the sweep's own; see
         `pipeline.boundary`.
@@ -102,18 +108,29 @@ def report(
     if points is not None and not isinstance(points, OperatingPoints):
         points = OperatingPoints.read(points)
     ds = dataset.dataset_of(ds)
+    if not dataset.is_emulated(ds) and (given_measured or scatter is not None):
+        raise InputError(
+            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
+            "given_measured and scatter)"
+        )
+    weighing = given_measured, scatter
     title = dataset.attributes_of(ds).get("title") or path.stem
     template = resources.files("pipeline.figures.page").joinpath("report.html").read_text("utf-8")
-    parts = {"title": html.escape(str(title)), "body": body_of(ds, points, conditions)}
+    parts = {"title": html.escape(str(title)), "body": body_of(ds, points, weighing, conditions)}
     return write_text(Template(template).substitute(parts), path)
 
 
-def body_of(ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]) -> str:
+def body_of(
+    ds: xr.Dataset,
+    points: OperatingPoints | None,
+    weighing: tuple[bool, float | None],
+    changed: Mapping[str, Any],
+) -> str:
     """Headings, paragraphs, tables and a picture, as HTML."""
     attributes = dataset.attributes_of(ds)
     title = attributes.get("title") or attributes.get("name") or "Transition diagram"
     if dataset.is_emulated(ds):
-        answers = sections_of_samples(ds, points, changed)
+        answers = sections_of_samples(ds, points, weighing, changed)
     else:
         answers = _sections_of_points(ds, points, changed)
     sections: Sections = answers | {
@@ -322,42 +339,45 @@ def citation() -> Iterator[str]:
 
 
 def sections_of_samples(
-    ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
+    ds: xr.Dataset,
+    points: OperatingPoints | None,
+    weighing: tuple[bool, float | None],
+    changed: Mapping[str, Any],
 ) -> Sections:
     """Answers of a sweep of samples, as probabilities."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.answers import frame_of_lines
+    from pipeline.figures.uncertainty import draw_risk
+    from pipeline.uncertain.answers import MEAN_OF_RUNS, frame_of_lines, probabilities
     from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.risks import risk_table
+    from pipeline.uncertain.weigh import basis_of, posterior_if_given
 
     ensemble = Ensemble.of(ds, **changed)
-    lines = frame_of_lines(ensemble)
-    meaning = "Velocities at which wear is severe with these probabilities"
+    weighed = posterior_if_given(ensemble, *weighing)
+    draws = weighed.draws if weighed else None
+    lines = frame_of_lines(ensemble, draws)
+    meaning = f"Velocities at which wear is severe with these probabilities; {MEAN_OF_RUNS}"
+    basis = f", given {weighed.evidence}" if weighed else ", before any test"
+    picture = draw_risk(ensemble, probabilities(ensemble, draws), posterior=weighed)
     return {
-        "Question and answer": _question_of_samples(ensemble, lines),
-        "Transition diagram": _drawn(ds, changed),
+        "Question and answer": _question_of_samples(ensemble, lines, basis),
+        f"Not known exactly{basis}": basis_of(ensemble, weighed),
+        "Transition diagram": [fit_to_width(picture, 0.17, with_title=False)],
         "Boundary in numbers": [lines, meaning],
-        "Operating points": _risks(ensemble, points),
+        "Operating points": _on_points(risk_table(ensemble, points, draws)) if points else (),
     }
 
 
-def _risks(ensemble: Ensemble, points: OperatingPoints | None) -> Iterator[Part]:
-    from pipeline.uncertain.risks import risk_table
-
-    if points is not None:
-        yield from _on_points(risk_table(ensemble, points))
-
-
-def _question_of_samples(ensemble: Ensemble, lines: pd.DataFrame) -> Iterator[Part]:
+def _question_of_samples(ensemble: Ensemble, lines: pd.DataFrame, basis: str) -> Iterator[Part]:
     """Question that samples answer, and the answer in a sentence."""
     slowest, fastest = ensemble.velocities
     yield (
         f"{_QUESTION}, with inputs that are not known exactly? {len(ensemble.inputs)} samples of "
         "them were simulated"
     )
-    yield f"Not known exactly: {'; '.join(map(str, (*ensemble.unknown, *ensemble.fixed)))}"
     words = []
     for load, *row in dict.fromkeys(lines.iloc[[0, -1]].itertuples(index=False, name=None)):
         beyond = {-math.inf: f"below {slowest:.3g}", math.inf: f"beyond {fastest:.3g}"}
         low, middle, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in row)
         words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
-    yield f"Answer: wear is as likely severe as mild {' and '.join(words)}"
+    yield f"Answer{basis}: wear is as likely severe as mild {' and '.join(words)}"

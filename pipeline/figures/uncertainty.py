@@ -62,7 +62,7 @@ def draw_risk(
     )  # fmt: skip
     axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
-    bar.set_label("probability of severe wear")
+    bar.set_label("probability of severe wear, mean of runs")
     if place:
         axes.plot(
             place["velocity"], place["load"], marker="*", ms=15, mfc=VERMILION, mec=BLACK,
@@ -91,6 +91,8 @@ def draw_risk(
     basis = "inputs as assumed, before any measurement"
     if posterior:
         basis = f"given {posterior.evidence}"
+        if posterior.misfit:
+            basis += ", which the model does not fit"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
     axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)
     if axes.get_legend_handles_labels()[0]:

@@ -14,6 +14,8 @@ from pipeline.uncertain.ensemble import Axis, Ensemble, Excess
 from pipeline.uncertain.inputs import QUANTILES, Draws, prior
 from tribo.types import Array
 
+MEAN_OF_RUNS = "a probability is that of the mean of runs; single runs scatter about it"
+"""What the probabilities of samples mean."""
 STEPS = 41
 """Velocities or loads among which a boundary is sought."""
 LEAST_SLOPE = 0.05
@@ -24,7 +26,7 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
     """The draws given, without those of the rig, which stand last; else draws of the prior."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
-    return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights)
+    return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights, draws.misfit)
 
 
 def probability_of(excess: Excess, draws: Draws) -> tuple[float, float]:
@@ -82,7 +84,7 @@ def probabilities(
         },
         ("load", "velocity"),
         "probability",
-        {"units": "1", "long_name": "probability of severe wear"},
+        {"units": "1", "long_name": "probability of severe wear, mean of runs"},
     )
 
 

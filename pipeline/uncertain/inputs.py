@@ -26,10 +26,14 @@ _AT_A_TIME = 256
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draws:
-    """Values of the unknown inputs (n, n_unknown) [SI], each with a weight; their sum is 1."""
+    """Values of the unknown inputs (n, n_unknown) [SI], each with a weight; their sum is 1.
+
+    Misfit says why the model does not fit the tests that weigh them; it is empty if nothing does.
+    """
 
     inputs: Array
     weights: Array
+    misfit: str = ""
 
     @property
     def effective(self) -> float:

@@ -68,6 +68,11 @@ class Posterior:
         return not self.faults
 
     @property
+    def misfit(self) -> str:
+        """Why the model does not fit, and what to do; empty if it fits."""
+        return self.draws.misfit
+
+    @property
     def ensemble(self) -> Ensemble:
         """The first sweep."""
         return self.ensembles[0]
@@ -86,7 +91,8 @@ class Posterior:
 
     def of_sweep(self, number: int) -> Draws:
         """Draws of the inputs of one sweep."""
-        return Draws(self.draws.inputs[:, self.columns[number]], self.draws.weights)
+        inputs = self.draws.inputs[:, self.columns[number]]
+        return Draws(inputs, self.draws.weights, self.draws.misfit)
 
     def summary(self) -> Iterator[dict[str, Any]]:
         """Mean, spread and 90 % interval of each input, before and after [SI].
@@ -105,6 +111,28 @@ class Posterior:
                 mean, sd = float(draws.mean(column)), draws.spread(column)
                 row[name] = {"mean": mean, "sd": sd, "interval": [low, high]}
             yield row
+
+    def in_words(self) -> Iterator[tuple[str, ...]]:
+        """Path of each input, its mean and spread before and after, and 90 % of it, in its units.
+
+        Of an input that is one of a list, the likeliest of its values.
+        """
+        for row, unknown in zip(self.summary(), self.unknown, strict=True):
+            mean, spread, after = unknown.shown, unknown.spread, row["posterior"]
+            if unknown.kind == "list":
+                odds = after["probability"]
+                best = max(odds, key=odds.__getitem__)
+                value = f"{mean.of(float(best)):g}{mean.suffix}"
+                said = f"{value} likeliest, {odds[best]:.2f}"
+                yield unknown.path, f"one of {len(odds)}", said, ""
+                continue
+            moments = [
+                f"{mean.of(of['mean']):.4g} ± {spread.of(of['sd']):.3g}"
+                for of in (row["prior"], after)
+            ]
+            within = " to ".join(f"{mean.of(value):.4g}" for value in after["interval"])
+            unit = mean.suffix if spread == mean else f"{mean.suffix}, ± in{spread.suffix}"
+            yield unknown.path, *moments, f"{within}{unit}"
 
     @property
     def correlations(self) -> Array:
@@ -181,6 +209,13 @@ def faults(
         if (share := float(draws.mean(_is_outer(one, column)))) > _MUCH:
             words.append(f"{one.path} has {share:.2f} of its probability at the ends of its range")
     return tuple(words)
+
+
+def misfit(faults: Sequence[str]) -> str:
+    """Why a model with some faults does not fit, and what to do; empty if it has none."""
+    if not faults:
+        return ""
+    return f"the model does not fit: {'; '.join(faults)}; look at the scene and at [unknown]"
 
 
 def explains(

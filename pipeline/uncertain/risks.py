@@ -40,10 +40,17 @@ class Risk:
     #: and 1 where that error is not known.
     lowest: float
     highest: float
+    #: Why the model does not fit the tests that weigh the inputs; empty if nothing speaks against.
+    misfit: str = ""
 
     @property
     def verdict(self) -> str:
-        """``"mild"`` or ``"severe"`` where 95 % of the probability says so, else not decided."""
+        """``"mild"`` or ``"severe"`` where 95 % of the probability says so, else not decided.
+
+        Nothing is decided by a model that does not fit the tests.
+        """
+        if self.misfit:
+            return NOT_DECIDED
         least, _, most = QUANTILES
         return "mild" if self.highest <= least else "severe" if self.lowest >= most else NOT_DECIDED
 
@@ -246,6 +253,7 @@ def _judged(
         samples=len(ensemble.inputs),
         lowest=lowest if ensemble.velocity_error is not None else 0.0,
         highest=highest if ensemble.velocity_error is not None else 1.0,
+        misfit=draws.misfit,
     )
     friction, bulk, critical = (
         ensemble.values(path, draws.inputs) for path in (FRICTION, BULK, CRITICAL)

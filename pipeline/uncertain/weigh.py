@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -19,7 +20,7 @@ from pipeline.sweep.unknown import OF_90, Unknown, at_scores, sequence
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Joint, JudgedTests, Test
 from pipeline.uncertain.inputs import Draws, prior
-from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults
+from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults, misfit
 from tribo import InputError
 from tribo.types import Array
 
@@ -77,6 +78,7 @@ def posterior(
     inferred = _inferred(model.scatters, softmax(judgement.joint))
     wrong = faults(model.unknown[: model.known], draws, scatter, inferred)
     by_others = tuple(_by_others(model, draws, judgement, scatter, not wrong))
+    wrong = () if any(one.contradicts for one in by_others) else wrong
     gain = None
     if discrepancy:
         plain = Joint.of(ensembles, scatter, discrepancy=False)
@@ -86,11 +88,11 @@ def posterior(
         model.unknown,
         model.columns,
         before,
-        draws,
+        replace(draws, misfit=misfit(wrong)),
         by_others,
         scatter,
         inferred,
-        faults=() if any(one.contradicts for one in by_others) else wrong,
+        faults=wrong,
         cut_off=cut_off(softmax(judgement.joint).sum(axis=0)),
         rigs=model.rigs,
         evidence_gain=gain,
@@ -175,6 +177,18 @@ def posterior_if_given(
             "and velocity, or a [[tested]] with an outcome besides"
         )
     return posterior(ensemble, SCATTER if scatter is None else scatter)
+
+
+def basis_of(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
+    """Unknown inputs as answers take them, what fixes others, and whether the model fits."""
+    if weighed:
+        if weighed.misfit:
+            yield f"warning: {weighed.misfit}; nothing is decided by it"
+        for path, before, after, within in weighed.in_words():
+            yield f"{path}: {after}, 90 % within {within} (before the tests {before})"
+    else:
+        yield from map(str, ensemble.unknown)
+    yield from map(str, ensemble.fixed)
 
 
 _KEPT = 0.5  # effective share of the draws that a step of the power leaves

@@ -143,9 +143,9 @@ def content_of_samples(
 ) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.answers import frame_of_lines, probabilities, risk_lines
+    from pipeline.uncertain.answers import MEAN_OF_RUNS, frame_of_lines, probabilities, risk_lines
     from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.weigh import posterior_if_given
+    from pipeline.uncertain.weigh import basis_of, posterior_if_given
 
     attributes = attributes_of(ds)
     ensemble = Ensemble.of(ds, **criterion)
@@ -157,8 +157,8 @@ def content_of_samples(
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
-        "evidence": f", given {len(weighed.judged)} tests of the scene" if weighed else "",
-        "basis": [*map(str, (*ensemble.unknown, *ensemble.fixed))],
+        "evidence": f", given {weighed.evidence}" if weighed else "",
+        "basis": [*basis_of(ensemble, weighed), MEAN_OF_RUNS],
         "measured": [*ensemble.tests],
         "loads": plane["load"].values.tolist(),
         "velocities": plane["velocity"].values.tolist(),

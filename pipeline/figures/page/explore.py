@@ -120,7 +120,10 @@ def explore(
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
         scripts, bodies = ["samples"], [_of_samples(one) for one in held]
     elif given_measured or scatter is not None:
-        raise InputError("the sweep has no samples, which given_measured and scatter belong to")
+        raise InputError(
+            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
+            "given_measured and scatter)"
+        )
     else:
         require_plane(ds)
         held = [content(part, most_fields // len(parts), **judged) for part in parts]

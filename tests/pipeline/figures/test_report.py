@@ -10,6 +10,7 @@ import pipeline
 from pipeline.figures.report import citation, sections_of_samples
 from pipeline.scene.along import OperatingPoints
 from tests.helpers import samples, synthetic
+from tribo import InputError
 
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (
@@ -62,9 +63,9 @@ def test_a_report_says_what_it_lacks(tmp_path):
 def test_a_sweep_of_samples_is_answered_by_probabilities():
     ensemble = samples.ensemble()
     points = OperatingPoints.read({"load [N]": [400.0, 5000.0], "velocity [m/s]": [2.2, 1.0]})
-    written = sections_of_samples(samples.dataset(ensemble), points, {})
+    written = sections_of_samples(samples.dataset(ensemble), points, (False, None), {})
     headings = "Question and answer", "Boundary in numbers", "Operating points"
-    (_, _, question), (table, _), (risks, places) = (list(written[name]) for name in headings)
+    (_, question), (table, _), (risks, places) = (list(written[name]) for name in headings)
     (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
     assert middle == pytest.approx(critical, rel=0.03)
@@ -75,3 +76,17 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     assert (here["probability"], here["error"]) == (chance.probability, chance.error)
     assert np.isnan(beyond["probability"])
     assert "load is 5000 N; the samples have 200 to 750 N" in places
+
+
+def test_a_report_of_samples_weighs_them_by_the_tests_if_asked_to(tmp_path):
+    test = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.1}
+    tested = samples.dataset(samples.ensemble(tests=[test]))
+    out = pipeline.report(tested, tmp_path / "weighed.html", given_measured=True)
+    weighed = out.read_text()
+    assert "Not known exactly, given 1 measured transition" in weighed
+    assert "before the tests" in weighed
+    assert "mean of runs" in weighed
+    plain = pipeline.report(tested, tmp_path / "plain.html")
+    assert "Not known exactly, before any test" in plain.read_text()
+    with pytest.raises(InputError, match="has no samples, to which --given-measured"):
+        pipeline.report(synthetic.sweep(), tmp_path / "no.html", given_measured=True)

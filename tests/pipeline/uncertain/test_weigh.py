@@ -255,6 +255,13 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
     assert min(judged.probability for judged in wrong.judged) < 0.2
     assert not any(judged.contradicts for judged in wrong.judged)
     assert wrong.as_dict()["fits"] is False
+    place = 750.0, 5.5  # far on the severe side
+    assert pipeline.risk(wrong.ensemble, *place).verdict == "severe"
+    told = pipeline.risk(wrong.ensemble, *place, wrong.draws)
+    assert (told.verdict, told.probability > 0.95) == ("not decided", True)
+    assert told.misfit == wrong.misfit
+    table = {"load [N]": [750.0], "velocity [m/s]": [5.5]}
+    assert pipeline.risk_table(wrong.ensemble, table, wrong.draws)["verdict"][0] == "not decided"
 
 
 def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():
