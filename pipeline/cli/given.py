@@ -21,7 +21,7 @@ from pipeline.store.attributes import describe, scene_hash
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
-from pipeline.tradeoff.choose import at_accuracy
+from pipeline.tradeoff.choose import at_accuracy, with_own_error
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -120,7 +120,13 @@ def scene_in(
             friction_heat=sweep.scene.friction_heat or changed.friction > 0,
             unequal_bulks=changed.disk_temperature is not None,
         )
-    if getattr(options, "accuracy", None) is None:
+    asked = getattr(options, "accuracy", None)
+    if asked is None:
+        if points is None and store is None:
+            return sweep
+        sweep = with_own_error(sweep, points, store, lambda line: tell(f"probing: {line}"))
+        if sweep.about.selection:
+            tell(str(sweep.about.selection))
         return sweep
     named = ["--preset"] if options.preset else []
     named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]

@@ -89,8 +89,8 @@ def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str,
     settings = [] if missing else _settings(attributes, conditions)
     replaced = tuple(setting[: setting.rindex("=") + 1] for setting in settings)
     words = [word for word in _scene_of(attributes) if not (replaced and word.startswith(replaced))]
-    if selection := attributes.get("selection"):
-        words.append(f"--accuracy={selection['accuracy']:g}")
+    if accuracy := (attributes.get("selection") or {}).get("accuracy"):
+        words.append(f"--accuracy={accuracy:g}")
     words += ["-o", str(store)]
     if attributes.get("boundary_only") or not missing:
         words.append("--boundary-only")

@@ -20,14 +20,20 @@ def velocity_error(attributes: Mapping[str, Any]) -> float | None:
     """Largest known relative error of a store's boundary velocity: measured, or of its preset."""
     if selection := attributes.get("selection"):
         return float(max(selection["error"], selection.get("coarser") or 0.0))
-    name = attributes.get("preset") or _preset_of(attributes)
-    return PRESET_BOUNDS.get(str(name))
+    return PRESET_BOUNDS.get(str(_preset_of(attributes)))
 
 
 def _preset_of(attributes: Mapping[str, Any]) -> str | None:
-    """Preset that the fidelity of a store is but for the fields that a scene keeps."""
+    """Preset of a store, or that its fidelity is but for the fields that a scene keeps."""
+    if name := attributes.get("preset"):
+        return str(name)
     fidelity = dict((attributes.get("scene") or {}).get("fidelity") or {})
     fidelity.pop("type", None)  # which the hash of the scene has
+    return preset_of(fidelity)
+
+
+def preset_of(fidelity: Mapping[str, Any]) -> str | None:
+    """Preset that numerical choices are but for the fields that a scene keeps; None for none."""
     kept = {name: fidelity[name] for name in KEPT_FIELDS if name in fidelity}
     if kept.get("heat_model") == "history":  # which needs every step on the scene's own grid
         kept["history_coarsening"] = 1
@@ -49,9 +55,10 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The fidelity that was picked, and why."""
+    """The fidelity that was picked, and why; or the scene's own, and its error."""
 
-    accuracy: float  #: Largest relative error of the boundary velocity that was asked for.
+    #: Largest relative error of the boundary velocity that was asked for; None of the scene's own.
+    accuracy: float | None
     name: str  #: Name of the fidelity, as shown to the user.
     fidelity: Fidelity  #: The numerical choices.
     error: float  #: Largest relative error to expect, with what the yardstick itself may err.
@@ -89,15 +96,18 @@ class Selection:
                 f"errs by up to {100 * self.largest_error:.3g} %, the change with elements of "
                 "twice the pixels' size: give smaller pixels"
             )
-        if self.error > self.accuracy:
+        if self.accuracy is not None and self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"
         tried = ", ".join(trial.name for trial in self.trials[:-1])
         why = f" ({tried}: not accurate enough)" if tried else ""
         saves = self.saving >= 1
         less = f"{self.saving:.2g} times less" if saves else f"{1 / self.saving:.2g} times the"
         alone = "" if self.coarser is not None else "; its pixels cannot be joined to larger ones"
+        picked = self.name
+        if self.accuracy is not None:
+            picked = f"accuracy {100 * self.accuracy:g} %: picked {self.name}"
         return (
-            f"accuracy {100 * self.accuracy:g} %: picked {self.name}, whose boundary velocity "
+            f"{picked}, whose boundary velocity "
             f"{err}, with {less} work than nearly exact steps{why}{alone}; the probe took "
             f"{self.seconds:.1f} s"
         )
@@ -110,7 +120,7 @@ def error_in_words(attributes: Mapping[str, Any]) -> str:
     error = velocity_error(attributes)
     if error is None:
         return "how far boundary velocities err is not known: --accuracy measures it"
-    name = attributes.get("preset") or _preset_of(attributes)
+    name = _preset_of(attributes)
     return (
         f"boundary velocities may err by up to {100 * error:g} %, which preset {name} keeps to on "
         "most scenes"

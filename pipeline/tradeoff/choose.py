@@ -6,7 +6,7 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from pipeline.store.place import PathLike, StoreMismatchError, require_writable
 from pipeline.store.root import read_attributes
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.selection import Selection, Trial
+from pipeline.sweep.selection import Selection, Trial, preset_of
 from pipeline.sweep.severity import rise_limit
 from pipeline.tradeoff.probe import (
     YARDSTICK,
@@ -51,6 +51,7 @@ _APART = 0.05  # of the logarithms of the two velocities at a load from that of 
 _PASSES = 5.0  # of the yardstick's steps at each load that a probe takes, trials included
 _WORTH = 0.5  # of the reference's steps in the whole sweep that a thorough probe may take
 _FEWEST_STEPS = 50  # to know the heat of all the past
+_OWN = "the scene's own fidelity"
 _RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("draft", "draft", {}),
     ("draft, finer elements", "draft", {"pixels_per_element": 3}),
@@ -93,6 +94,34 @@ def at_accuracy(
     return sweep.changed(fidelity=selection.fidelity, preset=preset, selection=selection)
 
 
+def with_own_error(
+    sweep: Sweep,
+    points: Sequence[Point] | None = None,
+    store: PathLike | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Sweep:
+    """Give a sweep of the scene's own fidelity the error that a probe measures, or its store has.
+
+    The sweep as it is where a preset has an error, where the store has none, or there is no
+    boundary to measure it at.
+    """
+    conditions, friction = sweep.conditions, sweep.conditions.friction
+    is_judged = friction > 0 and conditions.critical_temperature is not None
+    moves = all(point.velocity for point in points) if points else max(sweep.plane.velocities) > 0
+    if preset_of(asdict(sweep.scene.fidelity)) or not (is_judged and moves):
+        return sweep
+    if store is not None and read_attributes(store) is not None:
+        return sweep.changed(selection=stored_selection(store))
+    if store is not None:
+        require_writable(store)  # before the probe takes its time
+    try:
+        return sweep.changed(selection=choose_fidelity(sweep, None, points, progress))
+    except (ConvergenceError, InputError) as error:
+        if progress:
+            progress(f"the error of [fidelity] is not known: {error}")
+        return sweep
+
+
 def stored_selection(path: PathLike) -> Selection | None:
     """Why a store has the fidelity that it has; None if it was not picked, or is not there."""
     selection = (read_attributes(path) or {}).get("selection")
@@ -101,7 +130,7 @@ def stored_selection(path: PathLike) -> Selection | None:
 
 def choose_fidelity(
     sweep: SceneLike,
-    accuracy: float | str,
+    accuracy: float | str | None,
     points: Sequence[Point] | None = None,
     progress: Callable[[str], None] | None = None,
     own_laws: bool = False,
@@ -118,8 +147,9 @@ def choose_fidelity(
     sweep : Sweep, str or path
         Scene to choose for, or its path or name; of its fidelity, only
         `pipeline.sweep.selection.KEPT_FIELDS` are kept.
-    accuracy : float or str
-        Largest relative error of the boundary velocity, such as 0.02 or ``"2%"``.
+    accuracy : float or str or None
+        Largest relative error of the boundary velocity, such as 0.02 or ``"2%"``. None keeps the
+        scene's own choice, and measures its error.
     points : sequence of Point, optional
         Points to be accurate at; if not given, the boundary, which is looked at for four loads
         from the lowest to the highest.
@@ -139,8 +169,9 @@ def choose_fidelity(
     >>> selection = pipeline.choose_fidelity("first_try", accuracy="5%")  # doctest: +SKIP
     >>> print(selection)  # doctest: +SKIP
     """
-    sweep, accuracy = sweep_of(sweep, own_laws), share_of(accuracy)
-    if not 0 < accuracy < 1:
+    sweep = sweep_of(sweep, own_laws)
+    accuracy = None if accuracy is None else share_of(accuracy)
+    if accuracy is not None and not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("friction is 0, so there is no boundary; an accuracy needs one above 0")
@@ -174,34 +205,42 @@ def choose_fidelity(
 
 def _first_within(
     sweep: Sweep,
-    accuracy: float,
+    accuracy: float | None,
     exact: Yardstick,
     yardstick_error: OwnError,
     everywhere: bool,
     tell: Callable[[str], None],
 ) -> Selection:
-    """Take the cheapest choice whose error against the yardstick is within the accuracy."""
-    past = yardstick_error.heat_model > _OF_HEAT * accuracy or sweep.scene.remembers_heat
-    rungs = _ladder(sweep, exact.fewest_nodes, past)
+    """Take the cheapest choice whose error against the yardstick is within the accuracy.
+
+    Without an accuracy that is the sweep's own choice.
+    """
+    rungs, past = [(_OWN, sweep.scene.fidelity)], sweep.scene.remembers_heat
+    if accuracy is not None:
+        past |= yardstick_error.heat_model > _OF_HEAT * accuracy
+        rungs = _ladder(sweep, exact.fewest_nodes, past)
     trials, spent = [], exact.work + yardstick_error.work
     for number, (name, fidelity) in enumerate(rungs, 1):
         tell(f"choice {number} of at most {len(rungs)}: {name}")
         try:
             elapsed = probe(sweep, replace(fidelity, heat_model="elapsed"), exact.points)
         except ConvergenceError:
+            if accuracy is None:
+                raise
             continue
         against, nodes = replace(YARDSTICK, heat_model=fidelity.heat_model), exact.fewest_nodes
         error = _bound(exact.errors(elapsed), everywhere, nodes) + yardstick_error.of(against)
         error += _ONE / nodes
         spent += elapsed.work
         trials.append(Trial(name, fidelity, error, elapsed.work))
-        if error <= accuracy:
+        if accuracy is None or error <= accuracy:
             break
     else:
-        trials += _finest(sweep, accuracy, yardstick_error, past, exact.own_work)
-        if trials[-1].error > accuracy:  # the cheapest that errs no more than the finest
-            enough = [trial for trial in trials if trial.error <= _SAME * trials[-1].error]
-            trials = trials[: trials.index(enough[0]) + 1]
+        if accuracy is not None:
+            trials += _finest(sweep, accuracy, yardstick_error, past, exact.own_work)
+            if trials[-1].error > accuracy:  # the cheapest that errs no more than the finest
+                enough = [trial for trial in trials if trial.error <= _SAME * trials[-1].error]
+                trials = trials[: trials.index(enough[0]) + 1]
     picked = trials[-1]
     return Selection(
         accuracy=accuracy,
