@@ -219,8 +219,10 @@ def _answer(test: Mapping[str, Any], margins: Sequence[Margin]) -> tuple[str, fl
         agrees = NOT_DECIDED if verdict == NOT_DECIDED else "yes" if verdict == outcome else "no"
         return said, temperature, agrees
     critical = float(np.median([margin.critical_velocity for margin in margins]))
-    if not np.isfinite(critical):
-        return verdict, temperature, "yes" if verdict == NOT_DECIDED else "no"
     scatter = test.get("velocity_scatter") or USUAL_SCATTER * test["velocity"]
     near = abs(critical - test["velocity"]) <= _DEVIATIONS * scatter
-    return f"at {critical:.3g} m/s", temperature, "yes" if near or verdict == NOT_DECIDED else "no"
+    said = f"at {critical:.3g} m/s" if np.isfinite(critical) else verdict
+    if any(margin.temperature_error is None for margin in margins):
+        return said, temperature, NOT_DECIDED
+    away = NOT_DECIDED if verdict == NOT_DECIDED else "no"
+    return said, temperature, "yes" if near else away

@@ -17,7 +17,7 @@ from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
 from pipeline.scene.distributions import differing_inputs
-from pipeline.scene.over import notes_on_first_values
+from pipeline.scene.over import notes_on_first_values, with_friction_scaled
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -135,7 +135,8 @@ def vary(
         boundary is searched at its loads.
     over : mapping
         Values by the key path of the entry that takes them, one entry at a time: as a scene file
-        has them, or such as ``"+20%"`` of the scene's own.
+        has them, or such as ``"+20%"`` of the scene's own. A coefficient of friction scales the
+        friction by velocity, too.
     preset, overrides, own_laws : optional
         See `pipeline.load_scene`.
     tolerance : float
@@ -171,7 +172,9 @@ def vary(
         for note in notes_on_first_values(sweep.variants):
             tell(note)
     others = {
-        (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, own_laws)
+        (key, str(value)): with_friction_scaled(
+            load_scene(scene, preset, {**overrides, key: value}, own_laws), sweep, [key]
+        )
         for key, values in over.items()
         for value in _absolute(scene, key, values, overrides)
     }
@@ -190,7 +193,7 @@ def vary(
         judge: dict[str, Any] = {"criterion": own.reference, "own_laws": True} if own else {}
         found, carried = boundary(ds, **judge).transpose(_ROW, ...), warned(ds, **judge)
         velocities = found["critical_velocity"].values.tolist()
-        codes, words = found["outcome_at_load"].values, outcomes(varied.conditions.decisive)
+        codes, words = found["outcome_at_load"].values, outcomes("velocity")
     unvaried, *rest = (
         Variation(key, value, tuple(velocities[row]), tuple(words[code] for code in codes[row]))
         for row, (key, value) in enumerate(variations)

@@ -6,7 +6,7 @@ Every combination is read as if its values stood in the file, or were given by `
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -105,11 +105,23 @@ def _axis(path: str, values: tuple[Any, ...]) -> Column:
     return replace(column, values=labels, texts=texts)
 
 
+def with_friction_scaled(scene: Sweep, sweep: Sweep, changed: Container[str]) -> Sweep:
+    """A scene with entries of a sweep changed: its friction coefficient scales that by velocity.
+
+    In a file `friction.by_velocity` is the friction itself, and the coefficient a typical one.
+    """
+    present, own = scene.conditions.corrections, sweep.conditions.corrections
+    if "friction.coefficient" not in changed or not (present and own):
+        return scene
+    corrections = replace(present, friction=own.friction)
+    return scene.changed(conditions=replace(scene.conditions, corrections=corrections))
+
+
 def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) -> Sweep:
     """The scene with some values; raises if it is faulty, or has other axes."""
     place = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
     try:
-        scene = make(values)
+        scene = with_friction_scaled(make(values), sweep, values)
     except InputError as error:
         raise InputError(f"{key}: {place}: {error}") from error
     settings = (f"--set={path}={value}" for path, value in values.items())

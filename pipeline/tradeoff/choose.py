@@ -31,7 +31,7 @@ from pipeline.tradeoff.probe import (
     probe,
     some_places,
 )
-from tribo import PRESETS, ConvergenceError, Fidelity, InputError
+from tribo import PRESETS, ConvergenceError, Fidelity, InputError, TriboError
 from tribo.simulation.point_warnings import FEW_NODES
 
 # `make promises` judged all of these together: 300 random scenes, in workflows/ACCURACY.md. Change
@@ -116,7 +116,7 @@ def with_own_error(
         require_writable(store)  # before the probe takes its time
     try:
         return sweep.changed(selection=choose_fidelity(sweep, None, points, progress))
-    except (ConvergenceError, InputError) as error:
+    except TriboError as error:
         if progress:
             progress(f"the error of [fidelity] is not known: {error}")
         return sweep

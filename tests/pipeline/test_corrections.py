@@ -229,3 +229,13 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
         for load, rise in zip(samples.loads, samples.rises[number], strict=True):
             expected = direct.log_rise(sweep, load, samples.sample_velocities[number])
             assert np.log(rise) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_coefficient_of_several_values_scales_friction_by_velocity(tmp_path):
+    curve = "by_velocity = [{ velocity = '1 m/s', coefficient = 0.09 }]\n"
+    over = 'over = { "friction.coefficient" = [0.1, 0.12] }\nfields = false\n'
+    scene = SCENE.replace("coefficient = 0.1\n", f"coefficient = 0.1\n{curve}", 1)
+    (tmp_path / "over.toml").write_text(scene.replace("fields = true\n", over, 1))
+    sweep = pipeline.load_scene(tmp_path / "over.toml")
+    rows = [sweep.variant(name).conditions for name in sweep.variants.names]
+    assert [one.friction_at(1.0) for one in rows] == pytest.approx([0.09, 0.108])

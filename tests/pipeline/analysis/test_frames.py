@@ -38,6 +38,14 @@ def test_a_test_agrees_beyond_the_error_at_its_own_conditions(case, computed, ag
     assert (row["computed"], row["agrees"]) == (computed, agrees)
 
 
+@pytest.mark.parametrize("velocity", [0.6 * CRITICAL, CRITICAL, 1.46 * CRITICAL, 2.2 * CRITICAL])
+def test_nothing_agrees_where_the_error_is_not_known(velocity):
+    unknown = sweep(rig(None, velocity)).assign_attrs(preset=None)
+    (row,) = compared(unknown).to_dict("records")
+    assert row["agrees"] == "not decided"
+    assert agreement(compared(unknown)) == "Of 1 tests 1 is not decided."
+
+
 def test_the_tests_that_agree_are_counted():
     table = compared(sweep(rig("mild", 0.7 * CRITICAL), rig("mild", 1.3 * CRITICAL)))
     assert agreement(table) == "Of 2 tests 1 agrees, 1 does not."

@@ -112,8 +112,12 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(s
     assert "--accuracy=1%" in command
     assert "--set=temperature.critical=" in command
     assert f"not decided; next: {command}" in irg(*place, "--critical-temperature", critical)
-    unknown = irg(*place, "--set", "increments=7", "--json")
-    assert (unknown["verdict"], unknown["temperature_error"]) == ("not decided", None)
+    own = irg(*place, "--set", "increments=7", "--json")
+    assert own["selection"]["name"] == "the scene's own fidelity"
+    probed = max(own["selection"]["error"], own["selection"]["coarser"])
+    assert own["temperature_error"] == pytest.approx(
+        (probed + 0.36) * (own["decisive_temperature"] - 298.15), rel=1e-6
+    )
 
 
 def test_plot_writes_a_figure(store, tmp_path, irg):
@@ -171,7 +175,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
         irg(*point, *words) for words in (options, [f"--set={entry}" for entry in same])
     )
     for document in (by_option, by_setting):
-        del document["wall_time"], document["next"]
+        del document["wall_time"], document["next"], document["selection"]["seconds"]
     assert by_option == by_setting
     assert by_option["failed_fraction"] > 0.05
     document = irg(*point, "--friction", 0)
