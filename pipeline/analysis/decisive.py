@@ -47,7 +47,7 @@ CONDITIONS = (
 """Names of the conditions that may be given in place of the sweep's own, and the permission."""
 
 _STORED = {entry.name for entry in fields(Conditions)} - {"own_criterion"}
-COLDEST_OIL, HOTTEST_OIL = 220.0, 900.0
+COLDEST_OIL, HOTTEST_OIL = 220.15, 900.15
 """Bulk temperatures between which an oil may work [K]."""
 
 

@@ -29,7 +29,8 @@ from pipeline.analysis.margin_error import RisePlane, grids_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import range_of
-from pipeline.scene.along import OperatingPoints
+from pipeline.scene.along import OperatingPoints, Place
+from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
@@ -91,23 +92,36 @@ def margins(
 
 
 def margins_at(
-    ds: xr.Dataset, places: Sequence[tuple[float, float]] | None, **conditions: Any
-) -> Iterator[Margin]:
-    """Margins at places, or the rows' own if none are given, where the sweep tells."""
-    for row in rows_of(ds, **conditions):
-        for place in filter(None, [row.place] if places is None else places):
-            with suppress(InputError):
-                yield row.at(*place)
+    ds: xr.Dataset, points: OperatingPoints | None, **conditions: Any
+) -> Iterator[tuple[Conditions, Margin]]:
+    """Margins at points, or the rows' own if none are given, where the sweep tells."""
+    rows = rows_of(ds, **conditions)
+    places: list[tuple[Place | None, Mapping[str, float]]] = [(None, {})]
+    for place, own in places if points is None else points.rows:
+        with suppress(InputError):
+            for row in rows_with(ds, rows, own, conditions):
+                with suppress(InputError):
+                    if at := place or row.place:
+                        yield row.conditions, row.at(*at)
 
 
-def rows_of(ds: xr.Dataset | PathLike, **given: Any) -> tuple[JudgedRow, ...]:
-    """The planes of a sweep along whatever stands in front, each judged by its conditions."""
+def rows_of(
+    ds: xr.Dataset | PathLike, own: Mapping[str, float] | None = None, **given: Any
+) -> tuple[JudgedRow, ...]:
+    """The planes of a sweep along whatever stands in front, each judged by its conditions.
+
+    Own conditions are those of a row of a table; see `Conditions.of_row`.
+    """
     ds = opened(ds)
     if is_emulated(ds):
         require_plane(ds)
     if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long
         ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    rows = (row for one in scenes(ds) for row in rows_under(one, conditions_of(one, **given)))
+    rows = (
+        row
+        for one in scenes(ds)
+        for row in rows_under(one, conditions_of(one, **given).of_row(own or {}))
+    )
     return tuple(_about_places(rows))
 
 
@@ -140,6 +154,17 @@ def rows_under(scene: xr.Dataset, conditions: Conditions) -> Iterator[JudgedRow]
         )
 
 
+def rows_with(
+    ds: xr.Dataset, rows: Sequence[JudgedRow], own: Mapping[str, float], given: Mapping[str, Any]
+) -> Sequence[JudgedRow]:
+    """Planes judged by what a row of a table has of its own, too; see `Conditions.of_row`."""
+    judged = [row.conditions.of_row(own) for row in rows]
+    if all(a.bulk_ratio == b.conditions.bulk_ratio for a, b in zip(judged, rows, strict=True)):
+        # Rises at friction 1 are the same.
+        return [replace(row, conditions=one) for row, one in zip(rows, judged, strict=True)]
+    return rows_of(ds, own, **given)
+
+
 def _about_places(rows: Iterable[JudgedRow]) -> Iterator[JudgedRow]:
     """Rows, those that lie about one place as one; the first of these is the place itself."""
     about = dict[Any, list[JudgedRow]]()
@@ -167,9 +192,10 @@ def margin_table(
     ds : Dataset, str or path
         Dataset of `pipeline.open_sweep`, or the path of a store.
     points : path or mapping of str to sequence
-        A .csv file with columns ``load [N]`` and ``velocity [m/s]``, or in other units; or columns
-        by heading, such as a data frame. Further columns are passed on, with "(given)" after the
-        heading where a result has the same.
+        A .csv or .xlsx file with columns ``load [N]`` and ``velocity [m/s]``, or in other units; or
+        columns by heading, such as a data frame. Columns ``friction``, ``bulk_temperature`` and
+        ``critical_temperature`` are the conditions of their row. Further columns are passed on,
+        with "(given)" after the heading where a result has the same.
     **conditions
         Friction, temperatures, share and criterion; see `pipeline.boundary`.
 
@@ -206,9 +232,13 @@ def margin_table(
 
     def of_scene(scene: xr.Dataset) -> pd.DataFrame:
         rows = rows_of(scene, **conditions)
-        if len(rows) == 1:
-            return frame_of_points(read, _HEADS, partial(_of_one, rows[0]))
-        return frame_of_points(read, _HEADS_OF_SEVERAL, partial(_of_several, rows))
+        is_one = len(rows) == 1
+
+        def answer(place: Place, own: Mapping[str, float]) -> Sequence[Any]:
+            judged = rows_with(scene, rows, own, conditions)
+            return (_of_one if is_one else _of_several)(judged, *place)
+
+        return frame_of_points(read, _HEADS if is_one else _HEADS_OF_SEVERAL, answer)
 
     return frame_by_scene(ds, of_scene)
 
@@ -216,10 +246,15 @@ def margin_table(
 def frame_of_points(
     points: OperatingPoints,
     heads: Sequence[str],
-    answer: Callable[[float, float], Sequence[Any]],
+    answer: Callable[[Place, Mapping[str, float]], Sequence[Any]],
 ) -> pd.DataFrame:
     """Frame of operating points with an answer that ends with a note; an error is the note."""
-    results = _results(heads, points.places, [partial(answer, *place) for place in points.places])
+    answers = [partial(answer, place, own) for place, own in points.rows]
+    results = _results(heads, points.places, answers)
+    doubts = ["; ".join(doubts_of_row(own)) for _, own in points.rows]
+    told = [note if isinstance(note, str) else "" for note in results["note"]]
+    both = zip(told, doubts, strict=True)
+    results["note"] = ["; ".join(filter(None, pair)) or None for pair in both]
     others = {
         f"{head} (given)" if head in {*results, *as_dict(results)} else head: values
         for head, values in points.others.items()
@@ -248,7 +283,7 @@ def frame_of_rows(ds: xr.Dataset, rows: Iterable[JudgedRow]) -> pd.DataFrame:
     held = [name for row in [*placed][:1] for name in row.shown]
     heads = heads_of(ds, [name for name in held if name not in (PLACE, VARIANT)] or held)
     labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in placed])
-    answers = [partial(_of_one, row, *place) for row, place in placed.items()]
+    answers = [partial(_of_one, [row], *place) for row, place in placed.items()]
     return pd.concat([labels, _results(_HEADS, placed.values(), answers)], axis="columns")
 
 
@@ -300,7 +335,8 @@ def _note(margins: Sequence[Margin]) -> str | None:
     return f"points not done next to the transition: {', '.join(listed)}" if listed else None
 
 
-def _of_one(row: JudgedRow, load: float, velocity: float) -> tuple[Any, ...]:
+def _of_one(rows: Sequence[JudgedRow], load: float, velocity: float) -> tuple[Any, ...]:
+    (row,) = rows
     margin = row.at(load, velocity)
     return *(getattr(margin, name) for name in _FIELDS), _note([margin])
 

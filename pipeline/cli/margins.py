@@ -28,6 +28,7 @@ from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_
 from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
 from pipeline.sweep.about import judged_by
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from tribo import InputError
@@ -42,27 +43,39 @@ def margin(options: argparse.Namespace) -> Result:
         operating_points_in(options)  # of which samples have none themselves
         return _of_samples(options, ds, conditions)
     if place:
-        margins = pipeline.margins(ds, options.load, options.velocity, **conditions)
+        here = pipeline.margins(ds, options.load, options.velocity, **conditions)
     table = pipeline.margin_table(ds, points, **conditions)
     if place:
-        document, text = _on_place(ds, margins)
+        document, text = _on_place(ds, here)
         text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
     else:
         if table.empty:
             operating_points_in(options)  # which says that there is none
         document, text = _on_points(options, table)
-        margins = tuple(margins_at(ds, points.places if points else None, **conditions))
-    undecided = [one for one in margins if one.verdict == NOT_DECIDED]
+        if points and points.unused:
+            document["columns_not_used"] = [*points.unused]
+            text.append(f"columns not used: {', '.join(points.unused)}")
+    found = [*margins_at(ds, points, **conditions)]
+    margins = [one for _, one in found]
+    undecided = dict[Conditions, list[Margin]]()
+    for judged, one in found:
+        if one.verdict == NOT_DECIDED:
+            undecided.setdefault(judged, []).append(one)
     is_incomplete = bool(place) and any(map(_is_incomplete, margins))
-    judged = conditions_of(ds, **conditions).as_dict() if undecided or is_incomplete else {}
-    document["next"] = commands_that_decide(ds, options.store, undecided, judged)
+    commands = (
+        command
+        for judged, some in undecided.items()
+        for command in commands_that_decide(ds, options.store, some, judged.as_dict())
+    )
+    document["next"] = [*dict.fromkeys(commands)]
     text += lines_on(document["next"]) if undecided else ()
     if place:
         if any(one.decisive_temperature > MELTS for one in margins):
             text.append(f"warning: {MOLTEN}")
         document["command"] = None
         if is_incomplete:
-            document["command"] = more_of_boundary(ds, options.store, judged)
+            own = conditions_of(ds, **conditions).as_dict()
+            document["command"] = more_of_boundary(ds, options.store, own)
             text.append(f"compute more of the boundary with: {document['command']}")
     return Result(document, text, pipeline.warned(ds, **conditions), [table])
 

@@ -144,7 +144,9 @@ def _goal(options: argparse.Namespace) -> Goal:
     """Operating points, and what is to be reached at them."""
     if options.risk is not None and options.margin is not None:
         raise InputError("--risk and --margin are two goals; give one of them")
-    places = given.operating_points_in(options).places
+    points = given.operating_points_in(options)
+    points.require_places_alone("a design is sought at loads and velocities alone")
+    places = points.places
     if options.margin is not None:
         return Goal(places, RISK_OF_MARGIN, options.margin)
     return Goal(places, RISK if options.risk is None else options.risk)

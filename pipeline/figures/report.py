@@ -257,6 +257,8 @@ def _operating_points(
     if table.empty:
         return
     yield from _on_points(table)
+    if points and points.unused:
+        yield f"Columns not used: {', '.join(points.unused)}"
     yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
         "many times its velocity, or its load. Where there is none, the sweep has no transition"

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.scene.compounds import Entry, Table, flat
+from pipeline.scene.compounds import Entry, Optional, Table, flat
 from pipeline.scene.distributions import Make, differing_inputs
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
-from pipeline.scene.format import LOAD, SPEED
+from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
 from pipeline.sweep.model import Sweep
@@ -23,6 +23,21 @@ from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 
 _PLACE = Table({"load": Entry(LOAD), "velocity": Entry(SPEED)})
+CONDITIONS = {
+    "friction": "friction.coefficient",
+    "bulk_temperature": "temperature.bulk",
+    "critical_temperature": "temperature.critical",
+}
+"""Conditions that a row may have of its own, and their entries in a scene."""
+_ROW = Table(
+    {
+        **_PLACE.keys,
+        "friction": Optional(FRICTION),
+        "bulk_temperature": Optional(BULK),
+        "critical_temperature": Optional(CRITICAL),
+    }
+)
+_BEFORE = FORMAT.keys.keys() - {"friction", "temperature", "title"}  # what a simulation needs
 _REACH = 2.0  # factor of load and velocity to which places about a row go
 _MOST = 10_000  # places, each of which is read as a scene
 
@@ -43,26 +58,47 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class OperatingPoints:
-    """Operating points of a table, and its further columns by their headings."""
+    """Operating points of a table, and its further columns by their headings.
+
+    Conditions are those that a row has of its own: friction, bulk and critical temperature [K].
+    """
 
     places: tuple[Place, ...]
     others: Mapping[str, Sequence[Any]]
+    conditions: tuple[Mapping[str, float], ...] = ()
+    unused: tuple[str, ...] = ()  # headings of columns that no answer depends on
+
+    @property
+    def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
+        """Place and own conditions of each row."""
+        return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
+
+    def require_places_alone(self, reason: str) -> None:
+        """Refuse conditions of rows, for a reason."""
+        if own := sorted(set().union(*self.conditions)):
+            raise InputError(f"the table has columns for {', '.join(own)}; {reason}")
 
     @classmethod
     def read(cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]]) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        Units stand in the heading or in each cell; bare numbers of a mapping are in N and m/s.
+        Units stand in the heading or in each cell; bare numbers of a mapping are in SI.
         `InputError` is raised for all faults at once, by row and column.
         """
         if isinstance(source, str | os.PathLike):
-            name, sheet = str(source), read_sheet(Path(source), _PLACE.keys, _PLACE.keys)
+            name, sheet = str(source), read_sheet(Path(source), _ROW.keys, _PLACE.keys)
         else:
-            name, sheet = "points", sheet_of(source, _PLACE.keys)
+            name, sheet = "points", sheet_of(source, _ROW.keys, _PLACE.keys)
         heads = [heading.text for heading in sheet.headings]
         twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
         faults = [f'column "{head}" stands there twice; name each once' for head in twice]
-        _, places, wrong = sheet.entries(_PLACE, {})
+        faults += [
+            f'column "{heading.text}" cannot act after the simulation; leave it out, or give the '
+            "table to [sweep] along of a scene, which computes each row"
+            for heading in map(sheet.headings.__getitem__, sheet.others)
+            if heading.name == "hold" or heading.title.partition(".")[0] in _BEFORE
+        ]
+        _, rows, wrong = sheet.entries(_ROW, {})
         faults += [*sheet.faults, *sheet.of_rows, *listed_faults(wrong)]
         if not sheet.rows and not faults:
             faults = ['there are no rows; begin with a line "load [N],velocity [m/s]"']
@@ -70,9 +106,15 @@ class OperatingPoints:
             raise InputError(in_lines(name, faults))
         others = {
             sheet.headings[place].label: [row.cells[place] for row in sheet.rows]
-            for place in sheet.others
+            for place in range(len(sheet.headings))
+            if place not in [sheet.places[name] for name in _PLACE.keys]
         }
-        return cls(tuple(Place(**place) for place in places), others)
+        given = tuple(
+            {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
+        )
+        unused = tuple(sheet.headings[place].label for place in sheet.others)
+        places = tuple(Place(row["load"], row["velocity"]) for row in rows)
+        return cls(places, others, given, unused)
 
 
 def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
@@ -89,6 +131,7 @@ def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
         return []  # which the format tells
     if len(faults) > before:
         return []
+    rows = [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
     first = set(rows[0])
     for number, row in enumerate(rows):
         place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
@@ -125,6 +168,11 @@ def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make
     paths = [head for head in pairs[0] if _is_path(head)]
     written = [{path: row[path] for path in paths} for row in pairs]
     scenes = [scene_with(values, sweep, make, "sweep.along") for values in written]
+    if CONDITIONS["friction"] in paths:  # measured at the place, and not by velocity
+        scenes = [
+            scene.changed(conditions=scene.conditions.at_friction(scene.conditions.friction))
+            for scene in scenes
+        ]
     parts = [tuple(differing_inputs(sweep, scene)) for scene in scenes]
     columns = [column_of(path, [row[path] for row in pairs], "row") for path in paths]
     labels = [head for head in pairs[0] if head not in (*paths, *_PLACE.keys)]
@@ -162,7 +210,7 @@ def _label(head: str, cells: Sequence[Any]) -> Column:
 def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
     try:
-        sheet = read_sheet(path, _PLACE.keys, _PLACE.keys)
+        sheet = read_sheet(path, _ROW.keys, _PLACE.keys)
     except InputError as error:
         faults.note("sweep.along", str(error))
         return []

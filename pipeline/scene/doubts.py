@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
+from pipeline.scene.units import display
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
 from pipeline.sweep.severity import MELTS
@@ -32,7 +34,7 @@ _MATERIAL: dict[str, tuple[Any, ...]] = {
     "specific_heat": ("specific heat", 1, 100, 5000, "J/(kg K)"),
 }
 """Words for a constant; the number that 1 of it in SI has in a unit; its usual range in that."""
-_USUAL_BULK = 223.0, 523.0  # −50 to 250 °C, where oils are used
+_USUAL_BULK = 223.15, 523.15  # −50 to 250 °C, where oils are used
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
 _WIDTH_ERROR = 0.05  # of the warming of a disc, beyond which it is told
@@ -264,6 +266,18 @@ def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float
     return bulk + conditions.friction * float(corrections.applied(columns)["mean_rise"][-1])
 
 
+def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
+    """Conditions of a test or an operating point that are probably in another unit."""
+    if (own.get("friction") or 0.0) > 1:
+        yield f"friction is {own['friction']:g}, where 0 to 1 is usual: is it in per cent?"
+    bulk, (coldest, hottest) = own.get("bulk_temperature"), _USUAL_BULK
+    if bulk is not None and not coldest <= bulk <= hottest:
+        yield (
+            f"the bulk temperature is {display(bulk, '°C')}, where {display(coldest, '°C')} to "
+            f"{display(hottest, '°C')} are usual: check its unit"
+        )
+
+
 def _of_tests(sweep: Sweep) -> Iterator[str]:
     """Tests so far outside the sweep that their units are in doubt."""
     loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
@@ -273,6 +287,9 @@ def _of_tests(sweep: Sweep) -> Iterator[str]:
         if not loads.low / _REACH <= test.normal_load <= loads.high * _REACH
         or not velocities.low / _REACH <= test.velocity <= velocities.high * _REACH
     ]
+    for test in [*sweep.about.measured, *sweep.about.tested]:
+        for doubt in doubts_of_row(asdict(test)):
+            yield f"the test of {test.normal_load:g} N at {test.velocity:g} m/s: {doubt}"
     if far:
         spans = f"{loads.low:g} to {loads.high:g} N and {velocities.low:g} to {velocities.high:g}"
         more = f" and {len(far) - 1} more" if len(far) > 1 else ""

@@ -54,6 +54,8 @@ DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 SPEED = Quantity("a velocity", "1.25 m/s")
 TEMPERATURE = Quantity("a temperature", "25 degC")
+BULK = Quantity("a temperature", "25 degC", ends=("-53 degC", "627 degC"))  # where oils work
+CRITICAL = Quantity("a temperature", "145 degC", ends=("-53 degC", "1e4 K"))
 CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
@@ -291,9 +293,9 @@ FRICTION_TABLE = Table({
 })
 
 TEMPERATURES = Table({
-    "bulk": Entry(Either(TEMPERATURE, Table({
-        "pin": Entry(TEMPERATURE, "Temperature of the pin."),
-        "disk": Entry(TEMPERATURE, "Temperature of the disk."),
+    "bulk": Entry(Either(BULK, Table({
+        "pin": Entry(BULK, "Temperature of the pin."),
+        "disk": Entry(BULK, "Temperature of the disk."),
     })), "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
     "critical": Optional(Quantity("a temperature", "145 degC"),
         "Contact temperature above which the lubricant fails; needed where wear is judged."),
@@ -333,8 +335,9 @@ SWEEP = Table({
     "along": Optional(Either(Text(), List(ByPath(Scalar(), "the paths of others"))),
         "Pairs: a CSV file, or a list of tables, such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Each row has a place '
-        "of its own, and values of entries by their paths; `irg margin STORE` gives the verdict "
-        "and the margin of each. Other columns are labels."),
+        "of its own, and values of entries by their paths, of which `friction`, `bulk temperature` "
+        "and `critical temperature` are known by these words, too; `irg margin STORE` gives the "
+        "verdict and the margin of each. Other columns are labels."),
     "around": Optional(Whole(at_least=3, at_most=99),
         "Velocities and loads about each row of `along`, from half to twice its own, so that "
         "margins have factors."),
@@ -379,7 +382,7 @@ _TEST = {
         "Coefficient of friction measured there; by default the scene's."),
     "friction_scatter": Optional(Number(above=0),
         "Standard deviation of the measured friction; none by default."),
-    "bulk_temperature": Optional(TEMPERATURE,
+    "bulk_temperature": Optional(BULK,
         "Bulk temperature of both bodies there; by default the scene's."),
     "hold": Optional(DURATION, "Duration at the full load; by default that of `[loading]`."),
 }

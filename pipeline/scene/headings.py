@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Faults, did_you_mean, quoted
@@ -34,11 +35,13 @@ _TRACK = re.compile(r"(?:[^.]*\b)?(radius|diameter|durchmesser)", re.IGNORECASE)
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
 UNITS = {
     "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
-    "time": "s", "friction_force": "N",
+    "time": "s", "friction_force": "N", "critical_temperature": "K",
 }  # fmt: skip
 """Units of quantities, empty of a number; of others nothing is guessed."""
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
+    "temperature.bulk": "bulk_temperature", "friction.coefficient": "friction",
+    "temperature.critical": "critical_temperature",
 }  # fmt: skip
 _WORDS = {
     "load": (
@@ -55,7 +58,11 @@ _WORDS = {
     ),
     "bulk_temperature": (
         r"(\b(temp|temperature|bulk|t)\b|temperatur)",
-        r"(\b(contact|flash|room|ambient|crit\w*|max)\b|raum|umgebung|kontakt|blitz)",
+        r"(\b(contact|flash|room|ambient|crit\w*|krit\w*|max)\b"
+        r"|raum|umgebung|kontakt|blitz|grenz)",
+    ),
+    "critical_temperature": (
+        r"(\b(crit|krit)\w*\b.*temp|temp.*\b(crit|krit)\w*\b|grenztemperatur)", r"$^",
     ),
     "hold": (r"(\b(hold|dwell)\b|halte(zeit|dauer))", r"$^"),
     "outcome": (
@@ -313,7 +320,7 @@ def read_sheet(
     return _with_places(sheet, wanted, needed, named)
 
 
-def sheet_of(columns: Any, wanted: Collection[str]) -> Sheet:
+def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> Sheet:
     """Columns of a mapping or a data frame as those of a file, with bare numbers in SI."""
     if not hasattr(columns, "keys"):
         raise InputError(
@@ -326,12 +333,13 @@ def sheet_of(columns: Any, wanted: Collection[str]) -> Sheet:
         counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
         raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
     rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*listed.values(), strict=True), 1)]
-    sheet = _with_places(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, wanted)
+    sheet = _with_places(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, needed)
     for name, place in sheet.places.items():
         unit = "" if sheet.headings[place].unit else f" {UNITS[name]}"
         for row in rows:
             cell: Any = row.cells[place]
-            row.cells[place] = cell if isinstance(cell, str) else f"{cell}{unit}"
+            if not isinstance(cell, str):
+                row.cells[place] = "" if pd.isna(cell) else f"{cell}{unit}"
     return sheet
 
 

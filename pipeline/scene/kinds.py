@@ -174,6 +174,7 @@ class Quantity(Kind):
     name: str
     example: str
     zero: bool = False
+    ends: tuple[str, str] | None = None  # of its values, where not those of all of its unit
 
     def __str__(self) -> str:
         limit = "of at least 0" if self.zero else "above 0"
@@ -189,7 +190,7 @@ class Quantity(Kind):
             return in_si
         if exact <= 0:
             raise UnfitError(f"{quoted(value)} is out of range")
-        low, high = RANGES[si_unit(self.example)]
+        low, high = self.ends or RANGES[si_unit(self.example)]
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
             raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
         return in_si

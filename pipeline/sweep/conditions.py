@@ -178,6 +178,19 @@ class Conditions:
         corrections = self.corrections and replace(self.corrections, friction=())
         return replace(self, friction=friction, corrections=corrections)
 
+    def of_row(self, row: Mapping[str, Any]) -> Conditions:
+        """The conditions with those that a row of a table gives in their place, if it gives any.
+
+        They are the ``friction`` measured there, a ``bulk_temperature`` of both bodies and a
+        ``critical_temperature`` [K].
+        """
+        own: dict[str, Any] = {}
+        if row.get("bulk_temperature") is not None:
+            own = {"bulk_temperature": row["bulk_temperature"], "disk_temperature": None}
+        if row.get("critical_temperature") is not None:
+            own["critical_temperature"] = row["critical_temperature"]
+        return (replace(self, **own) if own else self).at_friction(row.get("friction"))
+
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
         """The conditions with corrections that know the load before."""
         if self.corrections is None or self.corrections == self.corrections.under(loading):

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margins import frame_of_points
-from pipeline.scene.along import OperatingPoints
+from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.uncertain.answers import STEPS, draws_of, log_crossings, probability_of
@@ -225,8 +225,13 @@ def risk_table(
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
     draws = draws_of(ensemble, draws)
 
-    def answer(load: float, velocity: float) -> tuple[Any, ...]:
-        here, _, distance, _ = _judged(ensemble, load, velocity, draws)
+    read.require_places_alone(
+        "samples have their own: fix these by Ensemble.of(ds, friction=..., ...), or by options "
+        "such as --friction and --bulk-temperature"
+    )
+
+    def answer(place: Place, own: Mapping[str, float]) -> tuple[Any, ...]:
+        here, _, distance, _ = _judged(ensemble, *place, draws)
         ends = distance.middle, distance.low, distance.high
         return here.verdict, here.probability, here.error, *ends, None
 

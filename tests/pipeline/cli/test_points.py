@@ -3,6 +3,7 @@
 import csv
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -105,3 +106,78 @@ def test_a_band_is_written_with_how_many_surfaces_cross():
 
 def test_a_table_that_cannot_be_written_is_refused(store, tmp_path, irg):
     assert "cannot write" in irg("boundary", "out.zarr", "-o", tmp_path / "table.xlsx", code=2)
+
+
+FORMS = {
+    "csv": "part,load [N],velocity [m/s],bulk temperature [degC],friction\n"
+    "A,400,1.2,60,0.12\nB,400,1.2,,\n",
+    "German": "Teil;Last [N];Geschwindigkeit [m/s];Öltemperatur [°C];Reibwert\n"
+    "A;400;1,2;60;0,12\nB;400;1,2;;\n",
+    "paths": "part,load [N],velocity [m/s],temperature.bulk [degC],friction.coefficient\n"
+    "A,400,1.2,60,0.12\nB,400,1.2,,\n",
+}
+
+
+@pytest.mark.parametrize("form", [*FORMS, "xlsx", "mapping", "frame"])
+def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, form):
+    points = tmp_path / "duty.csv"
+    if form in FORMS:
+        points.write_text(FORMS[form], encoding="utf-8")
+    columns = {
+        "load [N]": [400.0, 400.0],
+        "velocity [m/s]": [1.2, 1.2],
+        "bulk temperature [degC]": [60.0, np.nan],
+        "friction": [0.12, np.nan],
+    }
+    if form == "xlsx":
+        points = tmp_path / "duty.xlsx"
+        pd.DataFrame(columns).to_excel(points, index=False)
+    if form == "mapping":
+        points = {
+            "load": ["400 N"] * 2, "velocity": [1.2, 1.2],
+            "bulk_temperature": [333.15, None], "friction": [0.12, None],
+        }  # fmt: skip
+    if form == "frame":
+        points = pd.DataFrame(columns)
+    table = pipeline.margin_table(store, points)
+    own = {"bulk_temperature": "60 degC", "friction": 0.12}
+    for row, conditions in enumerate((own, {})):
+        (margin,) = pipeline.margins(store, 400.0, 1.2, **conditions)
+        assert table["distance [K]"][row] == margin.distance
+        assert table["verdict"][row] == margin.verdict
+    assert table["distance [K]"][0] < table["distance [K]"][1] - 35
+
+
+def test_conditions_that_are_given_hold_where_a_row_has_none(store):
+    points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, None]}
+    table = pipeline.margin_table(store, points, friction=0.05, critical_temperature="120 degC")
+    for row, friction in enumerate((0.12, 0.05)):
+        given = {"friction": friction, "critical_temperature": "120 degC"}
+        (margin,) = pipeline.margins(store, 400.0, 1.2, **given)
+        assert table["distance [K]"][row] == margin.distance
+
+
+def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, irg):
+    points = tmp_path / "duty.csv"
+    points.write_text("part,load [N],velocity [m/s],Grenztemperatur [°C]\nA,400,1.2,100\n")
+    assert "columns not used: part" in irg("margin", "out.zarr", "--points", points)
+    document = irg("margin", "out.zarr", "--points", points, "--json")
+    assert document["columns_not_used"] == ["part"]
+    (margin,) = pipeline.margins(store, 400.0, 1.2, critical_temperature="100 degC")
+    assert document["margins"]["distance"] == [margin.distance]
+    for head in ("pin.radius [mm]", "hold [s]", "wear.specific_wear_rate"):
+        points.write_text(f"load [N],velocity [m/s],{head}\n400,1.2,3\n")
+        said = irg("margin", "out.zarr", "--points", points, code=2)
+        assert f'column "{head}" cannot act after the simulation' in said
+
+
+def test_conditions_of_a_row_in_another_unit_are_doubted_or_refused(store, tmp_path, irg):
+    points = tmp_path / "duty.csv"
+    points.write_text("load [N],velocity [m/s],bulk_temperature [degC],friction\n400,1,298,10\n")
+    said = irg("margin", "out.zarr", "--points", points)
+    assert "friction is 10, where 0 to 1 is usual" in said
+    assert "the bulk temperature is 298 °C, where" in said
+    points.write_text("load [N],velocity [m/s],bulk_temperature [K]\n400,1,25\n")
+    assert "out of range, which is from -53 degC" in irg(
+        "margin", "out.zarr", "--points", points, code=2
+    )

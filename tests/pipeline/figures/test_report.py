@@ -81,6 +81,7 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
 def test_a_report_of_samples_weighs_them_by_the_tests_if_asked_to(tmp_path):
     test = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.1}
     tested = samples.dataset(samples.ensemble(tests=[test]))
+    tested["warning_flags"] = tested["status"] * 0
     out = pipeline.report(tested, tmp_path / "weighed.html", given_measured=True)
     weighed = out.read_text()
     assert "Not known exactly, given 1 measured transition" in weighed

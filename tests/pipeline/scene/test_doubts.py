@@ -83,7 +83,7 @@ USUAL = [
     ("pin's radius is", 1e-4, 1.0, lambda v: said_of(with_pin(radius=v))),
     ("pin's length is", 1e-4, 1.0, lambda v: said_of(with_pin(length=v))),
     ("crown radius is", 1e-4, 100.0, lambda v: said_of(crowned(v))),
-    ("bulk temperature is", 223.0, 523.0, lambda v: said_of(warmer(v))),
+    ("bulk temperature is", 223.15, 523.15, lambda v: said_of(warmer(v))),
     ("wear rate is", 1e-20, 1e-11, lambda v: said_of(SMOOTH.changed(wear=tribo.Wear(v)))),
     ("disk's Ra is", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
     ("velocity is", 0.0, 100.0, lambda v: said_of(SMOOTH.changed(velocities=(v,)))),

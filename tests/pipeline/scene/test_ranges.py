@@ -116,7 +116,6 @@ PLACES = {
         (313.0, 373.0), (32e-6, 5e-6), 866.0, (v, v)
     ),
     "friction.coefficient": lambda v: replace(CONDITIONS, friction=v),
-    "temperature.bulk": lambda v: replace(CONDITIONS, bulk_temperature=v),
     "temperature.failing_share": lambda v: replace(CONDITIONS, failing_share=v),
     "sweep.loads": lambda v: list(tribo.simulate(SCENE, v, 1.0)),
 }
