@@ -11,6 +11,7 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
@@ -21,7 +22,7 @@ from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.difference import entries_of
 from pipeline.analysis.frames import compared, on_boundary, on_tests
 from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of
-from pipeline.analysis.scenes import parts_of, scenes, words
+from pipeline.analysis.scenes import parts_of, scenes, value_text, words
 from pipeline.analysis.tables import frame_of, html_of, short, writable_path, write_text
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
@@ -49,6 +50,7 @@ _QUESTION = (
     "At which load and sliding velocity does wear of this lubricated contact turn from mild to "
     "severe adhesive wear (scuffing)"
 )
+_MOST_VALUES = 12  # of an entry, that are listed
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
     "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
@@ -135,7 +137,7 @@ def body_of(
         answers = _sections_of_points(ds, points, changed)
     sections: Sections = answers | {
         "Warnings": _warnings(ds, changed),
-        "Inputs": _inputs(attributes),
+        "Inputs": _inputs(ds, attributes),
         "Numerical choices and their error": _fidelity(attributes),
         "Model": [_MODEL],
         "Versions": _versions(attributes),
@@ -275,13 +277,15 @@ def _warnings(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     yield from [*warned(ds, **changed).lines()] or ["No computed point carries a warning"]
 
 
-def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
+def _inputs(ds: xr.Dataset, attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Entries of the scene with their units, and the sources of those of the library."""
+    several = {str(name): values for name, values in ds.coords.items() if "." in str(name)}
+    entries = entries_of(attributes) | {path: _each(values) for path, values in several.items()}
     if surface := attributes.get("surface"):
         yield f"Surface of the disk: {surface.replace('disk.roughness.file: ', '')}."
     rows = (
         (path, text, _meaning(path))
-        for path, text in entries_of(attributes).items()
+        for path, text in entries.items()
         if not path.startswith(("fidelity", "measured", "tested"))
     )
     yield frame_of(("entry", "value", "meaning"), rows)
@@ -293,6 +297,14 @@ def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
             ((entry["key"], entry["value"], entry["source"]) for entry in library),
         )
     yield f"Source: {origin} from the scene {attributes.get('name')}.toml."
+
+
+def _each(values: xr.DataArray) -> str:
+    """Values that an entry has in turn, in words; of many the number."""
+    texts = [value_text(values, value) for value in dict.fromkeys(np.ravel(values).tolist())]
+    if len(texts) > _MOST_VALUES:
+        return f"{len(texts)} values, from {texts[0]} to {texts[-1]}"
+    return f"in turn {', '.join(texts)}" if len(texts) > 1 else texts[0]
 
 
 def _tests(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:

@@ -8,7 +8,7 @@
  */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
-  if (!Number.isFinite(value)) return "give a number, with a decimal point";
+  if (!Number.isFinite(value)) return "give a number such as 0.12";
   if (value < (least ?? -Infinity) || value > (most ?? Infinity)) return fault;
   const { bulk_temperature, disk_temperature = bulk_temperature, critical_temperature } = conditions;
   const warmest = Math.max(bulk_temperature, disk_temperature);
@@ -42,12 +42,13 @@ function sources({ name }) {
 }
 
 /**
- * The number that was typed, NaN if it is none. A field of type number would not do: some browsers
- * drop a decimal comma unseen.
+ * The number that was typed, with a decimal comma or point; NaN if it is none. A field of type
+ * number would not do: some browsers drop a comma unseen.
  * @param {string} text
  */
 function typed(text) {
-  const plain = text.trim().replace("−", "-");
+  const isThousands = /^[+-]?[1-9]\d{0,2},\d{3}$/.test(text.trim());
+  const plain = text.trim().replace("−", "-").replace(",", isThousands ? "," : ".");
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 

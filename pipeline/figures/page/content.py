@@ -34,7 +34,7 @@ from pipeline.figures.page.controls import controls
 from pipeline.figures.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.selection import Selection
+from pipeline.sweep.selection import Selection, error_in_words
 from pipeline.sweep.severity import above_colder, rise_limit, worst_moment
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask
@@ -86,6 +86,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
             for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1)
         ],
         "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
+        "accuracy": error_in_words(attributes),
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
         "bulk_ratios": ratios,

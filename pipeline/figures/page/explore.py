@@ -163,6 +163,7 @@ def _of_plane(held: dict[str, Any]) -> str:
         "controls": "\n".join(Control(**control).html() for control in held["controls"]),
         "surfaces": surface_choice(held["surfaces"]),
         "error": f"{100 * held['error']:.2g} %",
+        "accuracy": html.escape(held.pop("accuracy")),
     }
     return _filled("plane.html", _of_both(held, sizes) | own)
 

@@ -120,7 +120,8 @@ function marginRows() {
   if (isJudged()) {
     const critical = conditions.critical_temperature ?? NaN;
     const errors = margins.map(({ share }, k) => share * (temperatures[k] - temperature(0)));
-    const kinds = temperatures.map((kelvin, k) => verdictOf(critical - kelvin, errors[k]));
+    const isOpen = margins.map((one) => one.velocity.outcome === SEVERAL || one.load.outcome === SEVERAL);
+    const kinds = temperatures.map((kelvin, k) => verdictOf(critical - kelvin, isOpen[k] ? NaN : errors[k]));
     rows.unshift(["wear", verdictsText(kinds)]);
     const largest = Math.max(...errors);
     rows.push(["its error", Number.isNaN(largest) ? "not known" : `± ${shown(largest, 2)} K`]);
@@ -166,7 +167,7 @@ function verdictsText(kinds) {
  */
 function reasonAgainst(load, velocity, loads, velocities) {
   if (Number.isNaN(load) || Number.isNaN(velocity)) {
-    return "Type a load and a velocity, with decimal points, to see how safe they are.";
+    return "Type a load and a velocity to see how safe they are.";
   }
   const [f, v] = [loads, velocities].map((all) => [all[0], all[all.length - 1]].map((end) => shown(end)));
   return `Outside the sweep, which has ${f[0]} to ${f[1]} N and ${v[0]} to ${v[1]} m/s.`;

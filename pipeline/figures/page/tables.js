@@ -87,10 +87,9 @@ function crossingText(rows) {
     .filter(({ middle }) => Number.isFinite(middle))
     .map(({ middle, load }) => `${shown(middle)} m/s at ${shown(load, 6)} N`);
   if (!places.length) {
-    const outcomes = rows.flatMap(({ transitions }) => transitions.map(({ outcome }) => outcome));
-    return outcomes.every((outcome) => outcome < UNKNOWN)
-      ? "Wear does not turn severe within the sweep."
-      : "The transition lies beyond what was computed.";
+    const codes = new Set(rows.flatMap(({ transitions }) => transitions.map(({ outcome }) => outcome)));
+    const words = [...codes].map((code) => content.outcomes.velocity[code]);
+    return `No transition at any load: ${words.join(", or ")}.`;
   }
   return `Wear turns severe at ${[...new Set([places[0], places[places.length - 1]])].join(", at ")}.`;
 }

@@ -118,10 +118,14 @@ def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
     field = driver.find_element(By.ID, "friction")
     driver.execute_script("arguments[0].select()", field)
     field.send_keys("0,12")
-    fault = driver.find_element(By.ID, "friction-fault").text
-    assert fault == "give a number, with a decimal point"
-    changed = before | {"friction": 0}  # as after "0", on the way
-    assert driver.execute_script("return chosen.conditions") == changed
+    assert not driver.find_element(By.ID, "friction-fault").text
+    assert driver.execute_script("return chosen.conditions") == before | {"friction": 0.12}
+    field.send_keys("x")
+    assert driver.find_element(By.ID, "friction-fault").text == "give a number such as 0.12"
+    assert "keeps to on most scenes" in driver.find_element(By.ID, "accuracy").text
+    typed(driver, "friction", "0.9")
+    said = "No transition at any load: severe throughout."
+    assert driver.find_element(By.ID, "summary").text == said
 
 
 def typed(driver, name, text):
@@ -230,8 +234,8 @@ def test_a_sweep_without_a_critical_temperature_awaits_one(page):
 def test_an_operating_point_gets_its_margin_and_each_test_is_judged_at_its_own_friction(page):
     driver = page(synthetic.sweep())
     typed(driver, "at-load", "425")
-    field = typed(driver, "at-velocity", "1,1")
-    assert "with decimal points" in driver.find_element(By.ID, "margin").text
+    field = typed(driver, "at-velocity", "1,100")
+    assert "Type a load and a velocity" in driver.find_element(By.ID, "margin").text
     assert field.get_attribute("aria-invalid") == "true"
     typed(driver, "at-velocity", "1.1")
     (expected,) = pipeline.margins(synthetic.sweep(), 425.0, 1.1)
