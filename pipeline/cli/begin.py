@@ -7,9 +7,10 @@ import pydoc
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -19,6 +20,7 @@ from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import COMMANDS, parse
 from pipeline.scene.document import as_toml
 from pipeline.scene.format import TEST, TRANSITION
+from pipeline.scene.headings import numbered
 from pipeline.scene.logs import Log, Trace, read_log, read_trace
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tribo import InputError
@@ -113,13 +115,21 @@ def tests(options: argparse.Namespace) -> Result:
     if strange := sorted(columns.keys() - TEST.keys.keys()):
         allowed = ", ".join(TEST.keys)
         raise InputError(f'--column: no test has "{strange[0]}"; give one of {allowed}')
-    entries = {"columns": columns, "words": words, "decimal": options.decimal}
+    taken = {"where": dict(options.where), "sheet": options.sheet, "decimal": options.decimal}
+    entries = {"columns": columns, "words": words, **taken}
     row_of, log = TEST, read_log(path, entries)
     places = log.sheet.places.keys()
     if "outcome" not in places and {"load", "velocity"} <= places:
         row_of, log = TRANSITION, read_log(path, entries, TRANSITION)
+        if log.is_only_wear:
+            log.faults.append(
+                "no column says whether wear was mild or severe, and none that these are "
+                'transitions; name the outcome by --column "outcome=HEADING", or call the load '
+                '"load of transition [N]" if each row is one'
+            )
+            log.tests.clear()
     found, faults = log.tests, log.faults
-    toml = list(_toml(log, options.decimal, row_of is TEST)) if found else []
+    toml = list(_toml(log, taken, row_of is TEST)) if found else []
     document = {
         "file": str(path), "form": log.sheet.form,
         "columns": {name: log.sheet.heading(name).text for name in log.sheet.places},
@@ -138,6 +148,8 @@ def tests(options: argparse.Namespace) -> Result:
                 'column with --column "outcome=HEADING")'
             )
         text += ["", *toml, ""]
+    if log.twice:
+        text.append(f"{numbered(log.twice)} the same as rows before, and not counted")
     if log.left_out:
         rows = counted(len(log.left_out), "row", "rows")
         text.append(f"{rows} without load and velocity left out")
@@ -172,7 +184,7 @@ def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
         yield f"without a column: {', '.join(needed)}"
 
 
-def _toml(log: Log, decimal: str | None, is_tests: bool) -> Iterable[str]:
+def _toml(log: Log, taken: Mapping[str, Any], is_tests: bool) -> Iterable[str]:
     """Lines of a scene that name the log, and say what is not said by its own words."""
     yield "[[tested]]" if is_tests else "[[measured]]"
     yield f"file = {as_toml(log.path.name)}"
@@ -182,5 +194,4 @@ def _toml(log: Log, decimal: str | None, is_tests: bool) -> Iterable[str]:
         yield f"columns = {as_toml(columns)}"
     if log.words:
         yield f"words = {as_toml(log.words)}"
-    if decimal:
-        yield f"decimal = {as_toml(decimal)}"
+    yield from (f"{name} = {as_toml(value)}" for name, value in taken.items() if value)

@@ -118,6 +118,11 @@ OF_TESTS = (
         "--word", metavar="WORD=OUTCOME", type=values.word, action="append", default=[],
         help="what a word of the log means, like Fresser=severe; may be repeated",
     ),
+    Option(
+        "--where", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
+        help='rows to take, like "oil=FVA 3"; may be repeated',
+    ),
+    Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one"),
     Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
 )  # fmt: skip
 TOPIC = Option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")

@@ -39,6 +39,10 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         raise InputError(
             "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
         )
+    if len({Path(store).resolve() for store in stores}) < len(stores):
+        raise InputError(
+            f"{', '.join(map(str, stores))}: a store stands there twice; give each once"
+        )
     with working("reading samples"):
         datasets = [pipeline.open_sweep(store) for store in stores]
         at, criterion, ensembles = at_in(options), criterion_in(options), []

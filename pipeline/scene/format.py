@@ -400,6 +400,10 @@ LOG = Table({
         example={"load": "Kraft / N"}),
     "words": Optional(ByPath(OneOf(OUTCOMES), "words of the log"),
         "What a word of the log means as an outcome.", example={"Fresser": "severe"}),
+    "where": Optional(ByPath(Scalar(), "headings of the log"),
+        "Rows to take: those with this value below a heading, such as the name of one oil.",
+        example={"oil": "FVA 3"}),
+    "sheet": Optional(Text(), "Sheet of a workbook; its first one by default."),
     "decimal": Optional(OneOf((".", ",")),
         "Mark of decimals; by default a comma in a file with semicolons or tabs that has any."),
 }, form="log")

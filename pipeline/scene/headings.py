@@ -31,7 +31,14 @@ _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
 )
 """Ways to write a unit. All but the first count only if what stands there is a unit."""
-_TRACK = re.compile(r"(?:[^.]*\b)?(radius|diameter|durchmesser)", re.IGNORECASE)
+_ROUND = re.compile(
+    r"(?:[^.]*\b)?\w*(radius|diameter|durchmesser|raggio|diametro|rayon)", re.IGNORECASE
+)
+_TRACK = re.compile(
+    r"track|spur|lauf(bahn|kreis|radius|durchmesser)|reib(bahn|kreis|radius|durchmesser|spur)"
+    r"|piste|pista|huella|wear (circle|path)",
+    re.IGNORECASE,
+)
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
 UNITS = {
     "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
@@ -154,14 +161,23 @@ def columns_for(
         free = [place for place in range(len(heads)) if place not in places.values()]
         found = [place for place in free if headings[place].name == name]
         if name == "friction":  # one in newton is a force
-            found = [place for place in found if not is_unit(headings[place].unit)]
-        found = found or [place for place in free if _means(headings[place], name)]
+            found = [k for k in found if not (headings[k].unit and is_unit(headings[k].unit))]
+        exact = [k for k in free if _is_another(headings[k], name, wanted)]
+        found = found or [k for k in free if k not in exact and _means(headings[k], name)]
         if len(found) == 1:
             places[name] = found[0]
         elif found:
             several = _listed(heads[place] for place in found)
             faults.append(f'{len(found)} columns may be {name}: {several}; call one alone "{name}"')
     return places, faults
+
+
+def _is_another(heading: Heading, name: str, wanted: Collection[str]) -> bool:
+    """True if a heading names exactly another quantity that is wanted, in a unit of it."""
+    is_named = heading.name in wanted and heading.name != name
+    return is_named and not (
+        heading.unit and heading.name in UNITS and _misfit(heading, heading.name)
+    )
 
 
 def _means(heading: Heading, name: str) -> bool:
@@ -306,6 +322,7 @@ def read_sheet(
     named: Mapping[str, str] | None = None,
     decimal: str | None = None,
     is_log: Callable[[Collection[str]], bool] = {"load", "velocity"}.issubset,
+    sheet_name: str | None = None,
 ) -> Sheet:
     """Read the rows of a file below headings; for the arguments see `columns_for`."""
 
@@ -313,7 +330,7 @@ def read_sheet(
         places, faults = columns_for([*map(heading_of, cells)], wanted, named)
         return is_log(places) and not (named and faults)
 
-    read = read_rows(path, is_heading, decimal)
+    read = read_rows(path, is_heading, decimal, sheet_name)
     headings, rows = _with_units_below([*map(heading_of, read.heads)], read.rows)
     sheet = Sheet(headings, rows, {}, [], [*read.faults], read.decimal, read.form)
     _take_velocity_of_turns(sheet)
@@ -376,12 +393,21 @@ def _may_be(heading: Heading, name: str) -> bool:
 def _take_velocity_of_turns(sheet: Sheet) -> None:
     """Put a velocity in place of a rotation, where a column has the radius or diameter."""
     turning = [k for k, heading in enumerate(sheet.headings) if heading.unit in TURNS]
-    tracks = [k for k, heading in enumerate(sheet.headings) if _TRACK.fullmatch(heading.title)]
+    round_ = [k for k, heading in enumerate(sheet.headings) if _ROUND.fullmatch(heading.title)]
+    tracks = [k for k in round_ if _TRACK.search(sheet.headings[k].title)]
+    if len(turning) == 1 and round_ and len(tracks) != 1:
+        heads = [sheet.headings[k].text for k in round_]
+        sheet.of_rows.append(
+            f'column "{sheet.headings[turning[0]].text}" is a rotation, and none of '
+            f'{_listed(heads)} is surely its track; call that column "track diameter [mm]" or '
+            '"track radius [mm]", or give a velocity'
+        )
     if len(turning) != 1 or len(tracks) != 1:
         return
     (turn,), (k,) = turning, tracks
     track = sheet.headings[k]
-    which = "radius" if track.title.lower().endswith("radius") else "diameter"
+    is_radius = re.search(r"(radius|raggio|rayon)$", track.title.lower())
+    which = "radius" if is_radius else "diameter"
     if not track.unit:
         fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
         sheet.of_rows.append(fault)

@@ -25,6 +25,22 @@ _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
     "grippato grippaggio grippage grippé gripado notok niok"
 )
+_NEGATION = re.compile(
+    r"^\s*(not|no|non|nicht|keine?r?|sans|pas( de)?|senza|sin|ohne|without)[\s_-]+"
+)
+_NEAR = re.compile(r" \(did you mean [^)]*\)")  # of a word, which may mean the contrary
+_MEASURED_WEAR = re.compile(
+    r"brugger|\b(area|scar|fläche|kalotte\w*|narbe\w*)\b|fläche|kalotte", re.I
+)
+_TRANSITIONS = re.compile(
+    r"transition|critical|kritisch|übergang|scuff|fress|seiz|failure|fail|limit|grenz", re.I
+)
+_LUBRICANT = re.compile(
+    r"^((test )?(oil|öl|oel)|lubricants?|lube|schmierstoff|huile|olio|aceite|fluid|grease|fett"
+    r"|(oil|lubricant|öl)[ _]?(name|code|id|type|sorte)?|ölsorte|ölname)$",
+    re.IGNORECASE,
+)
+_SHOWN = 6  # lubricants that are named
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
 
 
@@ -35,8 +51,12 @@ def outcome_of(word: str, heading: str) -> str | None:
         mild, severe = mild | set(_NO.split()), severe | set(_YES.split())
     elif re.search(r"pass|bestanden", asked):
         mild, severe = mild | set(_YES.split()), severe | set(_NO.split())
-    plain = re.sub(r"[\W_]+", "", word.lower()).replace("freß", "fress")
-    return "mild" if plain in mild else "severe" if plain in severe else None
+    said = _NEGATION.sub("", word.lower())
+    plain = re.sub(r"[\W_]+", "", said).replace("freß", "fress")
+    found = "mild" if plain in mild else "severe" if plain in severe else None
+    if found and said != word.lower() and plain not in (_YES + _NO).split():
+        return "severe" if found == "mild" else "mild"
+    return found
 
 
 @dataclass(slots=True)
@@ -50,11 +70,19 @@ class Log:
     tests: list[dict[str, Any]]  # as tables of a scene
     faults: list[str]
     is_unclear: bool  # as a whole, and not in cells alone
+    twice: list[int]  # numbers of rows that are the same as one before, and not counted
 
     @property
     def unused(self) -> list[str]:
         """Titles of the columns that are not used."""
         return [self.sheet.headings[place].text for place in self.sheet.others]
+
+    @property
+    def is_only_wear(self) -> bool:
+        """Rows tell a measured wear, and no heading says that they are transitions."""
+        heads = [heading.text for heading in self.sheet.headings]
+        named = any(map(_TRANSITIONS.search, [*heads, self.path.stem]))
+        return any(map(_MEASURED_WEAR.search, heads)) and not named
 
     @property
     def guessed(self) -> list[str]:
@@ -68,10 +96,14 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     """Read the tests of a log by its columns, words and decimal mark, as a scene gives them."""
     given = entries or {}
     named, words = given.get("columns") or {}, dict[str, str]()
-    sheet = read_sheet(path, row_of.keys, row_of.needed, named, given.get("decimal"))
+    sheet = read_sheet(
+        path, row_of.keys, row_of.needed, named, given.get("decimal"),
+        sheet_name=given.get("sheet"),
+    )  # fmt: skip
     faults, places = [*sheet.faults], sheet.places
     if faults and sheet.headings and not named:
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
+    twice = _take_rows(sheet, given.get("where") or {}, faults)
     needed = [places[name] for name in ("load", "velocity") if name in places]
     tested = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
     left_out = [row.number for row in sheet.rows if row not in tested]
@@ -87,8 +119,43 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     tests, _, wrong = sheet.entries(row_of, words)
     return Log(
         path, sheet, words, left_out, tests, [*faults, *listed_faults(map(_hinted, wrong))],
-        is_unclear=bool(faults),
+        is_unclear=bool(faults), twice=twice,
     )  # fmt: skip
+
+
+def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> list[int]:
+    """Keep the rows asked for, each once; return the numbers of those that stand there twice.
+
+    Rows of several lubricants are a fault unless one of them is asked for.
+    """
+    heads = [heading.text for heading in sheet.headings]
+    for head, value in where.items():
+        if head not in heads:
+            faults.append(f'where: there is no column "{head}"; give one of {", ".join(heads)}')
+            continue
+        column, wanted = heads.index(head), str(value)
+        found = dict.fromkeys(row.cells[column] for row in sheet.rows)
+        if wanted not in found:
+            listed = ", ".join(filter(None, found))
+            faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
+        sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
+    for column, heading in enumerate(sheet.headings):
+        oils = [*dict.fromkeys(row.cells[column] for row in sheet.rows if row.cells[column])]
+        if len(oils) > 1 and not heading.unit and _LUBRICANT.search(heading.title):
+            faults.append(
+                f'column "{heading.text}" has {", ".join(oils[:_SHOWN])}: the rows are of '
+                f"{len(oils)} lubricants, each with a critical temperature of its own; take one by "
+                f'--where "{heading.text}={oils[0]}", in a scene '
+                f'where = {{ "{heading.text}" = "{oils[0]}" }}'
+            )
+    first = dict[tuple[str, ...], int]()
+    twice = [
+        row.number
+        for row in sheet.rows
+        if first.setdefault((*row.cells,), row.number) != row.number
+    ]
+    sheet.rows = [row for row in sheet.rows if row.number not in twice]
+    return twice
 
 
 def _hinted(fault: CellFault) -> CellFault:
@@ -96,8 +163,10 @@ def _hinted(fault: CellFault) -> CellFault:
     word, is_unknown, _ = fault.problem.partition(" is unknown")
     if fault.name != "outcome" or not is_unknown:
         return fault
+    problem = _NEAR.sub("", fault.problem) if " " in word else fault.problem
     return fault._replace(
-        problem=f'{fault.problem}; or say what it means, as words = {{ {word} = "severe" }}'
+        problem=f"{problem}; or say what it means, mild or severe, as "
+        f'words = {{ {word} = "OUTCOME" }}'
     )
 
 
@@ -143,6 +212,9 @@ def _of_file(
         faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
     if log.guessed:
         faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
+    if log.twice:
+        numbers = numbered(log.twice)
+        faults.notes.append(f"{place}: {numbers} the same as rows before, and not counted")
     if log.left_out:
         numbers = numbered(log.left_out)
         faults.notes.append(f"{place}: {numbers} without load and velocity left out")

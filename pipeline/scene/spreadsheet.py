@@ -40,22 +40,28 @@ class Rows(NamedTuple):
 
 
 def read_rows(
-    path: Path, is_heading: Callable[[list[str]], bool], decimal: str | None = None
+    path: Path,
+    is_heading: Callable[[list[str]], bool],
+    decimal: str | None = None,
+    sheet: str | None = None,
 ) -> Rows:
     """Read the rows of a file below the first line that is a heading.
 
     Cells stand between semicolons, tabs or commas; lines that begin with ``#`` are comments.
-    Decimal commas are found unless the mark is given.
+    Decimal commas are found unless the mark is given. Of a workbook it is the first sheet unless
+    one is named.
     """
     require_file(path)
+    is_book = path.suffix.lower() == ".xlsx"
+    if sheet is not None and not is_book:
+        raise InputError(f'{path} has no sheets, of which "{sheet}" is one; leave it out')
     if path.suffix.lower() not in ROW_FILES:
         raise InputError(
             f"{path} cannot be read: rows are read from {', '.join(ROW_FILES)}; save it as .xlsx "
             "or CSV"
         )
     try:
-        read = _of_excel if path.suffix.lower() == ".xlsx" else _of_text
-        lines, form, separator = read(path)
+        lines, form, separator = _of_excel(path, sheet) if is_book else _of_text(path)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
     filled = [row for row in lines if any(row.cells)]
@@ -122,26 +128,31 @@ def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
     return rows, [f"{_NAMES[separator]} between cells", *form], separator
 
 
-def _of_excel(path: Path) -> tuple[list[Row], list[str], str]:
-    """All lines of the first sheet of an Excel file as rows, and words on it."""
+def _of_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str]:
+    """All lines of a sheet of an Excel file as rows, and words on it and on the others."""
     import pandas as pd  # here, since few scenes have rows in a sheet
 
     try:
         with pd.ExcelFile(path, engine="openpyxl") as book:
-            name = book.sheet_names[0]
-            sheet = pd.read_excel(book, header=None, dtype=str, na_filter=False)
+            names = [str(name) for name in book.sheet_names]
+            name = names[0] if wanted is None else wanted
+            if name not in names:
+                raise InputError(f'{path} has no sheet "{name}"; give one of {", ".join(names)}')
+            sheet = pd.read_excel(book, name, header=None, dtype=str, na_filter=False)
     except ImportError as error:
         raise InputError(
             f"{path}: openpyxl reads .xlsx, and is not installed; get it with "
             '"pip install openpyxl", or save the sheet as CSV'
         ) from error
-    except OSError:
+    except (OSError, InputError):
         raise
     except Exception as error:  # of the archive, its XML, or openpyxl
         raise InputError(f"{path} is no sound .xlsx file: {error}; save it again") from error
     lines = [[cell.removesuffix(" 00:00:00").strip() for cell in line] for line in sheet.to_numpy()]
     rows = [Row(number, line or [""]) for number, line in enumerate(lines, 1)]
-    return rows, [f'sheet "{name}"'], ""
+    others = [other for other in names if other != name]
+    more = f" (not read: {', '.join(others)})" if others else ""
+    return rows, [f'sheet "{name}"{more}'], ""
 
 
 def _uncommented(cells: list[str]) -> list[str]:

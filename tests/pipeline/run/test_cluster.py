@@ -22,6 +22,7 @@ import psutil
 import pytest
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
 
+import pipeline
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
 from pipeline.run.cluster import Connection, client_of, connected, sent_once, threads_of
@@ -103,13 +104,18 @@ def when_done(act):
 
 
 def python_of(user):
-    """A Python of this version that another user may run, if there is one."""
+    """A Python of this version that another user may run with our packages, if there is one.
+
+    There is none where the clone lies in a folder that others cannot enter.
+    """
+    needed = sysconfig.get_path("purelib"), str(Path(pipeline.__file__).parent)
+    may = f"import os, sys; sys.exit(not all(os.access(one, os.R_OK) for one in {needed}))"
     name = f"python{sys.version_info.major}.{sys.version_info.minor}"
     places = sys.executable, shutil.which(name, path="/usr/bin:/usr/local/bin")
     for python in filter(None, places) if os.geteuid() == 0 else ():
         with suppress(OSError):
-            subprocess.run([python, "-c", ""], user=user, cwd="/", check=True)
-            return python
+            if subprocess.run([python, "-c", may], user=user, cwd="/", check=False).returncode == 0:
+                return python
     return None
 
 

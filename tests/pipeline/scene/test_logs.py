@@ -1,12 +1,15 @@
 """Tests of a laboratory: tables of the scene, or rows of a log in CSV."""
 
+import pandas as pd
 import pytest
 
 import pipeline
+from pipeline.scene.format import TRANSITION
 from pipeline.scene.logs import read_log, read_trace
 from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
+from tribo import InputError
 
 SCENE = """
 extends = "first_try"
@@ -176,3 +179,50 @@ def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab, 
     for mark, load in ((",", 1250.0), (".", 1.25)):
         (tmp_path / "lab.toml").write_text(f'{SCENE}\ndecimal = "{mark}"\n', encoding="utf-8")
         assert lab(heads + "1.250;2;mild\n").about.tested[1].normal_load == load
+
+
+def test_a_scar_is_no_track_and_an_area_no_transition(tmp_path):
+    path = tmp_path / "four_ball.csv"
+    log = "load [N],speed [rpm],wear scar diameter [mm],outcome\n400,1450,0.6,mild\n"
+    *_, fault = read_log_faults(path, log)
+    assert 'none of "wear scar diameter [mm]" is surely its track' in fault
+    assert not read_log_faults(path, log.replace("wear scar", "track"))
+    for head in ("radius", "ball diameter"):
+        *_, fault = read_log_faults(path, log.replace("wear scar diameter", head))
+        assert "is surely its track" in fault
+    path.write_text("load [N],velocity [m/s],Brugger area [mm2]\n400,1,20\n")
+    assert read_log(path, row_of=TRANSITION).is_only_wear
+    path.write_text("load of transition [N],velocity [m/s],Brugger area [mm2]\n400,1,20\n")
+    assert not read_log(path, row_of=TRANSITION).is_only_wear
+
+
+def test_exact_names_win_and_negations_are_known(tmp_path):
+    path = tmp_path / "log.csv"
+    head = "load [N],velocity [m/s],friction,friction_scatter,outcome\n"
+    path.write_text(f"{head}400,1,0.1,0.01,not severe\n500,1,0.1,0.01,nicht bestanden\n")
+    log = read_log(path)
+    assert not log.faults
+    assert [test["outcome"] for test in log.tests] == ["mild", "severe"]
+    assert [test["friction_scatter"] for test in log.tests] == [0.01, 0.01]
+    (fault,) = read_log_faults(path, f"{head}400,1,0.1,0.01,hardly severe\n")
+    assert "did you mean" not in fault
+    assert 'words = { "hardly severe" = "OUTCOME" }' in fault
+
+
+def test_rows_of_several_oils_are_asked_about_and_counted_once(tmp_path):
+    rows = "1,FVA 3,400,1,mild\n2,PAO 8,400,1,mild\n3,PAO 8,800,1,severe\n3,PAO 8,800,1,severe\n"
+    path = tmp_path / "oils.csv"
+    (fault,) = read_log_faults(path, f"run,Öl,load [N],velocity [m/s],outcome\n{rows}")
+    assert 'column "Öl" has FVA 3, PAO 8' in fault
+    log = read_log(path, {"where": {"Öl": "PAO 8"}})
+    assert (len(log.tests), log.twice, log.faults) == (2, [5], [])
+    assert "no row has" in read_log(path, {"where": {"Öl": "X"}}).faults[0]
+    book = tmp_path / "book.xlsx"
+    with pd.ExcelWriter(book) as written:
+        pd.DataFrame({"a": [1]}).to_excel(written, sheet_name="Cover", index=False)
+        pd.read_csv(path).to_excel(written, sheet_name="Log", index=False)
+    log = read_log(book, {"where": {"Öl": "PAO 8"}, "sheet": "Log"})
+    assert len(log.tests) == 2
+    assert 'sheet "Log" (not read: Cover)' in log.sheet.form
+    with pytest.raises(InputError, match='no sheet "Lag"; give one of Cover, Log'):
+        read_log(book, {"sheet": "Lag"})
