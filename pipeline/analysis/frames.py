@@ -184,6 +184,11 @@ def on_tests(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     yield agreement(frame)
     yield short(frame, ["note"])
     yield from notes_of(frame)
+    yield (
+        f"each at its own friction and bulk; a transition agrees within {_DEVIATIONS:g} "
+        f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none, a "
+        "test if its outcome is the computed one beyond the error of the temperature"
+    )
 
 
 def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:

@@ -313,11 +313,6 @@ def _tests(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     if table is None:
         return
     yield from on_tests(table)
-    yield (
-        "Each is computed at its own friction and bulk temperature. A transition agrees within two "
-        "standard deviations of its velocity (5 % each if it gives none); a test agrees if its "
-        "outcome is the computed one beyond the error of the temperature"
-    )
 
 
 def _meaning(path: str) -> str:
