@@ -188,6 +188,15 @@ def is_emulated(ds: xr.Dataset) -> bool:
     return bool(attributes_of(ds).get("unknown"))
 
 
+def require_samples(ds: xr.Dataset, given_measured: bool, scatter: float | None) -> None:
+    """Refuse to weigh inputs by tests where there are no samples of them."""
+    if not is_emulated(ds) and (given_measured or scatter is not None):
+        raise InputError(
+            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
+            "given_measured and scatter)"
+        )
+
+
 def require_one_scene(ds: xr.Dataset) -> None:
     """Raise an `InputError` at a sweep in which entries have several values."""
     if names := entry_dims(ds):

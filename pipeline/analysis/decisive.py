@@ -22,6 +22,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.scenes import by_scene
 from pipeline.analysis.transition import certain, interpolated
 from pipeline.scene.faults import quoted
+from pipeline.scene.format import OIL_WORKS
 from pipeline.scene.units import in_si, share_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
@@ -47,7 +48,7 @@ CONDITIONS = (
 """Names of the conditions that may be given in place of the sweep's own, and the permission."""
 
 _STORED = {entry.name for entry in fields(Conditions)} - {"own_criterion"}
-COLDEST_OIL, HOTTEST_OIL = 220.15, 900.15
+COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 """Bulk temperatures between which an oil may work [K]."""
 
 

@@ -152,10 +152,10 @@ def own_conditions(ds: xr.Dataset, conditions: Conditions, test: Mapping[str, An
     bulks: dict[str, Any] = {
         body: stored.get(body) for body in ("bulk_temperature", "disk_temperature")
     }
-    if test.get("bulk_temperature") is not None:  # which may be above those judged by
+    if test.get("bulk_temperature") is not None:
         bulks = {"bulk_temperature": test["bulk_temperature"], "disk_temperature": None}
     own = replace(conditions, friction=stored.get("friction", conditions.friction), **bulks)
-    return own.of_row(test)
+    return own.at_friction(test.get("friction"))
 
 
 def compared(ds: xr.Dataset, **conditions: Any) -> pd.DataFrame | None:

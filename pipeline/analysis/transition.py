@@ -72,9 +72,9 @@ class Crossing:
         is_done = np.isfinite(rise) if is_done is None else is_done
         done = x[is_done]
         computed = (float(done[0]), float(done[-1])) if done.size else (math.nan, math.nan)
-        place = crossing(x, rise, limit)
         if _is_mild_again(rise, limit):
             return cls(math.nan, SEVERAL, computed)
+        place = crossing(x, rise, limit)
         if math.isfinite(place):
             is_missing = np.zeros_like(is_done) if is_missing is None else is_missing
             held, missing = x[is_done & ~is_missing], x[is_missing]

@@ -206,7 +206,7 @@ class Samples(NamedTuple):
         ensemble, weighed = self
         yield f"  {MEAN_OF_RUNS}"
         if weighed and weighed.misfit:
-            yield f"warning: {weighed.misfit}; nothing is decided by it"
+            yield f"warning: {weighed.misfit}"
         basis = "as the scene assumes them"
         if weighed:
             basis = f"given {weighed.evidence}, {scatter_in_words(weighed)}"

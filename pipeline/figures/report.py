@@ -110,11 +110,7 @@ def report(
     if points is not None and not isinstance(points, OperatingPoints):
         points = OperatingPoints.read(points)
     ds = dataset.dataset_of(ds)
-    if not dataset.is_emulated(ds) and (given_measured or scatter is not None):
-        raise InputError(
-            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
-            "given_measured and scatter)"
-        )
+    dataset.require_samples(ds, given_measured, scatter)
     weighing = given_measured, scatter
     title = dataset.attributes_of(ds).get("title") or path.stem
     template = resources.files("pipeline.figures.page").joinpath("report.html").read_text("utf-8")
@@ -300,10 +296,12 @@ def _inputs(ds: xr.Dataset, attributes: Mapping[str, Any]) -> Iterator[Part]:
 
 
 def _each(values: xr.DataArray) -> str:
-    """Values that an entry has in turn, in words; of many the number."""
-    texts = [value_text(values, value) for value in dict.fromkeys(np.ravel(values).tolist())]
-    if len(texts) > _MOST_VALUES:
-        return f"{len(texts)} values, from {texts[0]} to {texts[-1]}"
+    """Values that an entry has in turn, in words; of many the number and the ends."""
+    each = [*dict.fromkeys(np.ravel(values).tolist())]
+    is_long = len(each) > _MOST_VALUES
+    texts = [value_text(values, one) for one in ((min(each), max(each)) if is_long else each)]
+    if is_long:
+        return f"{len(each)} values, from {' to '.join(texts)}"
     return f"in turn {', '.join(texts)}" if len(texts) > 1 else texts[0]
 
 

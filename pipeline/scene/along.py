@@ -37,7 +37,8 @@ _ROW = Table(
         "critical_temperature": Optional(CRITICAL),
     }
 )
-_BEFORE = FORMAT.keys.keys() - {"friction", "temperature", "title"}  # what a simulation needs
+_BEFORE = tuple(f"{name}." for name in FORMAT.keys if name not in ("friction", "temperature"))
+"""Beginnings of paths that a simulation needs."""
 _REACH = 2.0  # factor of load and velocity to which places about a row go
 _MOST = 10_000  # places, each of which is read as a scene
 
@@ -96,7 +97,7 @@ class OperatingPoints:
             f'column "{heading.text}" cannot act after the simulation; leave it out, or give the '
             "table to [sweep] along of a scene, which computes each row"
             for heading in map(sheet.headings.__getitem__, sheet.others)
-            if heading.name == "hold" or heading.title.partition(".")[0] in _BEFORE
+            if heading.name == "hold" or heading.title.startswith(_BEFORE)
         ]
         _, rows, wrong = sheet.entries(_ROW, {})
         faults += [*sheet.faults, *sheet.of_rows, *listed_faults(wrong)]

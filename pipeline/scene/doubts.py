@@ -159,14 +159,14 @@ def _of_widths(sweep: Sweep, facts: Facts) -> Iterator[str]:
         )
         if abs(counted / whole - 1) < _WIDTH_ERROR:
             continue
-        remedy = "it warms as a whole, which a width does not know: give disk.capacity instead"
+        remedy = f"it warms as a whole, which a width does not know: give {body}.capacity"
         if counted > whole:
             remedy = "one heat is counted twice: leave out the width, or the capacity"
         yield (
             f"half of the heat of {load:g} N at {velocity:g} m/s warms the {body} by "
             f"{counted:.3g} K in {time:.3g} s by what is given, its width and "
             f"{'its capacity' if bulk else 'a hold'}; a disc that is heated around its rim would "
-            f"warm by {whole:.3g} K: {remedy.replace('disk', body)}"
+            f"warm by {whole:.3g} K: {remedy}"
         )
 
 

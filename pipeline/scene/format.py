@@ -54,8 +54,10 @@ DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 SPEED = Quantity("a velocity", "1.25 m/s")
 TEMPERATURE = Quantity("a temperature", "25 degC")
-BULK = Quantity("a temperature", "25 degC", ends=("-53 degC", "627 degC"))  # where oils work
-CRITICAL = Quantity("a temperature", "145 degC", ends=("-53 degC", "1e4 K"))
+OIL_WORKS = "-53 degC", "627 degC"
+"""Bulk temperatures between which an oil may work."""
+BULK = Quantity("a temperature", "25 degC", ends=OIL_WORKS)
+CRITICAL = Quantity("a temperature", "145 degC")
 CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
@@ -297,7 +299,7 @@ TEMPERATURES = Table({
         "pin": Entry(BULK, "Temperature of the pin."),
         "disk": Entry(BULK, "Temperature of the disk."),
     })), "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
-    "critical": Optional(Quantity("a temperature", "145 degC"),
+    "critical": Optional(CRITICAL,
         "Contact temperature above which the lubricant fails; needed where wear is judged."),
     "failing_share": Optional(Share(at_least=0, below=1),
         "Share of the contact area above the critical temperature beyond which wear is severe; 0 "

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Faults, did_you_mean, quoted
@@ -85,6 +84,7 @@ _WORDS = {
 }  # fmt: skip
 """Words by which a heading names a quantity, and words by which it means another one."""
 _SHOWN = 6  # rows of a fault that are named
+_ABSENT = "nan", "None", "NaT", "<NA>"  # what a cell of a data frame without a value is as text
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,7 +356,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
         for row in rows:
             cell: Any = row.cells[place]
             if not isinstance(cell, str):
-                row.cells[place] = "" if pd.isna(cell) else f"{cell}{unit}"
+                row.cells[place] = "" if str(cell) in _ABSENT else f"{cell}{unit}"
     return sheet
 
 

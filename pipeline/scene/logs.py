@@ -29,11 +29,9 @@ _NEGATION = re.compile(
     r"^\s*(not|no|non|nicht|keine?r?|sans|pas( de)?|senza|sin|ohne|without)[\s_-]+"
 )
 _NEAR = re.compile(r" \(did you mean [^)]*\)")  # of a word, which may mean the contrary
-_MEASURED_WEAR = re.compile(
-    r"brugger|\b(area|scar|fläche|kalotte\w*|narbe\w*)\b|fläche|kalotte", re.I
-)
+_MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re.IGNORECASE)
 _TRANSITIONS = re.compile(
-    r"transition|critical|kritisch|übergang|scuff|fress|seiz|failure|fail|limit|grenz", re.I
+    r"transition|critical|kritisch|übergang|scuff|fress|seiz|fail|limit|grenz", re.IGNORECASE
 )
 _LUBRICANT = re.compile(
     r"^((test )?(oil|öl|oel)|lubricants?|lube|schmierstoff|huile|olio|aceite|fluid|grease|fett"
@@ -54,9 +52,10 @@ def outcome_of(word: str, heading: str) -> str | None:
     said = _NEGATION.sub("", word.lower())
     plain = re.sub(r"[\W_]+", "", said).replace("freß", "fress")
     found = "mild" if plain in mild else "severe" if plain in severe else None
-    if found and said != word.lower() and plain not in (_YES + _NO).split():
-        return "severe" if found == "mild" else "mild"
-    return found
+    if said == word.lower() or found is None:
+        return found
+    is_plain = plain not in f"{_YES} {_NO}".split()  # "not 1" may be anything
+    return {"mild": "severe", "severe": "mild"}[found] if is_plain else None
 
 
 @dataclass(slots=True)

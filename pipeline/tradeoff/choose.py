@@ -105,8 +105,8 @@ def with_own_error(
     The sweep as it is where a preset has an error, where the store has none, or there is no
     boundary to measure it at.
     """
-    conditions, friction = sweep.conditions, sweep.conditions.friction
-    is_judged = friction > 0 and conditions.critical_temperature is not None
+    conditions = sweep.conditions
+    is_judged = conditions.friction > 0 and conditions.critical_temperature is not None
     moves = all(point.velocity for point in points) if points else max(sweep.plane.velocities) > 0
     if preset_of(asdict(sweep.scene.fidelity)) or not (is_judged and moves):
         return sweep

@@ -26,7 +26,7 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
     """The draws given, without those of the rig, which stand last; else draws of the prior."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
-    return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights, draws.misfit)
+    return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights, draws.faults)
 
 
 def probability_of(excess: Excess, draws: Draws) -> tuple[float, float]:

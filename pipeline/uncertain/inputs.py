@@ -28,12 +28,22 @@ _AT_A_TIME = 256
 class Draws:
     """Values of the unknown inputs (n, n_unknown) [SI], each with a weight; their sum is 1.
 
-    Misfit says why the model does not fit the tests that weigh them; it is empty if nothing does.
+    Faults are reasons why the model does not fit the tests that weigh them.
     """
 
     inputs: Array
     weights: Array
-    misfit: str = ""
+    faults: tuple[str, ...] = ()
+
+    @property
+    def misfit(self) -> str:
+        """Why the model does not fit, and what to do; empty if nothing speaks against it."""
+        if not self.faults:
+            return ""
+        return (
+            f"the model does not fit: {'; '.join(self.faults)}; nothing is decided by it: look at "
+            "the scene and at [unknown]"
+        )
 
     @property
     def effective(self) -> float:

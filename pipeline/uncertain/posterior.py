@@ -54,7 +54,6 @@ class Posterior:
     scatter: float  #: Relative standard deviation of measured velocities, as stated.
     #: That which 5, 50 and 95 % stay below, given the tests.
     inferred_scatter: tuple[float, float, float]
-    faults: tuple[str, ...] = ()  #: Reasons why the model does not fit the tests, in words.
     #: End at which the inferred scatter is cut off, since no larger or smaller one is considered.
     cut_off: str = ""
     #: Inputs that are the friction of each sweep's rig, and its scatter between tests.
@@ -68,8 +67,13 @@ class Posterior:
         return not self.faults
 
     @property
+    def faults(self) -> tuple[str, ...]:
+        """Reasons why the model does not fit the tests, in words."""
+        return self.draws.faults
+
+    @property
     def misfit(self) -> str:
-        """Why the model does not fit, and what to do; empty if it fits."""
+        """See `Draws.misfit`."""
         return self.draws.misfit
 
     @property
@@ -92,7 +96,7 @@ class Posterior:
     def of_sweep(self, number: int) -> Draws:
         """Draws of the inputs of one sweep."""
         inputs = self.draws.inputs[:, self.columns[number]]
-        return Draws(inputs, self.draws.weights, self.draws.misfit)
+        return Draws(inputs, self.draws.weights, self.draws.faults)
 
     def summary(self) -> Iterator[dict[str, Any]]:
         """Mean, spread and 90 % interval of each input, before and after [SI].
@@ -209,13 +213,6 @@ def faults(
         if (share := float(draws.mean(_is_outer(one, column)))) > _MUCH:
             words.append(f"{one.path} has {share:.2f} of its probability at the ends of its range")
     return tuple(words)
-
-
-def misfit(faults: Sequence[str]) -> str:
-    """Why a model with some faults does not fit, and what to do; empty if it has none."""
-    if not faults:
-        return ""
-    return f"the model does not fit: {'; '.join(faults)}; look at the scene and at [unknown]"
 
 
 def explains(

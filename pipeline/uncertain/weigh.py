@@ -20,7 +20,7 @@ from pipeline.sweep.unknown import OF_90, Unknown, at_scores, sequence
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Joint, JudgedTests, Test
 from pipeline.uncertain.inputs import Draws, prior
-from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults, misfit
+from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults
 from tribo import InputError
 from tribo.types import Array
 
@@ -88,11 +88,10 @@ def posterior(
         model.unknown,
         model.columns,
         before,
-        replace(draws, misfit=misfit(wrong)),
+        replace(draws, faults=wrong),
         by_others,
         scatter,
         inferred,
-        faults=wrong,
         cut_off=cut_off(softmax(judgement.joint).sum(axis=0)),
         rigs=model.rigs,
         evidence_gain=gain,
@@ -183,7 +182,7 @@ def basis_of(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
     """Unknown inputs as answers take them, what fixes others, and whether the model fits."""
     if weighed:
         if weighed.misfit:
-            yield f"warning: {weighed.misfit}; nothing is decided by it"
+            yield f"warning: {weighed.misfit}"
         for path, before, after, within in weighed.in_words():
             yield f"{path}: {after}, 90 % within {within} (before the tests {before})"
     else:

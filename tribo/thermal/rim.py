@@ -24,7 +24,8 @@ def rim_warming(
 
         ΔT = q a/K (2 Fo + 1/4 − 2 Σ exp(−βₙ² Fo)/βₙ²),  Fo = κt/a², J₁(βₙ) = 0
 
-    A loss of all of the disc to its surroundings adds its own decay to each root, 0 among them.
+    A loss G of all of the disc, of the heat capacity C, adds G a²/(κ C) to each βₙ², the 0 of the
+    mean among them, whose term 2 Fo becomes 2 (1 − exp(−G t/C)) κC/(G a²).
 
     Parameters
     ----------

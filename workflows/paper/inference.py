@@ -74,9 +74,7 @@ def inverse(study: Study) -> Report:
         verdicts={
             "white_oil": agree(critical["white oil"], 4 * [printed], ROOM_CELSIUS),
             "oil_a": values["oil_a_spread"] < 15,
-            "wear_rate": agree(
-                np.array(chosen).reshape(-1, 1), np.full(len(np.ravel(chosen)), SPECIFIC_WEAR_RATE)
-            ),
+            "wear_rate": agree(np.reshape(chosen, (-1, 1)), SPECIFIC_WEAR_RATE),
             "wear_rates_of_oil_a": all(max(pair) < 1.4 * min(pair) for pair in of_a)
             and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *chosen),
             "heating": heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,

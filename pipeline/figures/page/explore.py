@@ -21,6 +21,7 @@ from pipeline.analysis.dataset import (
     is_emulated,
     opened,
     require_plane,
+    require_samples,
 )
 from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
@@ -119,12 +120,8 @@ def explore(
     if is_emulated(ds):
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
         scripts, bodies = ["samples"], [_of_samples(one) for one in held]
-    elif given_measured or scatter is not None:
-        raise InputError(
-            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
-            "given_measured and scatter)"
-        )
     else:
+        require_samples(ds, given_measured, scatter)
         require_plane(ds)
         held = [content(part, most_fields // len(parts), **judged) for part in parts]
         scripts, bodies = ["state", "page"], [_of_plane(one) for one in held]

@@ -106,7 +106,8 @@ function transitionAlong(x, y, limit, range, isBridged = () => false) {
   if (!known.length || Number.isNaN(limit)) return result(UNKNOWN, NaN, NaN);
   const n = known.findIndex((k) => y[k] >= limit);
   if (n < 0) return high >= range[1] ? result(MILD, Infinity, Infinity) : result(ABOVE, high, Infinity);
-  if (known.slice(n).some((k) => y[k] <= limit && k > known[n])) return result(SEVERAL, NaN, NaN);
+  const hot = known.findIndex((k) => y[k] > limit);
+  if (hot >= 0 && known.slice(hot).some((k) => y[k] <= limit)) return result(SEVERAL, NaN, NaN);
   const [last, first] = [known[n - 1], known[n]];
   if (n === 0 && y[first] > limit) {
     return low <= range[0] ? result(SEVERE, -Infinity, -Infinity) : result(BELOW, -Infinity, low);

@@ -165,6 +165,8 @@ def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, 
     assert document["columns_not_used"] == ["part"]
     (margin,) = pipeline.margins(store, 400.0, 1.2, critical_temperature="100 degC")
     assert document["margins"]["distance"] == [margin.distance]
+    points.write_text("oil,pin,load [N],velocity [m/s]\nFVA 3,a,400,1.2\n")
+    assert "columns not used: oil, pin" in irg("margin", "out.zarr", "--points", points)
     for head in ("pin.radius [mm]", "hold [s]", "wear.specific_wear_rate"):
         points.write_text(f"load [N],velocity [m/s],{head}\n400,1.2,3\n")
         said = irg("margin", "out.zarr", "--points", points, code=2)

@@ -5,7 +5,7 @@ import pytest
 
 import pipeline
 from pipeline.scene.format import TRANSITION
-from pipeline.scene.logs import read_log, read_trace
+from pipeline.scene.logs import outcome_of, read_log, read_trace
 from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
@@ -204,6 +204,7 @@ def test_exact_names_win_and_negations_are_known(tmp_path):
     assert not log.faults
     assert [test["outcome"] for test in log.tests] == ["mild", "severe"]
     assert [test["friction_scatter"] for test in log.tests] == [0.01, 0.01]
+    assert outcome_of("not true", "scuffed") is None
     (fault,) = read_log_faults(path, f"{head}400,1,0.1,0.01,hardly severe\n")
     assert "did you mean" not in fault
     assert 'words = { "hardly severe" = "OUTCOME" }' in fault
