@@ -126,7 +126,7 @@ ENTRIES = {
 
 
 _NEAR = 1.01  # ratio of abscissae over which an exponent is taken
-_PARTS = 16  # of an interval of velocities, between which friction is taken as it is there
+_PARTS = 64  # of an interval of velocities, between which friction is taken as it is there
 _FLAT = 0.25  # least exponent of a power law that is continued down to 0
 
 

@@ -359,6 +359,10 @@ def sections_of_samples(
     from pipeline.uncertain.risks import risk_table
     from pipeline.uncertain.weigh import basis_of, posterior_if_given
 
+    if weighing[0] and (others := sorted(changed.keys() - {"criterion", "own_laws"})):
+        raise InputError(
+            f"the tests weigh the conditions as they were drawn: leave out {', '.join(others)}"
+        )
     ensemble = Ensemble.of(ds, **changed)
     weighed = posterior_if_given(ensemble, *weighing)
     draws = weighed.draws if weighed else None

@@ -89,5 +89,7 @@ def test_a_report_of_samples_weighs_them_by_the_tests_if_asked_to(tmp_path):
     assert "mean of runs" in weighed
     plain = pipeline.report(tested, tmp_path / "plain.html")
     assert "Not known exactly, before any test" in plain.read_text()
+    with pytest.raises(InputError, match="as they were drawn: leave out friction"):
+        pipeline.report(tested, tmp_path / "no.html", given_measured=True, friction=0.2)
     with pytest.raises(InputError, match="has no samples, to which --given-measured"):
         pipeline.report(synthetic.sweep(), tmp_path / "no.html", given_measured=True)
