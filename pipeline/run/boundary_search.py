@@ -268,9 +268,8 @@ def follow_boundary(
             wanted |= {Point(*point[:2], other) for point in asked for other in same}
         return sweep.changed(chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
-    place = place_of(out)
     restore_root(out, sweep, tell)
-    root = find_root(place)
+    root = find_root(place := place_of(out))
     store = Store(place, root) if root else None
     begun = further(store, retry_failed)
     if begun is None and store:

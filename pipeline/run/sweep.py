@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,11 +24,11 @@ from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.attributes import differences, package_versions
 from pipeline.store.create import grown, restore_root, writing
-from pipeline.store.place import Bucket, PathLike
+from pipeline.store.place import DAMAGED, Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED, require_free_names
-from pipeline.store.verify import changed_chunks, examined, note_files
+from pipeline.store.verify import changed_chunks, note_files, repaired
 from pipeline.store.write import Store, Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
@@ -122,8 +123,9 @@ def run_sweep(
     tell = tell or unheard
     restore_root(out, sweep, tell)
     before = read_attributes(out)
-    with writing(out, sweep) as store, reported(progress) as report:
-        for note in (*_repaired(store), *_notes(store, before)) if before else ():
+    repair = partial(_repair, tell)
+    with writing(out, sweep, repair) as store, reported(progress) as report:
+        for note in _notes(store, before) if before else ():
             tell(note)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
@@ -191,20 +193,24 @@ def _rounds(
             store = grown(store.place, asked, store.lock)
 
 
-def _repaired(store: Store) -> Iterator[str]:
+def _repair(tell: Callable[[str], None], store: Store) -> None:
     """Make damaged points pending, of what differs from the last run's end; none of a bucket."""
-    if isinstance(store.place, Bucket):
+    place = store.place
+    if isinstance(place, Bucket):
         return
     changed = changed_chunks(store)
     if changed is None:
-        yield f"all points of {store.place} are checked: no run has ended well since it was changed"
+        tell(f"all points of {place} are checked: no run has ended well since it was changed")
     elif changed:
-        yield (
-            f"{len(changed)} chunks of points of {store.place} are checked, whose files differ "
-            "from those that the last run left; irg verify checks all"
+        tell(
+            f"{len(changed)} chunks of points of {place} are checked, whose files differ from "
+            "those that the last run left; irg verify checks all"
         )
-    if damaged := len(examined(store, repair=True, chunks=changed).damaged):
-        yield f"{damaged} damaged points of {store.place} are computed again"
+    if damaged := repaired(store, changed):
+        tell(
+            f"{damaged} damaged points of {place} are computed again; what is replaced is kept in "
+            f"{place}/{DAMAGED}"
+        )
 
 
 def _notes(store: Store, before: Mapping[str, Any]) -> Iterator[str]:

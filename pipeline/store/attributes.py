@@ -93,8 +93,12 @@ class Simulated:
 
     def at(self, point: Point) -> str:
         """Hash of what is simulated at a point."""
+        return self.hashes[self.entries_at(point)]
+
+    def entries_at(self, point: Point) -> tuple[Any, ...]:
+        """Values at a point of the entries that have several."""
         labels = dict(point.variant)
-        return self.hashes[tuple(labels[name] for name in self.entries)]
+        return tuple(labels[name] for name in self.entries)
 
 
 def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> np.uint64:

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -32,17 +32,20 @@ from pipeline.store.layout import (
 )
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
+    DAMAGED,
     LOCK,
     ROOT,
     Bucket,
+    DamagedError,
     Folder,
     PathLike,
     StoreError,
     StoreMismatchError,
     StorePlace,
+    keep_beside,
     larger,
     place_of,
-    reads,
+    reaches,
     smaller,
     writes,
 )
@@ -50,13 +53,16 @@ from pipeline.store.root import (
     MOST_POINTS,
     LostRootError,
     Root,
+    are_rows,
+    copied,
+    copied_attributes,
     find_root,
     read_root,
     require_likely,
     root_document,
 )
 from pipeline.store.schema import AT_END, PENDING, PLANE, STEPPED, is_coordinate, variables_of
-from pipeline.store.verify import examined
+from pipeline.store.verify import agrees, repaired, require_right_root
 from pipeline.store.write import Store
 from pipeline.sweep.model import Sweep, named
 from pipeline.sweep.stations import Stations
@@ -66,13 +72,16 @@ _T = TypeVar("_T")
 
 
 @contextmanager
-def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
+def writing(
+    path: PathLike, sweep: Sweep, repair: Callable[[Store], None] | None = None
+) -> Iterator[Store]:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
-    Raise a `StoreMismatchError` if it belongs to another scene, a `StoreError` if something else is
-    in its place, another process writes to it, or it cannot be written.
+    A repair is called before anything else is changed. Raise a `StoreMismatchError` if it belongs
+    to another scene, a `StoreError` if something else is in its place, another process writes to
+    it, or it cannot be read or written.
     """
-    place = place_of(path)
+    place = place_of(path, to_write=True)
     find_root(place)  # before a lock is laid in what is no store
     with held(place) as lock:
         if isinstance(place, Folder):
@@ -80,10 +89,15 @@ def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
                 for file in (place.path / (ROOT + PARTIAL), *place.path.glob(f"*/*{PARTIAL}")):
                     file.unlink(missing_ok=True)
                 _remove_unfinished(place.path)
-        yield grown(place, sweep, lock)
+        yield grown(place, sweep, lock, repair)
 
 
-def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
+def grown(
+    place: StorePlace,
+    sweep: Sweep,
+    lock: Lock | None,
+    repair: Callable[[Store], None] | None = None,
+) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = find_root(place)
     if root:
@@ -93,6 +107,8 @@ def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
         raise StoreMismatchError(
             "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
         )
+    if root and repair:
+        repair(Store(place, root, lock, is_damaged=True))
     with writes(place):
         root = _with_room(place, root, sweep, lock)
     store = _repaired_if_need_be(place, root, lock, lambda store: store)
@@ -103,11 +119,11 @@ def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
 def _repaired_if_need_be(
     place: StorePlace, root: Root, lock: Lock | None, use: Callable[[Store], _T]
 ) -> _T:
-    """What a function makes of an open store, which is repaired first if it cannot be read."""
+    """What a function makes of an open store, which is repaired first if it is damaged."""
     try:
         return use(Store(place, root, lock))
-    except StoreError:
-        examined(Store(place, root, lock, is_damaged=True), repair=True)
+    except DamagedError:
+        repaired(Store(place, root, lock, is_damaged=True))
         return use(Store(place, root, lock))
 
 
@@ -115,8 +131,6 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
     with_fields = "pressure" in before.arrays if before else sweep.record.fields
     wanted = variables_of(sweep, with_fields)
-    stations = {"stations": json.dumps(Stations.of(sweep).as_dict())}
-    wanted["step"] = wanted["step"]._replace(attributes=stations)
     axes = grown_axes(before.axes if before else {}, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
     if not before and isinstance(place, Bucket):  # whose steps cannot be added to
@@ -136,6 +150,8 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
         sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
         attributes["points_per_chunk"] = block_of(sizes, bytes_of_a_point(wanted, axes))
         attributes["generation"] = before.attributes["generation"] + 1 if before else 0
+    copies = {"stations": json.dumps(Stations.of(sweep).as_dict())} | copied_attributes(attributes)
+    wanted["step"] = wanted["step"]._replace(attributes=copies)
     contents, metadata = documents(wanted, axes, attributes["points_per_chunk"])
     if before and is_inserted:
         if isinstance(place, Bucket):
@@ -214,6 +230,8 @@ def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[s
     (beside.path / LOCK).hardlink_to(path / LOCK)
     beside.put(contents)
     _copy(store, path, root, beside)
+    if (path / DAMAGED).exists():
+        shutil.copytree(path / DAMAGED, beside.path / DAMAGED)
     beside.put({ROOT: root_document(*root)})
     sync(path.parent)
     store.require_lock()  # whoever holds another one has removed some of what was made beside
@@ -221,7 +239,7 @@ def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[s
     try:
         beside.path.rename(path)
     except OSError:
-        if not (path / ROOT).exists():  # unless a reader has finished it
+        if not (path / ROOT).exists():  # unless another process has finished it
             raise
     sync(path.parent)
     _remove_unfinished(path)
@@ -258,7 +276,9 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
             arrays[name].oindex[(*new, *last)] = values
     for name in arrays.keys() & AT_END.keys():  # a file for each point, which takes its new name
         for file in (path / name).glob("c.*"):
-            if numbers := chunk_numbers(file.name):
+            numbers = chunk_numbers(file.name)
+            # Those beyond are of no point that the store knows.
+            if numbers and all(i < len(of_dim) for i, of_dim in zip(numbers, moved, strict=False)):
                 index = [of_dim[i] for of_dim, i in zip(moved, numbers, strict=False)]
                 key = chunk_key(name, (*index, *numbers[len(index) :]))
                 (beside.path / key).hardlink_to(file)
@@ -267,59 +287,55 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
 def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | None = None) -> bool:
     """Make a root that is lost again, by the scene and the arrays' files; return whether it was.
 
+    One that is not of its arrays counts as lost, except in a bucket, which is not looked through.
     Raise a `StoreMismatchError`, and write nothing, if the points' checksums, of which each
     includes the hash of what was simulated, say that the sweep did not make the store.
     """
-    place = place_of(path)
+    place, tell = place_of(path, to_write=True), tell or (lambda _: None)
     try:
-        find_root(place)
-    except LostRootError as error:
+        for fault in _faults_beside_root(place):
+            tell(f"{fault}; irg verify {path} --repair writes it again")
+    except LostRootError:
         with held(place):
-            root = _remade(place, sweep, error)
-            with writes(place):
-                place.put({ROOT: root_document(*root)})
-        if tell:
-            tell(f"the root of {path} was lost or damaged, and is made again")
+            try:
+                _faults_beside_root(place)
+            except LostRootError as error:  # still, and no other process has made it meanwhile
+                root = _remade(place, sweep, error)
+                with writes(place):
+                    keep_beside(place, [ROOT])
+                    place.put({ROOT: root_document(*root)})
+        tell(f"the root of {path} was lost or damaged, and is made again")
         return True
     return False
 
 
+def _faults_beside_root(place: StorePlace) -> tuple[str, ...]:
+    """Faults of what arrays copy of a root; raise a `LostRootError` if that is lost."""
+    root = find_root(place)
+    return require_right_root(place, root) if root and isinstance(place, Folder) else ()
+
+
 def _remade(place: StorePlace, sweep: Sweep, lost: StoreError) -> Root:
     """The root as the sweep says, if the points of the store agree."""
-    with_fields = place.read(f"pressure/{ROOT}") is not None
+    with reaches(place):
+        with_fields = place.read(f"pressure/{ROOT}") is not None
     try:
-        metadata = {name: _metadata(place, name) for name in variables_of(sweep, with_fields)}
-        arrays, axes = arrays_of(place, metadata, read_only=True), {}
-        for name in filter(is_coordinate, metadata):
-            with reads(place, name):
-                axes[name] = arrays[name][:].tolist()
-        stations = json.loads(metadata["step"]["attributes"]["stations"])
-    except (ValueError, KeyError, TypeError, StoreError) as error:
+        copies, metadata = copied(place, variables_of(sweep, with_fields))
+    except DamagedError as error:
         raise StoreError(f"{lost}; it cannot be made again: {error}") from error
-    status = arrays["status"]
-    attributes = root_attributes(sweep.changed(stations=stations), None) | {
-        "axes": axes,
-        "stations": stations,
-        "points_per_chunk": dict(zip(status.metadata.dimension_names, status.chunks, strict=True)),
-        "generation": int(time.time()),  # whoever opened it before opens it again
-    }
+    sweep = sweep.changed(stations=copies["stations"])
+    attributes = root_attributes(sweep, None) | copies
+    attributes["generation"] = int(time.time())  # whoever opened it before opens it again
+    if over := attributes.get("over"):  # the scene may ask for more values than there are
+        held = {*itertools.product(*(copies["axes"].get(name, ()) for name in over))}
+        rows = attributes["scenes"]
+        attributes["scenes"] = [row for row in rows if tuple(row["values"]) in held]
     root = Root(json.loads(json.dumps(attributes)), metadata)
-    require_likely(place, root)
-    try:
-        verification = examined(Store(place, root, is_damaged=True), repair=False)
-        agrees = verification.done > 0 or not verification.damaged
-    except KeyError:  # of values that the sweep does not have
-        agrees = False
-    if not agrees:
+    if are_rows(root):
+        require_likely(place, root)
+    if not (are_rows(root) and agrees(Store(place, root, is_damaged=True))):
         raise StoreMismatchError(
             f"{place} has lost its {ROOT}, and its points are not those of this scene; give the "
             "scene that made it, with all its values, or write to another store"
         )
     return root
-
-
-def _metadata(place: StorePlace, name: str) -> Any:
-    content = place.read(f"{name}/{ROOT}")
-    if content is None:
-        raise KeyError(f"{name}/{ROOT} is lost")
-    return json.loads(content)

@@ -18,7 +18,8 @@ class Durable(LocalStore):
     """A `zarr.storage.LocalStore` that survives a power cut.
 
     A file is written beside its place, synced and renamed, and its folder synced. So after a cut
-    each key has its old content or its new one, and the new one if `set` had returned.
+    each key has its old content or its new one, and the new one if `set` had returned. What is
+    there and cannot be read is an `OSError`, and never taken for what is not there.
     """
 
     async def get(
@@ -27,8 +28,8 @@ class Durable(LocalStore):
         prototype: BufferPrototype | None = None,
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
-        """Content of a key; None if there is none, or something without an end, such as a pipe."""
-        if not (self.root / key).is_file():
+        """Content of a key; None if there is none."""
+        if not files.is_there(self.root / key):
             return None
         return await super().get(key, prototype, byte_range)
 
@@ -40,7 +41,7 @@ class Durable(LocalStore):
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
         """Content of a key as `get` gives it."""
-        if not (self.root / key).is_file():
+        if not files.is_there(self.root / key):
             return None
         return super().get_sync(key, prototype=prototype, byte_range=byte_range)
 

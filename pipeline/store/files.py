@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -14,6 +15,19 @@ THREADS = 8
 """Threads that wait for the disk, which then writes several files in one go."""
 
 _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
+
+
+def is_there(file: Path) -> bool:
+    """True for a file, False if nothing has its name; raise an `OSError` if nobody can tell."""
+    try:
+        mode = file.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        if file.is_symlink():  # its disk may be away
+            raise OSError(errno.ENOLINK, "it is a link that leads nowhere", str(file)) from None
+        return False
+    if not stat.S_ISREG(mode):  # a pipe has no end
+        raise OSError(errno.EINVAL, "it is not a file", str(file))
+    return True
 
 
 def replace_file(file: Path, content: bytes) -> None:

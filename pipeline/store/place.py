@@ -4,24 +4,27 @@
 
     TriboError
     └── StoreError               no store, not readable, not writable or in use
-        └── StoreMismatchError   the store of another scene
+        ├── StoreMismatchError   the store of another scene
+        ├── DamagedError         data that were read, and are proved wrong
+        └── UnreadableError      data that cannot be read now, of which nothing is known
+
+What is read is sound, or raises one of the last two. Only what is proved wrong is ever replaced.
 """
 
 from __future__ import annotations
 
 import errno
 import os
-import stat
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pipeline.store.files import make_folder, replace_files
+from pipeline.store.files import is_there, make_folder, replace_files
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -34,8 +37,11 @@ ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
 """Key of the lock of a store: within it, where no other path misses it."""
+DAMAGED = "damaged"
+"""Folder within a store that keeps what was replaced."""
 SCHEME = "s3://"
 _TRIES, _PAUSE = 10, 0.02  # [s]: a growth renames in less
+_LARGER = ".larger"
 
 
 class StoreError(TriboError):
@@ -67,6 +73,14 @@ class StoreMismatchError(StoreError):
     """
 
 
+class DamagedError(StoreError):
+    """Data of a store that were read, and are not what was written."""
+
+
+class UnreadableError(StoreError):
+    """Data of a store that cannot be read now, and may be sound."""
+
+
 @dataclass(frozen=True)
 class Folder:
     """A folder of a disk, by its absolute path."""
@@ -85,12 +99,10 @@ class Folder:
     def read(self, key: str) -> bytes | None:
         """Content of a file; None if there is none."""
         file = self.path / key
-        try:
-            if not stat.S_ISREG(file.stat().st_mode):  # a pipe has no end
-                raise OSError(f"{key} is not a file")
-            return file.read_bytes()
-        except (FileNotFoundError, NotADirectoryError):  # perhaps by now
-            return None
+        with suppress(FileNotFoundError, NotADirectoryError):  # by now
+            if is_there(file):
+                return file.read_bytes()
+        return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace files; return once they are on the disk."""
@@ -127,12 +139,14 @@ class Folder:
         return None
 
     def keys(self) -> set[str]:
-        """Names of all files in the folder and in those in it, but not of pipes."""
+        """Names of all entries of the folder and of the folders in it."""
         names: set[str] = set()
-        for entry in os.scandir(self.path) if self.path.exists() else ():
-            inner = os.scandir(entry) if entry.is_dir() else ()
-            names |= {f"{entry.name}/{i.name}" for i in inner if i.is_file() or i.is_dir()}
-            if not entry.is_dir():
+        for entry in [*os.scandir(self.path)] if self.path.exists() else ():
+            if entry.is_symlink():
+                entry.stat()  # one that leads nowhere raises
+            if entry.is_dir():
+                names |= {f"{entry.name}/{inner.name}" for inner in os.scandir(entry)}
+            else:
                 names.add(entry.name)
         return names
 
@@ -218,8 +232,12 @@ StorePlace = Folder | Bucket
 """Files of a store by their keys; what goes wrong is an `OSError`."""
 
 
-def place_of(path: PathLike) -> StorePlace:
-    """Place of a store; raises a `StoreError` for a path that cannot be one."""
+def place_of(path: PathLike, to_write: bool = False) -> StorePlace:
+    """Place of a store; raises a `StoreError` for a path that cannot be one.
+
+    Between the two renames of a growth that was killed, or goes on, it is that of the larger store,
+    which is renamed only to be written.
+    """
     address = os.fspath(path)
     if address.startswith(SCHEME):
         if find_spec("s3fs") is None:
@@ -241,9 +259,10 @@ def place_of(path: PathLike) -> StorePlace:
         ) from None
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
-    # A growth that was killed, or goes on, between its two renames.
     with suppress(OSError):
         if not folder.exists() and (larger(folder) / ROOT).exists():
+            if not to_write:
+                return Folder(larger(folder))
             larger(folder).rename(folder)
     return Folder(folder)
 
@@ -253,6 +272,9 @@ def steadily(path: PathLike, read: Callable[[StorePlace], T]) -> T:
     for _ in range(_TRIES):
         place = place_of(path)
         before = place.mark()
+        if isinstance(place, Folder) and place.path.name.endswith(_LARGER):
+            time.sleep(_PAUSE)  # it has its name soon, unless the growth was killed
+            continue
         try:
             result = read(place)
         except StoreError:
@@ -267,7 +289,7 @@ def steadily(path: PathLike, read: Callable[[StorePlace], T]) -> T:
 
 def larger(path: Path) -> Path:
     """Folder in which a larger store is made, beside the one that it replaces."""
-    return path.with_name(f".{path.name}.larger")
+    return path.with_name(f".{path.name}{_LARGER}")
 
 
 def smaller(path: Path) -> Path:
@@ -277,7 +299,7 @@ def smaller(path: Path) -> Path:
 
 def require_writable(path: PathLike) -> None:
     """Refuse a place where no store can be made, before long work for it."""
-    place = place_of(path)
+    place = place_of(path, to_write=True)
     if isinstance(place, Bucket):
         return
     with writes(place):
@@ -300,24 +322,43 @@ def writes(place: StorePlace, advice: str = "") -> Iterator[None]:
 
 @contextmanager
 def reaches(place: StorePlace) -> Iterator[None]:
-    """Turn an `OSError` into a `StoreError` that says why a place cannot be read."""
+    """Turn an `OSError` into an `UnreadableError` that says which file cannot be read, and why."""
     try:
         yield
     except OSError as error:
         if is_lack_of_memory(error):
             raise
-        raise StoreError(f"{place} cannot be read: {error.strerror or error}") from error
+        file = error.filename if isinstance(error.filename, str) else place
+        raise UnreadableError(
+            f"{file} cannot be read: {error.strerror or error}; nothing was changed: see to its "
+            "permissions, its disk or what it links to, then repeat the command"
+        ) from error
+
+
+@contextmanager
+def decodes(place: StorePlace, name: str) -> Iterator[None]:
+    """Turn an error of Zarr or its codecs into a `DamagedError` that names what they read."""
+    try:
+        yield
+    except (RuntimeError, ValueError) as error:
+        if is_lack_of_memory(error):  # nothing is damaged
+            raise
+        raise DamagedError(damaged(place, name)) from error
 
 
 @contextmanager
 def reads(place: StorePlace, name: str) -> Iterator[None]:
-    """Turn an error of Zarr or its codecs on damaged data into a `StoreError` that names them."""
-    try:
+    """Turn errors at data into one that tells whether they are proved wrong, or not known."""
+    with reaches(place), decodes(place, name):
         yield
-    except (RuntimeError, ValueError, OSError) as error:
-        if is_lack_of_memory(error):  # nothing is damaged
-            raise
-        raise StoreError(damaged(place, name)) from error
+
+
+def keep_beside(place: StorePlace, keys: Iterable[str]) -> None:
+    """Keep what is to be replaced, in a folder of the present time within `DAMAGED`."""
+    now = f"{datetime.now(UTC):%Y%m%dT%H%M%S.%fZ}"
+    for key in keys:
+        if (content := place.read(key)) is not None:
+            place.put({f"{DAMAGED}/{now}/{key}": content})
 
 
 def damaged(place: StorePlace, name: str) -> str:

@@ -9,21 +9,24 @@ import hashlib
 import itertools
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.store.files import PARTIAL
+from pipeline.store.layout import arrays_of
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     LOCK,
     ROOT,
+    DamagedError,
     Folder,
     PathLike,
     StoreError,
     StorePlace,
     place_of,
     reaches,
+    reads,
 )
 from pipeline.store.schema import FORMAT, is_coordinate
 from pipeline.sweep.about import Measurement
@@ -108,7 +111,7 @@ _LARGEST = 2**28  # bytes of a root
 _HASH, _OF_CONDITIONS = "root_hash", "conditions_hash"
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = {"bytes", "vlen-utf8", "zstd"}
-_ELSEWHERE = (
+ELSEWHERE = (
     "irg run with the scene that made it makes it again; or restore it from a backup, or write to "
     "another store"
 )
@@ -157,7 +160,7 @@ def find_root(place: StorePlace) -> Root | None:
     if content is not None:
         return _parsed(place, content)
     if _has_points(keys):
-        raise LostRootError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
+        raise LostRootError(f"{place} has lost its {ROOT}; {ELSEWHERE}")
     if not all(map(_is_beginning, keys)):
         raise _no_store(place)
     return None
@@ -191,8 +194,10 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         is_as_written = _hash(root) == expected
         conditions_are = _hash(_conditions(attributes)) == judged
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        if _has_points(place.keys()):
-            raise LostRootError(f"{place}: {ROOT} is damaged; {_ELSEWHERE}") from None
+        with reaches(place):
+            has_points = _has_points(place.keys())
+        if has_points:
+            raise LostRootError(f"{place}: {ROOT} is damaged; {ELSEWHERE}") from None
         raise StoreError(
             f"{place} is not the store of a sweep; give a folder that irg run made"
         ) from None
@@ -203,9 +208,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         )
     if not (is_as_written and conditions_are):
         what = "it is" if conditions_are else "friction, temperatures or criterion in it are"
-        raise LostRootError(
-            f"{place}: {ROOT} is damaged: {what} not what was written; {_ELSEWHERE}"
-        )
+        raise LostRootError(f"{place}: {ROOT} is damaged: {what} not what was written; {ELSEWHERE}")
     root = Root(attributes, arrays)
     require_likely(place, root)
     return root
@@ -219,14 +222,64 @@ def _require_small_file(folder: Path) -> None:
     if file.is_file() and (size := file.stat().st_size) > _LARGEST:
         raise StoreError(
             f"{folder} is not the store of a sweep, or its {ROOT} is damaged: it has {size:.2g} "
-            f"bytes; {_ELSEWHERE}"
+            f"bytes; {ELSEWHERE}"
         )
 
 
 def require_likely(place: StorePlace, root: Root) -> None:
     """Refuse a root of more points, other arrays or attributes of other kinds than a store has."""
-    if fault := _fault(root):
-        raise StoreError(f"{place}: {ROOT} {fault}; {_ELSEWHERE}")
+    fault = _fault(root)
+    if not (fault or are_rows(root)):
+        fault = "is damaged: its attributes over and scenes are not those of its axes"
+    if fault:
+        raise StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
+
+
+_WHO = ("versions", "later_versions", "worker_versions")
+
+
+def copied_attributes(attributes: Mapping[str, Any]) -> dict[str, str]:
+    """Attributes of the array `step`, from which a root takes the versions if it is made again."""
+    versions = {name: attributes[name] for name in _WHO if name in attributes}
+    return {"versions": json.dumps(versions)}
+
+
+def copied(place: StorePlace, names: Iterable[str]) -> Root:
+    """What arrays of these names have of a root: axes, stations and versions, and their metadata.
+
+    Raise a `DamagedError` if they do not belong together.
+    """
+    try:
+        with reaches(place):
+            read = {f"{name}/{ROOT}": place.read(f"{name}/{ROOT}") for name in names}
+        if lost := [key for key, content in read.items() if content is None]:
+            raise ValueError(f"{lost[0]} is lost")
+        arrays = {name: json.loads(read[f"{name}/{ROOT}"] or b"") for name in names}
+        axes: dict[str, Any] = {name: () for name in arrays if is_coordinate(name)}
+        along = {name: arrays[name] for name in axes}
+        if not all(map(_is_plain, along.values())):
+            raise ValueError("their axes are not those of a store")
+        for name, array in arrays_of(place, along, read_only=True).items():
+            with reads(place, name):
+                axes[name] = array[:].tolist()
+        status = arrays["status"]
+        chunk = status["chunk_grid"]["configuration"]["chunk_shape"]
+        block = zip(status["dimension_names"], chunk, strict=True)
+        copies = arrays["step"]["attributes"]
+        versions = json.loads(copies["versions"])
+        return Root(
+            {name: versions[name] for name in _WHO if name in versions}
+            | {"stations": json.loads(copies["stations"])}
+            | {"axes": axes, "points_per_chunk": dict(block)},
+            arrays,
+        )
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise DamagedError(f"{place}: the arrays make no root: {error}") from error
+
+
+def is_likely(root: Root) -> bool:
+    """True for a root that may be that of a store, but for values of entries that it lacks."""
+    return not _fault(root)
 
 
 def _fault(root: Root) -> str:
@@ -239,9 +292,8 @@ def _fault(root: Root) -> str:
     try:
         sizes = {name: len(values) for name, values in root.axes.items()}
         fits = {"checksum", "load", *sizes} <= root.arrays.keys() and all(
-            array["zarr_format"] == 3
+            _is_plain(array)
             and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
-            and {codec["name"] for codec in array["codecs"]} <= _CODECS
             and (name not in sizes if not is_coordinate(name) else [sizes[name]] == array["shape"])
             and 0 not in array["chunk_grid"]["configuration"]["chunk_shape"]
             and array["attributes"].keys() >= {"long_name"}
@@ -262,14 +314,19 @@ def _fault(root: Root) -> str:
     except ValueError as wrong:
         kind = "is missing, or not of the kind that a run writes"
         return f"is damaged: its attribute {wrong} {kind}"
-    if not _are_rows(root):
-        return "is damaged: its attributes over and scenes are not those of its axes"
     if points > MOST_POINTS:
         return f"tells of {points:.4g} points, and a store has at most {MOST_POINTS:.0e}"
     return ""
 
 
-def _are_rows(root: Root) -> bool:
+def _is_plain(array: Mapping[str, Any]) -> bool:
+    """True for metadata of an array with codecs of a store, of which each axis may be one."""
+    codecs = {codec["name"] for codec in array["codecs"]}
+    is_short = all(size <= MOST_POINTS for size in array["shape"])
+    return array["zarr_format"] == 3 and codecs <= _CODECS and is_short
+
+
+def are_rows(root: Root) -> bool:
     """True if there is a scene for each combination of the values of entries that have several."""
     names, rows = root.attributes.get("over", []), root.attributes.get("scenes", [])
     if not (names or rows):

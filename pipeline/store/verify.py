@@ -5,11 +5,11 @@ from __future__ import annotations
 import itertools
 import json
 import os
-from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,17 +26,19 @@ from pipeline.store.layout import (
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
     ROOT,
+    DamagedError,
     Folder,
     PathLike,
-    StoreError,
     StorePlace,
+    UnreadableError,
+    keep_beside,
     place_of,
     reaches,
     steadily,
     writes,
 )
 from pipeline.store.progress import FailedPoint
-from pipeline.store.root import read_root
+from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, is_likely, read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
@@ -78,14 +80,16 @@ def verify_store(
     path : str or path
         Path of the store, which may be in use unless it is to be repaired.
     repair : bool
-        True to make damaged points pending, and to restore shared data.
+        True to make damaged points pending, and to restore shared data. What is replaced is kept in
+        the folder ``damaged`` of the store.
     progress : callable, optional
         Called now and then with how many points are read, and how many there are.
 
     Raises
     ------
     StoreError
-        If there is no readable store, or it is to be repaired while in use.
+        If there is no readable store, any file of it cannot be read now, its root is older than
+        its arrays, or it is to be repaired while in use. Then nothing is changed.
 
     Examples
     --------
@@ -96,98 +100,186 @@ def verify_store(
     """
 
     def read(place: StorePlace, lock: Lock | None = None) -> Verification:
-        return examined(Store(place, read_root(place), lock, is_damaged=True), repair, progress)
+        store = Store(place, read_root(place), lock, is_damaged=True)
+        found = _found(store, progress)
+        done = found.sound(store) - (0 if repair else len(found.complete))
+        if repair:
+            _repair(store, found)
+            _restore(store, found.shared)
+        return Verification(
+            done=done,
+            damaged=tuple(found.damaged.values()),
+            shared=tuple(dict.fromkeys(found.shared.faults.values())),
+            without_status=tuple(found.complete),
+            repaired=repair,
+        )
 
     if not repair:
         return steadily(path, read)
-    read_root(place := place_of(path))  # before a lock is laid in what is no store
+    read_root(place := place_of(path, to_write=True))  # before a lock is laid in what is no store
     with held(place) as lock:
         return read(place, lock)
 
 
-def examined(
+def repaired(store: Store, chunks: Container[_Index] | None = None) -> int:
+    """Make points pending that are proved wrong, of these chunks of points or all; their number.
+
+    Axes and metadata of arrays stay as they are.
+    """
+    found = _found(store, chunks=chunks)
+    _repair(store, found)
+    return len(found.damaged)
+
+
+@dataclass(slots=True)
+class _Found:
+    """What reading a store has found; nothing in it is of a file that could not be read."""
+
+    shared: _Shared
+    unmarked: Mask  # points whose status is lost
+    lost: list[tuple[str, _Index, Slices]]  # chunks that cannot be decoded, by array
+    keys: set[str] = field(default_factory=set)  # of the store
+    damaged: dict[_Index, FailedPoint] = field(default_factory=dict)
+    complete: list[Point] = field(default_factory=list)  # sound, of those without a status
+
+    def sound(self, store: Store) -> int:
+        """Number of points that agree with their checksums."""
+        done = int(np.count_nonzero(store.flags == DONE)) + len(self.complete)
+        return done - sum(bool(store.flags[index] == DONE) for index in self.damaged)
+
+
+def _found(
     store: Store,
-    repair: bool,
     progress: Callable[[int, int], None] | None = None,
     chunks: Container[_Index] | None = None,
-) -> Verification:
-    """Read all of an open store, or only these chunks of points; see `verify_store`."""
-    with writes(store.place) if repair else reaches(store.place):
-        shared, keys = [*_shared_faults(store, repair)], store.place.keys()
+) -> _Found:
+    """Read all of an open store, or only these chunks of points, and write nothing.
+
+    Raise an `UnreadableError` if anything cannot be read now, a `LostRootError` if the root is not
+    that of the arrays.
+    """
+    with reaches(store.place):
+        keys = store.place.keys()
+        shared = _shared(store, keys)
         begun = [
             (numbers, block)
             for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
             if any(chunk_key(name, numbers) in keys for name in RECORDS)
             and (chunks is None or numbers in chunks)
         ]
-        unknown, lost = _read_marks(store, begun, keys, shared)
-        keys = store.place.keys()  # again: a writer may have finished points meanwhile
+        found = _Found(shared, *_read_marks(store, begun, keys, shared.faults))
+        found.keys = keys = store.place.keys()  # a writer may have finished points meanwhile
         names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
         total, count = int(np.count_nonzero(store.flags == DONE)), 0
-        damaged: dict[_Index, FailedPoint] = {}
-        complete: list[Point] = []
         for numbers, block in begun:
             values = _values(store, names, numbers, keys)
-            lost += [
-                (name, block)
+            found.lost += [
+                (name, numbers, block)
                 for name in names
                 if values[name] is None and not keys.isdisjoint(store.chunk_keys(name, numbers))
             ]
-            indices = np.argwhere((store.flags != PENDING)[block] | unknown[block])
-            indices += [part.start for part in block]
-            places = [*map(tuple, indices)]
-            for index, point, entries in _points(store, places, values, keys):
-                is_done = bool(unknown[index] or store.flags[index] == DONE)
-                fault = _fault(store, point, entries, is_done)
-                if fault and not unknown[index]:
-                    damaged[index] = FailedPoint(
-                        *point[:2], fault, point.variant, store.in_words(point)
-                    )
-                elif unknown[index] and not fault:
-                    complete.append(point)
+            _judge(store, found, block, values)
             count += int(np.count_nonzero(store.flags[block] == DONE))
             if progress:
                 progress(count, total)
-        done = total - sum(bool(store.flags[index] == DONE) for index in damaged)
-        if repair:
-            _repair(store, lost, damaged, unknown, complete)
-            done = int(np.count_nonzero(store.flags == DONE))
-        return Verification(
-            done=done,
-            damaged=tuple(damaged.values()),
-            shared=tuple(dict.fromkeys(shared)),
-            without_status=tuple(complete),
-            repaired=repair,
+        if chunks is None:
+            _require_right_root(store, found)
+        return found
+
+
+def _judge(store: Store, found: _Found, block: Slices, values: Mapping[str, Any]) -> None:
+    """Compare the points of a block that are done, or have no status, with their checksums."""
+    indices = np.argwhere((store.flags != PENDING)[block] | found.unmarked[block])
+    indices += [part.start for part in block]
+    for index, point, entries in _points(store, [*map(tuple, indices)], values):
+        unmarked = bool(found.unmarked[index])
+        fault = _fault(store, point, entries, unmarked or bool(store.flags[index] == DONE))
+        if fault and not unmarked:
+            place = store.in_words(point)
+            found.damaged[index] = FailedPoint(*point[:2], fault, point.variant, place)
+        elif unmarked and not fault:
+            found.complete.append(point)
+
+
+def agrees(store: Store) -> bool:
+    """True if nothing is damaged, or of each scene with a point proved wrong another is sound."""
+    found = _found(store)
+    sound, wrong = store.flags == DONE, np.zeros(store.flags.shape, bool)
+    for index, point in found.damaged.items():
+        sound[index], wrong[index] = False, point.message == _OTHER
+    of_sound, of_wrong = (
+        {*map(store.simulated.entries_at, store.points_at(np.nonzero(mask)))}
+        for mask in (sound, wrong)
+    )
+    of_sound |= {*map(store.simulated.entries_at, found.complete)}
+    return bool(of_sound or not found.damaged) and of_wrong <= of_sound
+
+
+def require_right_root(place: StorePlace, root: Root) -> tuple[str, ...]:
+    """Raise as `_found` if a root is not that of its arrays; else name faults of what they copy."""
+    store = Store(place, root, is_damaged=True)
+    with reaches(place):
+        shared = _shared(store, place.keys())
+    if shared.faults or shared.is_resized:
+        _found(store)
+    return (*shared.faults.values(),)
+
+
+def _require_right_root(store: Store, found: _Found) -> None:
+    """Raise an error if the arrays have axes by which more points are sound than by the root's.
+
+    Then the root is older than they are, or newer, as after a copy of one without the other. Where
+    none of both makes the points sound, nothing tells which files belong together.
+    """
+    place, shared = store.place, found.shared
+    if not (shared.faults or shared.is_resized):
+        return
+    with suppress(DamagedError):
+        attributes, arrays = copied(place, store.arrays)
+        root = Root(store.attributes | attributes, arrays)
+        if root.axes != store.axes and is_likely(root):
+            other = Store(place, root, is_damaged=True)
+            if _found(other).sound(other) > found.sound(store):
+                raise LostRootError(
+                    f"{place}: {ROOT} is older than its arrays, or newer; nothing was changed; "
+                    f"{ELSEWHERE}"
+                )
+    is_any_wrong = found.damaged or np.count_nonzero(found.unmarked) > len(found.complete)
+    if shared.foreign and is_any_wrong:
+        raise UnreadableError(
+            f"{place}: {ROOT} and {len(shared.foreign)} other files, such as {shared.foreign[0]}, "
+            "are not of one store, or not of one time, and points agree with neither; nothing was "
+            "changed: copy the whole store anew, or write to another one"
         )
 
 
 def _read_marks(
-    store: Store, begun: Iterable[tuple[_Index, Slices]], keys: set[str], shared: list[str]
-) -> tuple[Mask, list[tuple[str, Slices]]]:
-    """Read statuses and points asked for, add faults; points of unknown status, chunks lost."""
-    unknown, lost = np.zeros(store.flags.shape, bool), []
+    store: Store, begun: Iterable[tuple[_Index, Slices]], keys: set[str], faults: dict[str, str]
+) -> tuple[Mask, list[tuple[str, _Index, Slices]]]:
+    """Read statuses and points asked for, add faults; points without a status, chunks lost."""
+    unmarked, lost = np.zeros(store.flags.shape, bool), []
     for numbers, block in begun:
         statuses, asked = (_read(store, name, numbers, keys) for name in _MARKS)
         store.flags[block] = PENDING if statuses is None else statuses
         store.asked[block] = store.flags[block] != PENDING if asked is None else asked
         present = [name for name in ("status", "checksum") if chunk_key(name, numbers) in keys]
-        unknown[block] = statuses is None and bool(present)
+        unmarked[block] = statuses is None and bool(present)
         if statuses is None and "status" in present:
-            shared.append("the statuses are damaged")
+            faults["status"] = "the statuses are damaged"
+            lost.append(("status", numbers, block))
         if asked is None and (chunk_key("asked", numbers) in keys or store.asked[block].any()):
-            shared.append("the points that the last run asked for are damaged")
-            lost.append(("asked", block))
-    return unknown, lost
+            faults["asked"] = "the points that the last run asked for are damaged"
+            lost.append(("asked", numbers, block))
+    return unmarked, lost
 
 
 def _read(store: Store, name: str, numbers: _Index, keys: set[str]) -> Any:
-    """Values in the chunks of these numbers; None if any is lost."""
+    """Values in the chunks of these numbers; None if any is missing or damaged."""
     if not keys.issuperset(store.chunk_keys(name, numbers)):
         return None
-    try:
+    with suppress(DamagedError):
         return store.read(name, slices_of(numbers, store.arrays[name].chunks[: len(numbers)]))
-    except StoreError:
-        return None
+    return None
 
 
 def _values(store: Store, names: Sequence[str], numbers: _Index, keys: set[str]) -> dict[str, Any]:
@@ -198,7 +290,7 @@ def _values(store: Store, names: Sequence[str], numbers: _Index, keys: set[str])
 
 
 def _points(
-    store: Store, indices: Sequence[_Index], values: Mapping[str, Any], keys: set[str]
+    store: Store, indices: Sequence[_Index], values: Mapping[str, Any]
 ) -> Iterator[tuple[_Index, Point, dict[str, Any]]]:
     """Points at places in one block, each with its own of the block's values and its fields."""
     fields = sorted(store.arrays.keys() & AT_END.keys())
@@ -206,27 +298,21 @@ def _points(
     for index, point in zip(indices, points, strict=True):
         within = store.within(index)
         entries = {name: None if of is None else of[within] for name, of in values.items()}
-        entries |= {name: _read_field(store.place, name, index) for name in fields}
+        entries |= {name: store.place.read(field_key(name, index)) for name in fields}
         yield index, point, entries
-
-
-def _read_field(place: StorePlace, name: str, index: _Index) -> bytes | None:
-    """A field of a point as it is encoded; None if it is lost."""
-    with suppress(OSError):
-        return place.read(field_key(name, index))
-    return None
 
 
 def faults_at(store: Store, indices: Iterable[_Index]) -> Iterator[tuple[Point, str]]:
     """Done points at some places, each with the fault of its data; empty if it has none."""
-    keys, of_chunk = store.place.keys(), dict[_Index, list[_Index]]()
+    of_chunk: dict[_Index, list[_Index]] = {}
     names = [name for name in store.arrays if name in STEPPED or name in _BESIDE]
     for index in sorted(indices):
         of_chunk.setdefault(store.chunk_of(index), []).append(index)
-    for numbers, members in of_chunk.items():
-        values = _values(store, names, numbers, keys)
-        for _, point, entries in _points(store, members, values, keys):
-            yield point, _fault(store, point, entries)
+    with reaches(store.place):
+        keys = store.place.keys()
+        for numbers, members in of_chunk.items():
+            for _, point, entries in _points(store, members, _values(store, names, numbers, keys)):
+                yield point, _fault(store, point, entries)
 
 
 def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool = True) -> str:
@@ -238,68 +324,103 @@ def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool
     steps = int(entries.get("steps", 0))
     data = {name: entries[name][-steps:] for name in entries.keys() & STEPPED.keys()}
     data |= {name: entries[name] for name in entries.keys() & {*AT_END, "warning_flags"}}
-    expected = checksum(store.simulated.at(point), point, data)
-    return "" if entries["checksum"] == expected else _OTHER
+    try:
+        simulated = store.simulated.at(point)
+    except KeyError:  # of a value that a root which is too old does not know: not proved wrong
+        return ""
+    return "" if entries["checksum"] == checksum(simulated, point, data) else _OTHER
 
 
-def _repair(
-    store: Store,
-    lost: Iterable[tuple[str, Slices]],
-    damaged: Collection[_Index],
-    unknown: Mask,
-    complete: Iterable[Point],
-) -> None:
-    """Make damaged points pending, and write lost chunks anew."""
-    pending = dict.fromkeys([*map(tuple, np.argwhere(unknown)), *damaged], PENDING)
-    store.write({}, pending)  # first: a point that is done is whole, also after a kill in between
-    for name, block in lost:
-        array = store.arrays[name]
-        array[block] = store.asked[block] if name == "asked" else array.fill_value
-    for index, name in itertools.product(damaged, store.arrays.keys() & AT_END.keys()):
-        store.arrays[name][index] = store.arrays[name].fill_value
-    store.write({}, {store.index(point): DONE for point in complete})
+def _repair(store: Store, found: _Found) -> None:
+    """Make damaged points pending, and remove chunks that cannot be decoded; keep both beside."""
+    place, undecodable = store.place, set[str]()
+    for name, numbers, _ in found.lost:
+        undecodable |= found.keys.intersection(store.chunk_keys(name, numbers))
+    wrong, of_points = {*undecodable}, [*itertools.filterfalse(is_coordinate, store.arrays)]
+    for index, point in found.damaged.items():
+        if point.message == _OTHER:
+            for name in of_points:
+                numbers = index if name in AT_END else store.chunk_of(index)
+                wrong |= found.keys.intersection(store.chunk_keys(name, numbers))
+    with writes(place):
+        keep_beside(place, sorted(wrong))
+        pending = [*map(tuple, np.argwhere(found.unmarked)), *found.damaged]
+        # First: a point that is done is whole, also after a kill in between.
+        store.write({}, dict.fromkeys(pending, PENDING))
+        for name, _, block in found.lost:
+            if name == "asked":
+                store.arrays[name][block] = store.asked[block]
+        for key in undecodable:
+            if not key.startswith(tuple(f"{name}/" for name in _MARKS)):
+                place.remove(key)
+        store.write({}, {store.index(point): DONE for point in found.complete})
 
 
-def _shared_faults(store: Store, repair: bool) -> Iterator[str]:
-    """Faults of coordinates and metadata, which are restored from the root if so desired."""
+class _Shared(NamedTuple):
+    """How what arrays copy of the root differs from it."""
+
+    faults: dict[str, str]  # by array or key
+    foreign: list[str]  # files that can be read, and are those of another root
+    is_resized: bool  # arrays are longer, or shorter, as a growth leaves them that was cut short
+
+
+def _shared(store: Store, keys: set[str]) -> _Shared:
+    """Compare metadata and coordinates with the root."""
+    faults, foreign, is_resized = dict[str, str](), list[str](), False
     for name, expected in store.root.arrays.items():
         key = f"{name}/{ROOT}"
-        if not _is_same(store.place.read(key), expected):
-            yield f"the metadata of {name} are damaged"
-            if repair:
-                store.place.put({key: json.dumps(expected).encode()})
+        document = _document(store.place.read(key))
+        if document | {"shape": expected["shape"]} != expected:
+            faults[key] = f"the metadata of {name} are damaged"
+            foreign += [key] if document else []
+        else:
+            is_resized |= document.get("shape") != expected["shape"]
         if is_coordinate(name):
-            try:
+            values = None
+            with suppress(DamagedError):
                 values = store.read(name, ...).tolist()
-            except StoreError:
-                values = None
             if values != store.axes[name]:
-                yield f"the coordinate {name} is damaged"
-                if repair:
-                    store.arrays[name][:] = np.array(store.axes[name])
+                faults[name] = f"the coordinate {name} is damaged"
+                is_there = values is not None and not keys.isdisjoint(store.chunk_keys(name, ()))
+                foreign += [name] if is_there else []
+    return _Shared(faults, foreign, is_resized)
 
 
-def _is_same(content: bytes | None, expected: Mapping[str, Any]) -> bool:
-    """True if metadata are as in the root, but for a growth that was cut short."""
-    try:
-        return bool(json.loads(content or b"") | {"shape": expected["shape"]} == expected)
-    except (ValueError, TypeError, RecursionError):
-        return False
+def _document(content: bytes | None) -> dict[str, Any]:
+    """Content of a JSON document; empty if it is lost, or nested without an end."""
+    with suppress(ValueError, RecursionError):
+        document = json.loads(content or b"")
+        if isinstance(document, dict):
+            return document
+    return {}
+
+
+def _restore(store: Store, shared: _Shared) -> None:
+    """Write metadata and coordinates as the root has them, and keep the others beside."""
+    for name, expected in store.root.arrays.items():
+        key = f"{name}/{ROOT}"
+        with writes(store.place):
+            if key in shared.faults:
+                keep_beside(store.place, [key])
+                store.place.put({key: json.dumps(expected).encode()})
+            if is_coordinate(name) and name in shared.faults:
+                keep_beside(store.place, store.chunk_keys(name, ()))
+                store.arrays[name][:] = np.array(store.axes[name])
 
 
 def note_files(store: Store) -> None:
     """Write the list of the files of a store, whose lock is held."""
     if isinstance(store.place, Folder):
-        store.place.put({_SEEN: json.dumps(_files(store.place)).encode()})
+        with writes(store.place):
+            store.place.put({_SEEN: json.dumps(_files(store.place)).encode()})
 
 
 def changed_chunks(store: Store) -> set[_Index] | None:
     """Chunks with a file that differs from the list in name, size or time; None without a list."""
     assert isinstance(store.place, Folder)
-    now, listed = _files(store.place), None
-    with suppress(ValueError):
-        listed = json.loads(store.place.read(_SEEN) or b"")
-    if not isinstance(listed, dict):
+    with reaches(store.place):
+        now, listed = _files(store.place), _document(store.place.read(_SEEN))
+    if not listed:
         return None
     chunks = set()
     for key in listed.keys() | now.keys():
@@ -316,7 +437,7 @@ def changed_chunks(store: Store) -> set[_Index] | None:
 def _files(folder: Folder) -> dict[str, list[int]]:
     """Size and time of each chunk of a store [B, ns]."""
     files = {}
-    for array in os.scandir(folder.path):
+    for array in [*os.scandir(folder.path)]:
         with suppress(NotADirectoryError), os.scandir(array) as entries:
             for entry in entries:
                 if chunk_numbers(entry.name):

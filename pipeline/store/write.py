@@ -5,6 +5,7 @@ Data are written first, the status last: done means that all of a point is on th
 
 from __future__ import annotations
 
+import json
 import threading
 import time
 from collections import deque
@@ -30,11 +31,12 @@ from pipeline.store.place import (
     PathLike,
     StoreError,
     StorePlace,
+    decodes,
     reads,
     steadily,
     writes,
 )
-from pipeline.store.root import Root, read_root, root_document
+from pipeline.store.root import Root, copied_attributes, read_root, root_document
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
@@ -173,6 +175,10 @@ class Store:
             return
         since = datetime.now(UTC).isoformat(timespec="seconds")
         noted.append({"since": since, "versions": dict(versions)})
+        step = self.root.arrays["step"]
+        step["attributes"] |= copied_attributes(self.attributes)
+        with self._writes():
+            self.place.put({f"step/{ROOT}": json.dumps(step).encode()})
         self.keep_root()
 
     def keep_root(self) -> None:
@@ -220,7 +226,8 @@ class Store:
         name, chunk = place
         array = self.arrays[name]
         block = slices_of(chunk, self.block)
-        part = self.read(name, block)
+        with decodes(self.place, name):
+            part = array[block]
         for index, value in values.items():
             if name in STEPPED:
                 part[self.within(index)] = np.nan

@@ -172,6 +172,17 @@ def test_a_dataset_that_was_opened_before_a_growth_gives_no_point_for_another(co
     assert open_sweep(copy)["load"].values.tolist() == sorted({*tiny.LOADS, *LATER.plane.loads})
 
 
+def test_who_reads_between_the_two_renames_of_a_growth_leaves_the_second_one(copy):
+    copy.rename(larger(copy))
+    assert summary(copy).done == 9
+    assert open_sweep(copy)["time"].notnull().any()
+    assert verify_store(copy).is_clean
+    assert not copy.exists()
+    commit(copy, SWEEP, ())
+    assert_is_as_computed(copy, points(SWEEP))
+    assert not larger(copy).exists()
+
+
 def test_a_dataset_keeps_its_points_while_values_are_added_at_the_ends_of_axes(copy):
     with open_sweep(copy) as ds:
         before = ds.sizes

@@ -2,12 +2,15 @@
 
 import os
 import shutil
+from functools import partial
 
 import numpy as np
 import pytest
 
 import tribo
 from pipeline.run.sweep import run_sweep
+from pipeline.scene.scenefile import load_scene
+from pipeline.store import attributes
 from pipeline.store.create import restore_root, writing
 from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.schema import DONE
@@ -15,7 +18,18 @@ from pipeline.store.verify import changed_chunks, note_files, verify_store
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
 from tests.helpers import tiny
-from tests.helpers.stores import assert_is_as_computed, contents, make, opened, record
+from tests.helpers.scenes import SCENE
+from tests.helpers.stores import (
+    assert_is_as_computed,
+    commit,
+    contents,
+    done_points,
+    make,
+    opened,
+    record,
+    stations_of,
+)
+from tests.pipeline.conftest import commit_all
 
 SWEEP = tiny.full()
 
@@ -75,6 +89,22 @@ def test_another_scene_on_the_same_axes_is_refused_and_nothing_written(copy):
     assert contents(copy) == before
 
 
+def test_a_scene_with_one_other_row_makes_no_root_again(path, tmp_path):
+    def load(radius):
+        rows = f"""along = [
+          {{ "pin.radius" = "3 mm", load = "300 N", velocity = "1 m/s" }},
+          {{ "pin.radius" = "{radius}", load = "300 N", velocity = "2 m/s" }},
+        ]"""
+        (tmp_path / "scene.toml").write_text(SCENE.replace("[sweep]", f"[sweep]\n{rows}"))
+        return load_scene(tmp_path / "scene.toml", overrides={"fidelity.increments": 3})
+
+    commit_all(path, load("4 mm"))
+    (path / "zarr.json").unlink()
+    with pytest.raises(StoreMismatchError, match="not those of this scene"):
+        restore_root(path, load("5 mm"))
+    assert restore_root(path, load("4 mm"))
+
+
 def test_a_root_of_a_store_that_has_grown_keeps_its_stations(copy):
     larger = tiny.full(loads=(200.0, 600.0), velocities=(0.75,))
     make(copy, larger)
@@ -83,6 +113,68 @@ def test_a_root_of_a_store_that_has_grown_keeps_its_stations(copy):
     assert restore_root(copy, larger)
     assert opened(copy).attributes["stations"] == stations
     assert set(np.argwhere(opened(copy).flags == DONE).shape) == {9, 2}
+
+
+ADDED = {
+    "between": {"velocities": (0.75,)},
+    "behind": {"velocities": (2.0,)},
+    "stations": {"loads": (100.0, 900.0), "velocities": (0.5,)},
+}
+
+
+def resumed(path, sweep, tell=None):
+    """Run a sweep from records; the number of points that were computed."""
+    records = {point: record(point, stations_of(path)) for point in points(sweep)}
+    with computing(records, pace=0.0):
+        return run_sweep(sweep, path, workers=1, tell=tell).computed
+
+
+@pytest.mark.parametrize("added", ADDED)
+def test_a_root_older_than_its_arrays_is_made_again_with_all_points(copy, irg, added, monkeypatch):
+    old, larger = (copy / "zarr.json").read_bytes(), tiny.full(**ADDED[added])
+    commit(copy, larger)
+    done, versions = set(done_points(copy)), opened(copy).attributes["versions"]
+    assert len(done) > 9
+    monkeypatch.setattr(attributes, "package_versions", lambda: dict.fromkeys(versions, "later"))
+    (copy / "zarr.json").write_bytes(old)
+    before = contents(copy)
+    for options in ((), ("--repair",)):
+        said = irg("verify", copy, *options, code=2)
+        assert "zarr.json is older than its arrays, or newer; nothing was changed; irg run" in said
+    assert contents(copy) == before
+    messages = []
+    assert resumed(copy, SWEEP, messages.append) == 0
+    assert "is made again" in messages[0]
+    assert set(done_points(copy)) == done
+    assert opened(copy).attributes["versions"] == versions
+    assert [kept.read_bytes() for kept in copy.glob("damaged/*/zarr.json")] == [old]
+    assert verify_store(copy).is_clean
+
+
+def test_a_root_newer_than_its_arrays_is_made_again_with_their_points(copy):
+    older = shutil.copytree(copy, copy.with_name("older.zarr"))
+    larger = tiny.full(velocities=(0.5, 0.75, 1.0, 1.5))
+    commit(copy, larger)
+    shutil.copy(copy / "zarr.json", older / "zarr.json")
+    assert resumed(older, larger) == 3
+    assert_is_as_computed(older, points(larger))
+
+
+def test_files_of_a_larger_store_among_those_of_a_smaller_one_are_left_alone(copy):
+    """A copy that was cut short: neither root nor arrays tell which points are whole."""
+    older = shutil.copytree(copy, copy.with_name("older.zarr"))
+    commit(copy, tiny.full(velocities=(0.75,)))
+    for name in ("time/zarr.json", "time/c.0.0.0", "rise_quantile/zarr.json", "zarr.json"):
+        shutil.copy(copy / name, older / name)
+    before = contents(older)
+    for function in (
+        verify_store,
+        partial(verify_store, repair=True),
+        partial(resumed, sweep=SWEEP),
+    ):
+        with pytest.raises(StoreError, match=r"not of one time, and .*; nothing was changed: copy"):
+            function(older)
+    assert contents(older) == before
 
 
 # What a resumed run reads
@@ -102,7 +194,7 @@ def test_a_store_as_it_was_left_is_not_read_again(copy):
     assert messages == []
 
 
-@pytest.mark.parametrize("listed", ["nonsense", "[[1, 2]]"])
+@pytest.mark.parametrize("listed", ["nonsense", "[[1, 2]]", "[" * 10**5])
 def test_without_a_list_of_its_files_any_of_a_store_may_differ(copy, listed):
     (copy / "status" / "seen").write_text(listed)
     assert changed_chunks(opened(copy)) is None
@@ -158,5 +250,6 @@ def test_after_any_mutation_of_a_file_a_run_ends_with_the_same_bits(alone, tmp_p
     with computing({point: record(point) for point in points(SWEEP)}, pace=0.0):
         outcome = run_sweep(SWEEP, path, workers=1)
     assert outcome.done == len(points(SWEEP)), name
+    verify_store(path, repair=True)  # also of files of axes, which a run leaves
     assert_is_as_computed(path, points(SWEEP))
     assert verify_store(path).is_clean, name

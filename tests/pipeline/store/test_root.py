@@ -111,7 +111,7 @@ def test_a_root_that_is_no_document_or_has_no_bottom_is_refused(forged, new):
 def test_a_root_that_another_program_writes_in_another_form_is_read(forged, alone):
     (forged / ROOT).write_text(json.dumps(json.loads((alone / ROOT).read_text()), indent=1))
     assert pipeline.summary(forged).done == 9
-    assert contents(forged).keys() == contents(alone).keys()
+    assert {name for name in contents(forged) if "damaged" not in name} == contents(alone).keys()
 
 
 def forge(forged, alone, change):

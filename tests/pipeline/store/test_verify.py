@@ -8,6 +8,7 @@ import pytest
 import zarr
 
 from pipeline.analysis.dataset import open_sweep
+from pipeline.run.sweep import run_sweep
 from pipeline.store.create import writing
 from pipeline.store.place import Folder, StoreError
 from pipeline.store.progress import summary
@@ -93,6 +94,60 @@ def test_damage_to_a_field_costs_its_point_alone(copy):
     assert reasons(verification.damaged) == {POINT: "rise cannot be read"}
     assert verification.done == 8
     assert_repaired(copy, {POINT})
+
+
+def a_folder(file):
+    file.unlink()
+    file.mkdir()
+
+
+def a_link_to_nowhere(file):
+    file.unlink()
+    file.symlink_to(file.with_name("nothing"))
+
+
+def a_link_to_itself(file):
+    file.unlink()
+    file.symlink_to(file)
+
+
+@pytest.mark.parametrize("harm", [a_folder, a_link_to_nowhere, a_link_to_itself])
+@pytest.mark.parametrize(
+    "name", ["time/c.0.0.0", "rise/c.1.1.0.0", "status/c.0.0", "load/c.0", "time/zarr.json"]
+)
+def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, harm, name):
+    """It may be sound: here are points that nobody can read for a while."""
+    harm(copy / name)
+    before = contents(copy)
+    for command in (("verify", copy), ("verify", copy, "--repair")):
+        said = irg(*command, code=2)
+        assert f"{copy / name} cannot be read: " in said
+        assert "nothing was changed" in said
+    with pytest.raises(StoreError, match=f"{name} cannot be read: .*; nothing was changed"):
+        run_sweep(SWEEP, copy, workers=1)
+    assert contents(copy) == before
+
+
+def test_what_a_repair_replaces_is_kept_and_no_value_made_up(copy):
+    time, field = copy / "time" / "c.0.0.0", copy / "rise" / "c.1.1.0.0"
+    flip_in_the_middle(time)
+    flip_in_the_middle(field)
+    flip_in_the_middle(copy / "load" / "c.0")
+    names = [str(file.relative_to(copy)) for file in (time, field, copy / "load" / "c.0")]
+    before = contents(copy)
+    verify_store(copy, repair=True)
+    kept = {
+        name.split("/", 2)[2]: content
+        for name, content in contents(copy).items()
+        if name.startswith("damaged/")
+    }
+    assert {name: kept[name] for name in names if name in kept} == {
+        name: before[name] for name in names if name != "rise/c.1.1.0.0"
+    }
+    assert not time.exists()
+    assert field.read_bytes() == before["rise/c.1.1.0.0"]
+    commit(copy, tiny.full(velocities=(0.75,)), ())  # which makes a larger store
+    assert kept.items() <= {k.split("/", 2)[-1]: v for k, v in contents(copy).items()}.items()
 
 
 def values(path, name):
