@@ -143,6 +143,8 @@ def setting(text: str) -> tuple[str, Any]:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         return key, value
+    except RecursionError:
+        raise Refused(f"{key} is nested without an end; give a value") from None
 
 
 def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]:

@@ -169,7 +169,7 @@ def client_of(
     if file is not None:  # which Dask would wait for without end
         try:
             address = str(json.loads(file.read_text())["address"])
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             raise ExecutionError(
                 f"{file} cannot be read as the file of a Dask scheduler; give one that it wrote"
             ) from None
