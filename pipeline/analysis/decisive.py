@@ -154,6 +154,12 @@ def at_one_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
     return rise / velocities.copy(data=conditions.friction_factor(velocities.values))
 
 
+def require_all_sound(ds: xr.Dataset) -> None:
+    """Compare all points of a dataset that are done with their checksums."""
+    done = ds["status"] == DONE
+    require_sound(ds, done.values, *map(str, done.dims))
+
+
 def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
     """Compare points of a store, by the given dimensions, with their checksums, each once."""
     reader = ds["status"].encoding.get("reader")

@@ -21,6 +21,7 @@ from pipeline.analysis.dataset import (
     is_emulated,
     require_one_scene,
 )
+from pipeline.analysis.decisive import require_all_sound
 from pipeline.analysis.margins import labels_of_rows, margin_table
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import ENTRIES, outcomes
@@ -98,6 +99,8 @@ def diff(
             "one of the stores has rows with places of their own, and the other has none; compare "
             "stores of a kind"
         )
+    for ds in (first, second):
+        require_all_sound(ds)
     points, alike = _points(first, second)
     between = _boundary if all(are_planes) else _margins
     crossings = between(first, second, criterion=criterion, own_laws=own_laws)

@@ -16,7 +16,9 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from pipeline.analysis.decisive import require_sound
 from pipeline.analysis.margin_error import RiseError, RisePlane, rise_error
 from pipeline.analysis.transition import (
     SEVERAL,
@@ -28,6 +30,7 @@ from pipeline.analysis.transition import (
     outcomes,
     spread,
 )
+from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import contact_temperature, rise_limit
 from tribo import Criterion, InputError
@@ -124,6 +127,7 @@ class JudgedRow:
     realization: int | None
     entries: Mapping[str, Any]
     shown: Mapping[str, Any]  # all labels of the row
+    source: xr.Dataset  # where the rises are from
     place: tuple[float, float] | None = None  # load [N] and velocity [m/s] if it has no plane
 
     def here(self) -> Margin:
@@ -151,6 +155,8 @@ class JudgedRow:
                 f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
                 "sweep to its end, or add points there"
             )
+        if self.place is None:  # else all rows are checked
+            require_sound(self.source, grid.beneath(load, velocity), *PLANE)
         is_within = math.isfinite(_at(grid.loads, self.at_velocity(velocity), load))
         here = grid.rises[np.ix_(grid.loads == load, grid.velocities == velocity)]
         error = rise_error(grid, load, velocity, self.promised)

@@ -103,6 +103,13 @@ class RisePlane:
                 getattr(whole, name)[here] = getattr(plane, name)
         return whole
 
+    def beneath(self, load: float, velocity: float) -> Mask:
+        """Mask of the points that the rise at a place is taken from."""
+        mask = np.zeros(self.rises.shape, bool)
+        for row, columns in self.rests_on(load, velocity):
+            mask[row, columns] = True
+        return mask
+
     def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
         """Rows that the rise at a place is taken from: the point itself, or those beside it."""
         own = self.loads == load

@@ -23,7 +23,12 @@ from pipeline.analysis.dataset import (
     opened,
     require_plane,
 )
-from pipeline.analysis.decisive import at_one_friction, conditions_of, decisive_rise
+from pipeline.analysis.decisive import (
+    at_one_friction,
+    conditions_of,
+    decisive_rise,
+    require_all_sound,
+)
 from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
 from pipeline.analysis.margin_error import RisePlane, grids_of
 from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
@@ -116,6 +121,7 @@ def rows_of(
     if is_emulated(ds):
         require_plane(ds)
     if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long
+        require_all_sound(ds)
         ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
     rows = (
         row
@@ -151,6 +157,7 @@ def rows_under(scene: xr.Dataset, conditions: Conditions) -> Iterator[JudgedRow]
             entries=entries,
             shown=shown | labels,
             place=place,
+            source=scene.sel(labels),
         )
 
 

@@ -12,10 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.dataset import corrected_field, drawn_row, one_row
-from pipeline.analysis.decisive import conditions_of, decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise, require_sound
 from pipeline.analysis.transition import UNITS
 from pipeline.figures import style
 from pipeline.scene.units import in_si
+from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.severity import contact_temperature, rise_limit
@@ -53,6 +54,9 @@ def chosen_points(
                 f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or go on with irg run"
             )
+    shown = np.zeros(is_finite.shape, bool)
+    shown[tuple(np.transpose(points))] = True
+    require_sound(ds, shown, *PLANE)
     return points
 
 

@@ -24,7 +24,7 @@ from pipeline.analysis.dataset import (
     plane_of,
     values_of,
 )
-from pipeline.analysis.decisive import conditions_of, decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise, require_all_sound
 from pipeline.analysis.difference import entries_of
 from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.margin_error import error_table
@@ -65,6 +65,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     done = values_of(ds, "status") == DONE
+    require_all_sound(ds)
     system = corrected_sweep(ds, conditions)
     # By load, velocity, bulk ratio, share or quantile, and step.
     deciding, quantiles = _tables(system, conditions.decisive, ratios, shares)

@@ -9,7 +9,12 @@ import zarr
 
 import pipeline
 from pipeline.cli import main
+from pipeline.store.create import writing
 from pipeline.store.place import StoreError
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point
+from tests.helpers import tiny
+from tests.helpers.stores import contents, opened
 
 # Between the rises of the tiny sweep, so that boundaries cross it.
 CRITICAL = {"critical_temperature": 380.0}
@@ -49,6 +54,43 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
     out = ["-o", str(tmp_path / "a.png")] if command == "plot" else out
     assert main([command, str(copy), *place, *out]) == 2
     assert DAMAGE.search(capsys.readouterr().err)
+
+
+def test_where_nothing_crosses_a_swapped_block_is_damage_too(copy):
+    """All points of a small store are checked, whatever they tell."""
+    replace_rises(copy, lambda values: values * 0.97)
+    for answer in (pipeline.boundary, pipeline.decisive_temperature):
+        with pytest.raises(StoreError, match=DAMAGE):
+            answer(copy, critical_temperature=900.0)
+
+
+def test_of_a_large_store_the_points_that_a_margin_rests_on_are_checked(path, irg):
+    sweep = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 701).tolist()))
+    done = [point for point in points(sweep) if point.velocity in (0.5, 1.0, 1.5)]
+    with writing(path, sweep) as store:
+        store.commit(run_point(sweep, *point).record(with_fields=False) for point in done)
+    damaged = opened(path).index(Point(250.0, 1.0))
+    array = zarr.open_array(path / "rise_quantile", mode="r+")
+    array[damaged] = 0.97 * array[damaged]
+    never = {"critical_temperature": 900.0}
+    for place in (("250 N", "1 m/s"), ("200 N", "1.1 m/s"), ("300 N", "0.9 m/s")):
+        with pytest.raises(StoreError, match=r"damaged at 250 N, 1 m/s"):
+            pipeline.margins(path, *place, **never)
+    assert pipeline.margins(path, "600 N", "1 m/s", **never)
+    assert "damaged at 250 N, 1 m/s" in irg(
+        "explore", path, "-o", path.with_suffix(".html"), code=2
+    )
+    with pytest.raises(StoreError, match=r"damaged at 250 N, 1 m/s"):
+        pipeline.diff(path, path, criterion="mean")
+
+
+def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):
+    before = contents(copy)
+    for command in ("status", "boundary", "verify"):
+        irg(command, copy)
+    irg("margin", copy, "--load", "300 N", "--velocity", "1.1 m/s")
+    irg("plot", copy, "-o", tmp_path / "a.png")
+    assert contents(copy) == before
 
 
 def test_a_sound_store_is_read_once_and_copies_and_files_are_free(alone, tmp_path):
