@@ -29,6 +29,7 @@ from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
+from pipeline.uncertain.ensemble import keep_fits
 from tribo import lubrication_regime
 
 
@@ -57,6 +58,8 @@ def run(options: argparse.Namespace) -> Result:
             retry_failed=options.retry_failed,
             tell=tell,
         )
+    own = sweep.conditions.own_criterion
+    keep_fits(out, **({"criterion": own.reference, "own_laws": True} if own else {}))
     document = {
         "store": str(out),
         "points": outcome.total,
@@ -74,7 +77,6 @@ def run(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
-        own = sweep.conditions.own_criterion
         words = [str(out), *(["--criterion", own.reference, "--own-laws"] if own else [])]
         commands = (shlex.join(["irg", name, *words]) for name in sweep.variants.answers)
         text.append(f"next: {', '.join(commands)}")

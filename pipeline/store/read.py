@@ -131,6 +131,7 @@ class Reader:
         self._store = store
         self._sound: set[_Index] = set()
         self.dims = store.dims
+        self.may_keep = False  # True while a run reads, which writes anyway
 
     def __deepcopy__(self, _: Any) -> Reader:
         return self
@@ -146,9 +147,10 @@ class Reader:
         return None
 
     def keep(self, name: str, content: bytes) -> None:
-        """Cache content in the store under a name, unless the store cannot be written."""
+        """Cache content in the store under a name, if this may write to it and can."""
         with suppress(OSError):
-            self._store.place.create(_KEPT + name, content)
+            if self.may_keep:
+                self._store.place.create(_KEPT + name, content)
 
     def position(self, name: str, value: Any) -> int | None:
         """Place of a value along a dimension of the store; None if it has none."""

@@ -346,7 +346,7 @@ class Keeper(Protocol):
         """Content that was kept under a name; None if there is none."""
 
     def keep(self, name: str, content: bytes) -> None:
-        """Keep content under a name that is not taken, if the store can be written."""
+        """Keep content under a name that is not taken, if a run reads the store."""
 
 
 def kept_or_found(
@@ -370,7 +370,7 @@ def kept_name(kind: str, *data: Array | Any) -> str:
 
 def recalled(keeper: Keeper, name: str) -> Any:
     """Numbers that are kept; None if there are none, or if they were cut short or damaged."""
-    with suppress(ValueError, KeyError, TypeError):
+    with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):
             return document["numbers"]

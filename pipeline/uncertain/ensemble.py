@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -26,11 +27,12 @@ from pipeline.analysis.dataset import (
     dataset_of,
     end_of_point,
     is_emulated,
+    open_sweep,
     require_one_scene,
     values_of,
 )
 from pipeline.analysis.decisive import conditions_of, require_sound
-from pipeline.analysis.scenes import taken
+from pipeline.analysis.scenes import scenes, taken
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions, with_corrections_of_row
@@ -330,6 +332,18 @@ class Ensemble:
                     f"{name} is {value:g} {unit}; the samples have {ends}: give one within, or "
                     "add to the sweep"
                 )
+
+
+def keep_fits(path: PathLike, **changed: Any) -> None:
+    """Fit the samples of a store and keep the fits in it, so that commands need not; see `of`."""
+    ds = open_sweep(path)
+    ds["status"].encoding["reader"].may_keep = True
+    for scene in scenes(ds) if is_emulated(ds) else ():
+        with suppress(InputError):  # too few are done
+            ensemble = Ensemble.of(scene, **changed)
+            for held in ensemble.by_hold.values():
+                _ = held._rise
+            _ = ensemble._width
 
 
 def _conditions_of_rows(

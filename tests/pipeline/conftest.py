@@ -25,7 +25,7 @@ def _constants_are_found_once():
     found, memory = emulator.kept_or_found, Memory()
 
     def kept_or_found(keeper, *fit):
-        return found(memory if keeper is None else keeper, *fit)
+        return found(keeper if getattr(keeper, "may_keep", False) else memory, *fit)
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(emulator, "kept_or_found", kept_or_found)

@@ -14,9 +14,11 @@ from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import design, inputs, next_tests, sensitivity
 from pipeline.uncertain.answers import risk_lines
+from pipeline.uncertain.emulator import recalled
+from pipeline.uncertain.ensemble import Ensemble
 from tests.helpers.samples import fewer_draws
 from tests.helpers.scenes import MEASURED, SCENE
-from tests.helpers.stores import stored_values
+from tests.helpers.stores import contents, stored_values
 from tests.helpers.sweeps import inputs_of
 from tests.promises import risk
 from tribo import InputError
@@ -45,6 +47,22 @@ def sampled(tmp_path_factory):
     assert (grown.done, grown.computed, grown.failed) == (32, 16, ())
     assert verify_store(folder / "out.zarr").is_clean
     return folder
+
+
+def test_the_fit_of_samples_is_kept_by_a_run_and_by_nobody_who_reads(sampled, tmp_path, irg):
+    path = shutil.copytree(sampled / "out.zarr", tmp_path / "out.zarr")
+    before = contents(path)
+    Ensemble.of(path).keeper.keep("fit-0", b"1")
+    assert contents(path) == before
+    irg("run", sampled / "scene.toml", "-o", path)
+    kept = contents(path).keys() - before.keys()
+    assert len(kept) == 2
+    assert all(name.startswith("status/kept-fit-") for name in kept)
+    reader = pipeline.open_sweep(path)["status"].encoding["reader"]
+    names = [name.removeprefix("status/kept-") for name in kept]
+    assert None not in [recalled(reader, name) for name in names]
+    (path / "status" / f"kept-{names[0]}").write_text("[" * 10**5)
+    assert recalled(reader, names[0]) is None
 
 
 def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
