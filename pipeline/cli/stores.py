@@ -15,7 +15,7 @@ from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import criterion_in, dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
-from pipeline.store.place import ROOT, StoreError
+from pipeline.store.place import DAMAGED, ROOT, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes
 from pipeline.sweep.selection import error_in_words, velocity_error
@@ -95,7 +95,10 @@ def verify(options: argparse.Namespace) -> Result:
     if check.is_clean:
         return Result(document, text, pipeline.warned(options.store))
     if check.repaired:
-        text.append("repaired; damaged points are pending, and computed again by: irg run")
+        text.append(
+            "repaired; damaged points are pending, and computed again by: irg run; what was "
+            f"replaced is kept in {options.store}/{DAMAGED}"
+        )
         return Result(document, text, pipeline.warned(options.store), code=SOME_FAILED)
     text.append("set damaged points to be computed again with: irg verify --repair")
     return Result(document, text, code=SOME_FAILED)
