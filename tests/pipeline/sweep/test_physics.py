@@ -113,6 +113,16 @@ def test_an_effect_is_what_its_entries_switch_on(scene, kind, name, entries):
     assert flat(sized) == pytest.approx(flat(switched_on), rel=1e-6)
 
 
+def test_warm_steel_conducts_worse_and_holds_more_heat(scene):
+    """Of a carbon steel from 25 to 85 °C: conductivity 45 to 42 W/(m K), 470 to 520 J/(kg K)."""
+    effect = sound(physics_of(scene()))["conductivity and specific heat when warm"]
+    assert effect.size.startswith("-7% and +11%")
+    warm = effect.scene.scene
+    for body in (warm.pin.material, warm.disk):
+        assert body.thermal_conductivity == pytest.approx(42.0)
+        assert body.specific_heat == pytest.approx(520.0)
+
+
 def flat(parts, path=()):
     """Numbers of nested parts, by their place."""
     if isinstance(parts, dict | list | tuple):
