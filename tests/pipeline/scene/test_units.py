@@ -2,12 +2,21 @@
 
 from decimal import Decimal
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.scene import units
-from pipeline.scene.units import UnitError, display, exact_si, hardness_pressure, to_si
+from pipeline.scene.units import (
+    UnitError,
+    display,
+    exact_si,
+    hardness_pressure,
+    shown_in,
+    si_of,
+    to_si,
+)
 
 USUAL = [(next(iter(group)), unit) for group in units._USUAL.values() for unit in group]
 
@@ -88,6 +97,29 @@ def test_conversion_rises_and_scales_agree():
     values = [hardness_pressure(Decimal(n), "HRC") for n in range(20, 69)]
     assert values == sorted(set(values))
     assert hardness_pressure(Decimal(654), "HB") == hardness_pressure(Decimal(60), "HRC")
+
+
+@pytest.mark.parametrize(("scale", "first", "last"), [("HRC", 20, 68), ("HB", 226, 739)])
+def test_no_row_of_the_conversion_leaves_the_curve_of_its_neighbours(scale, first, last):
+    numbers = units._OF_STEEL[scale][0]
+    assert (numbers[0], numbers[-1]) == (first, last)
+    rockwell = np.arange(20, 20 + len(numbers))
+    vickers = np.array([float(hardness_pressure(Decimal(n), scale)) for n in numbers]) / 9.80665e6
+    for values in (vickers, np.array(numbers) if scale == "HB" else vickers):
+        for row in range(len(values)):
+            beside = [n for n in range(row - 3, row + 4) if n != row and 0 <= n < len(values)]
+            curve = np.polyfit(rockwell[beside] - rockwell[row], values[beside], 2)
+            assert values[row] == pytest.approx(curve[-1], rel=0.012)
+
+
+@pytest.mark.parametrize(
+    "unit",
+    ["mm", "µm", "GPa", "mm³/(N m)", "1/GPa", "mm³", "mm² K/W", "MJ/(m³ K)", "mm²/s", "°C", "N"],
+)
+def test_a_value_is_shown_as_the_number_of_units_that_it_was_read_from(unit):
+    value = to_si(f"3 {unit}", like=f"1 {unit}")
+    assert shown_in(value, unit) == pytest.approx(3.0)
+    assert si_of(3.0, unit) == pytest.approx(value)
 
 
 def test_values_are_displayed_in_the_units_of_the_field():
