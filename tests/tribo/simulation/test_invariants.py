@@ -15,7 +15,7 @@ from tribo import (
     simulate,
 )
 from tribo.simulation import loading_step, temperature
-from tribo.simulation.invariants import within_range
+from tribo.simulation.invariants import check_wear, within_range
 
 
 def test_a_solver_that_is_wrong_is_found_out_in_a_simulation(monkeypatch):
@@ -60,6 +60,13 @@ def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch)
         monkeypatch.setattr(temperature, "partition_heat", wrong)
         with pytest.raises(InvariantError, match=law):
             temperature.heat(small_scene(), states[-1], 1.25)
+
+
+def test_a_pin_that_grows_back_anywhere_is_found_out_though_its_volume_is_right():
+    before = np.array([[1e-9, 3e-9]])
+    check_wear(before, np.array([[1e-9, 5e-9]]), area=1e-12, volume=6e-21)
+    with pytest.raises(InvariantError, match="grown back by 1e-10 m"):
+        check_wear(before, np.array([[0.9e-9, 5.1e-9]]), area=1e-12, volume=6e-21)
 
 
 def test_numbers_beyond_double_precision_are_named():
