@@ -1,5 +1,6 @@
 """Kernels that simulations share (tribo/simulation/cache.py)."""
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from tests.helpers.scenes import small_scene
 from tribo import simulate
 from tribo.simulation import forget_kernels
+from tribo.simulation.cache import Kept
 
 
 def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
@@ -21,3 +23,15 @@ def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
     forget_kernels()
     with ThreadPoolExecutor(4) as threads:
         assert np.array_equal(list(threads.map(rise, velocities)), alone)
+
+
+def test_a_thread_that_wants_what_another_computes_waits_for_it():
+    kept = Kept(size_of=lambda _: 1, limit=8)
+
+    def slowly():
+        time.sleep(0.05)
+        return object()
+
+    with ThreadPoolExecutor(4) as threads:
+        found = set(threads.map(lambda _: kept.get("key", slowly), range(4)))
+    assert len(found) == 1
