@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tribo import BULK_RATIOS, QUANTILES, InputError, contact_quantiles, failed_share
-from tribo.thermal import at_bulk_ratio
+from tribo.thermal import at_bulk_ratio, rise_exceeded
 
 
 def test_quantile_and_failed_share_are_one_criterion():
@@ -39,6 +39,14 @@ def test_share_is_nothing_above_the_maximum_and_all_below_the_minimum():
 def test_no_contact_has_no_temperature():
     with pytest.raises(InputError, match="contact"):
         contact_quantiles(np.zeros((2, 2)), np.zeros((2, 2), dtype=bool))
+
+
+def test_a_share_beyond_the_stored_quantiles_is_refused_and_not_extrapolated():
+    rises, stored = np.array([10.0, 20.0, 40.0]), (0.5, 0.8, 0.9)
+    assert [rise_exceeded(rises, share, stored) for share in (0.5, 0.1)] == pytest.approx([10, 40])
+    for share in (0.09, 0.51):
+        with pytest.raises(InputError, match=r"the stored quantiles allow from 0\.1 to 0\.5"):
+            rise_exceeded(rises, share, stored)
 
 
 @pytest.mark.parametrize("side", [-1, 1])
