@@ -15,7 +15,6 @@ from tribo import (
     ElasticHalfSpace,
     Fidelity,
     Grid,
-    InputError,
     Motion,
     Ramp,
     Scene,
@@ -23,7 +22,6 @@ from tribo import (
     contact_modulus,
     measures,
     simulate,
-    specific_wear_rate,
 )
 from tribo.analytic import (
     ROLLING_SLIDING_PEAK,
@@ -160,32 +158,6 @@ def test_a_ball_that_rolls_wears_a_groove_around_itself():
     profile = coarse.pressure.sum(axis=0)  # flatter along y than that of the round ball
     unworn = end(replace(scene, wear=None), 1.0, 150.0).pressure.sum(axis=0)
     assert profile.max() < 0.8 * unworn.max()
-
-
-@pytest.mark.parametrize(
-    ("entries", "said"),
-    [
-        ({}, "exactly one of them"),
-        ({"slide_roll_ratio": 0.5, "entrainment_velocity": 2.0}, "exactly one of them"),
-        ({"slide_roll_ratio": 0.0}, "slide_roll_ratio is 0"),
-        ({"entrainment_velocity": math.inf}, "entrainment_velocity is inf"),
-        ({"slide_roll_ratio": 1.0, "track_length": 0.0}, "track_length is 0"),
-    ],
-)
-def test_a_motion_that_cannot_be_is_refused(entries, said):
-    with pytest.raises(InputError, match=said):
-        Motion(**entries)
-
-
-def test_a_track_shorter_than_the_window_is_refused():
-    motion = Motion(slide_roll_ratio=1.0, track_length=0.3e-3)
-    with pytest.raises(InputError, match=r"track_length is 0\.0003 m"):
-        replace(small_scene(), motion=motion)
-
-
-def test_no_width_tells_the_wear_rate_of_a_pin_that_rolls():
-    with pytest.raises(InputError, match="no wider"):
-        specific_wear_rate(replace(small_scene(), motion=RATIO), 3e-4, 600.0, 1.25)
 
 
 @pytest.mark.parametrize("pattern", ["local", "swept"])

@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from tribo.errors import ConvergenceError, InputError
+from tribo.errors import ConvergenceError
 from tribo.material import Material
 from tribo.numerics import Grid, padded_shape
 from tribo.thermal import ConductingHalfSpace, partition_heat
@@ -209,29 +209,3 @@ def test_a_failure_carries_the_partial_solution_and_advice():
     assert 1e-8 < partial.residual < 0.1
     error = np.abs(partial.rise - exact.rise).max() / exact.rise.max()
     assert 1e-6 < error < 10 * partial.residual
-
-
-def test_wrong_arguments_are_named():
-    grid = grid_of(n=8)
-    pin, disk = bodies(grid)
-    on = np.ones(grid.shape, dtype=bool)
-    flux = np.ones(grid.shape)
-    hole = on.copy()
-    hole[2, 3] = False
-    spoiled = flux.copy()
-    spoiled[1, 1] = np.nan
-    cases = [
-        ("they must be the same", (pin, bodies(grid_of(n=9))[1], flux, on), {}),
-        ("both must be", (pin, disk, flux[:4], on), {}),
-        ("it must hold bool", (pin, disk, flux, flux), {}),
-        ("NaN", (pin, disk, spoiled, on), {}),
-        ("NaN", (pin, disk, flux, on), {"bulk_difference": np.inf}),
-        ("outside the contact", (pin, disk, flux, hole), {}),
-        ("method is 'blok'", (pin, disk, flux, on), {"method": "blok"}),
-        ("tolerance is 0.0", (pin, disk, flux, on), {"tolerance": 0.0}),
-        ("there is none", (pin, disk, 0 * flux, on), {"method": "uniform", "bulk_difference": 1.0}),
-        ("no time to conduct", (*bodies(grid, time=0.0), flux, on), {"bulk_difference": 1.0}),
-    ]
-    for message, arguments, options in cases:
-        with pytest.raises(InputError, match=message):
-            partition_heat(*arguments, **options)
