@@ -77,13 +77,13 @@ def _check_pixels(
         problem = "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
         faults.note("window.pixels", problem)
     if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
-        rows, columns = roughness.array.shape
+        nx, ny = roughness.array.shape
         faults.note(
             "disk.roughness.file",
-            f"the surface has {rows} rows of {columns} heights, window.pixels is {size}; give both "
-            "the same size: cut out a patch (disk.roughness.crop), exchange x and y "
-            "(disk.roughness.transpose = true, since rows follow along x), or go on beyond the "
-            'ends (disk.roughness.repeat = "mirror")',
+            f"the surface has {nx} × {ny} heights along x and y, window.pixels is {size}; give "
+            "both the same size: cut out a patch (disk.roughness.crop), exchange x and y "
+            "(disk.roughness.transpose = true, since x is along the columns of the file), or go on "
+            'beyond the ends (disk.roughness.repeat = "mirror")',
         )
 
 

@@ -320,8 +320,8 @@ def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
         )
     if surface.measured:
         yield (
-            "the grooves lie along x, the sliding direction; if they should lie across it, the "
-            "file is transposed: its rows must follow one another along x"
+            "the grooves lie along x, the sliding direction; if they should lie across it, "
+            "exchange x and y of the file with transpose under [disk.roughness]"
         )
 
 

@@ -157,8 +157,8 @@ RANDOM_SURFACE = Table({
 }, form="random surface")
 MEASURED_SURFACE = Table({
     "file": Entry(Text(),
-        "Heights of a measured surface, a row for each x: .npy, text, or the file of an instrument "
-        "(with the extra `surfaces`); relative to the folder of the scene.",
+        "Heights of a measured surface, with x along the columns of the file: .npy, text, or the "
+        "file of an instrument (with the extra `surfaces`); relative to the folder of the scene.",
         example="surface.npy"),
     "height_unit": Optional(UnitText("a unit of length", "um"),
         "Unit of the heights; needed where the file has none, as in .npy and .csv, and used in "
@@ -169,8 +169,8 @@ MEASURED_SURFACE = Table({
         "Axis to reverse; or the heights, as of a replica, whose summits were valleys.",
         default="no"),
     "crop": Optional(List(Whole(at_least=0), length=2),
-        "First row and column, counted from 0, of the patch to cut out; without it the surface is "
-        "to have the window's size."),
+        "First pixel along x and y, counted from 0, of the patch to cut out; without it the "
+        "surface is to have the window's size."),
     "level": Optional(Flag(),
         "Least-squares plane (tilt) taken off the heights, or not.", default=False),
     "missing": Optional(OneOf(("refuse", "fill")),

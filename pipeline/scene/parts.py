@@ -12,7 +12,15 @@ import numpy as np
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
-from pipeline.scene.surfaces import filled, levelled, oriented, read_surface
+from pipeline.scene.surfaces import (
+    axis_note,
+    filled,
+    levelled,
+    oriented,
+    read_surface,
+    tilt_doubts,
+    tilts,
+)
 from pipeline.scene.units import display
 from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own
 from tribo.types import Array
@@ -205,8 +213,11 @@ def _heights(
         heights = _cropped(surface.heights, table, pixels, faults)
     if heights is None or (heights := _without_holes(heights, table["missing"], faults)) is None:
         return None
+    said = surface.notes
     if table["level"]:
-        heights = levelled(heights)
+        level = levelled(heights)
+        said += tilt_doubts(tilts(heights, level, sides)) if sides else ()
+        heights = level
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
         is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
         faults.notes.append(
@@ -217,7 +228,8 @@ def _heights(
         more = np.maximum(0, np.subtract(pixels, heights.shape)).tolist()
         heights = np.pad(heights, [(0, n) for n in more], "symmetric" if is_mirrored else "wrap")
     levelled_words = ", levelled" if table["level"] else ""
-    faults.notes.append(f"disk.roughness.file: {file.name}{levelled_words}")
+    noted = f"{file.name}{levelled_words}; {axis_note(table['transpose'])}"
+    faults.notes += [f"disk.roughness.file: {note}" for note in (*said, noted)]
     return heights
 
 
@@ -232,9 +244,9 @@ def _cropped(
     if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
         faults.note(
             "disk.roughness.crop",
-            f"a patch of {rows} × {columns} heights from row {i}, column {j} reaches beyond "
-            f"the surface of {heights.shape[0]} × {heights.shape[1]}; give a lower row and "
-            "column, or fewer window.pixels",
+            f"a patch of {rows} × {columns} heights by x and y from {i}, {j} on reaches beyond "
+            f"the surface of {heights.shape[0]} × {heights.shape[1]}; begin at lower numbers, or "
+            "give fewer window.pixels",
         )
         return None
     return heights[i : i + rows, j : j + columns]
@@ -252,8 +264,8 @@ def _without_holes(heights: Array, missing: str, faults: Faults) -> Array | None
     if missing == "refuse":
         i, j = holes[0].tolist()
         problem = (
-            f"{share} are missing, the first at row {i}, column {j} (counted from 0); crop them "
-            'off, or give "fill"'
+            f"{share} are missing, the first at x {i}, y {j} (counted from 0); crop them off, or "
+            'give "fill"'
         )
         faults.note("disk.roughness.missing", problem)
         return None

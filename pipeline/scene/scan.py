@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -9,15 +10,26 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.scene.surfaces import Flip, MeasuredSurface, filled, levelled, oriented, read_surface
+from pipeline.scene.surfaces import (
+    Flip,
+    axis_note,
+    filled,
+    levelled,
+    oriented,
+    read_surface,
+    tilt_doubts,
+    tilts,
+)
 from pipeline.scene.units import in_si
 from tribo import InputError, average_roughness, fit_self_affine, rms_height
-from tribo.surface import SelfAffineFit
+from tribo.surface import AutocorrelationLengths, SelfAffineFit, autocorrelation_lengths
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness
 _UNLIKE = 5  # factor between spectra, beyond which a fit stands for no scan
 _SHORT = 10.0  # correlation lengths along a side, below which few of them are seen
+_LAY = 0.5  # Str of ISO 25178, below which a surface has a lay
+_FLATTEST, _ROUGHEST = 1e-10, 1e-4  # Rq [m], beyond which the unit of heights is doubted
 _DEGREES = 10.0  # of a lay from an axis, beyond which the fit along the axes is another surface
 
 
@@ -33,12 +45,20 @@ class SurfaceStatistics:
     rq: float  #: Root mean square roughness [m].
     skewness: float  #: Of the heights; 0 on a random surface.
     kurtosis: float  #: Of the heights; 3 on a random surface.
-    tilt: tuple[float, float]  #: Slopes of the plane along x and y that were taken off.
+    tilt: tuple[float, float]  #: Of the plane along x and y that was taken off [°].
     fit: SelfAffineFit  #: Correlation lengths, Hurst exponent and lay, with standard errors.
+    lengths: AutocorrelationLengths  #: Where the autocorrelation has fallen to 1/e.
+    axis: str = ""  #: Direction of sliding in the file.
+    notes: tuple[str, ...] = ()  #: What the file says, and the arguments say otherwise.
 
     @property
     def has_lay(self) -> bool:
-        """True if the correlation lengths differ by more than three standard errors."""
+        """True if the correlation lengths differ by more than three standard errors.
+
+        Where the fit failed, the autocorrelation tells.
+        """
+        if not self.is_self_affine:
+            return self.lengths.shortest < _LAY * self.lengths.longest
         (x, y), (error_x, error_y) = self.fit.correlation_length, self.fit.length_error
         return bool(abs(np.log(x / y)) > 3 * np.hypot(error_x / x, error_y / y))
 
@@ -60,6 +80,10 @@ class SurfaceStatistics:
         return tuple(self._warnings())
 
     def _warnings(self) -> Iterator[str]:
+        yield from self.notes
+        if not _FLATTEST <= self.rq <= _ROUGHEST:
+            yield f"Rq is {1e6 * self.rq:.3g} µm: check the unit of the heights (--height-unit)"
+        yield from tilt_doubts(self.tilt)
         if self.missing:
             share = 100 * self.missing / np.prod(self.shape)
             yield f"{self.missing} heights ({share:.2g} %) are missing and were filled"
@@ -69,19 +93,18 @@ class SurfaceStatistics:
                 f'disk.roughness.file = "{self.file}"'
             )
         askew = abs((self.fit.lay + 45) % 90 - 45)
-        if self.has_lay and askew > max(_DEGREES, 3 * self.fit.lay_error):
+        is_askew = self.is_self_affine and askew > max(_DEGREES, 3 * self.fit.lay_error)
+        if self.has_lay and is_askew:
             yield (
                 f"the lay runs at {self.fit.lay:.0f}° from x, and [disk.roughness] has lays along "
                 "x or y alone: turn the scan, or simulate the scan itself"
             )
-        lengths = zip("xy", self.shape, self.pixel_size, self.fit.correlation_length, strict=True)
-        for axis, count, side, length in lengths:
+        along = self.lengths.along_x, self.lengths.along_y
+        for axis, count, side, length in zip("xy", self.shape, self.pixel_size, along, strict=True):
             if count * side < _SHORT * length:
-                yield (
-                    f"the scan is {count * side / length:.2g} correlation lengths long along "
-                    f"{axis}: measure a larger area"
-                )
-        if self.fit.misfit > 2:
+                many = f"{count * side / length:.2g}" if math.isfinite(length) else "under 2"
+                yield f"the scan is {many} 1/e lengths long along {axis}: measure a larger area"
+        if 2 < self.fit.misfit <= _UNLIKE:
             yield (
                 f"the fitted spectrum is off by a factor {self.fit.misfit:.2g} at some wavelengths:"
                 " the scan is not self-affine, or its instrument filters it"
@@ -94,33 +117,69 @@ class SurfaceStatistics:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the statistics by name, with the table as text."""
-        toml = self.toml if self.is_self_affine else None
-        return asdict(self) | {"toml": toml, "warnings": list(self.warnings)}
+        fitted = {} if self.is_self_affine else {"fit": None}
+        lengths = {
+            name: None if value == math.inf else value
+            for name, value in asdict(self.lengths).items()
+        }
+        return {
+            **asdict(self),
+            **fitted,
+            "lengths": lengths | {"texture_aspect": self._aspect},
+            "toml": self.toml if self.is_self_affine else None,
+            "warnings": list(self.warnings),
+        }
+
+    @property
+    def _aspect(self) -> float | None:
+        aspect = self.lengths.texture_aspect
+        return None if math.isnan(aspect) else aspect
 
     def lines(self) -> Iterator[str]:
         """Describe the scan, a line for each quantity."""
-        fit, sides = self.fit, [1e6 * side for side in self.pixel_size]
+        sides = [1e6 * side for side in self.pixel_size]
         lengths = [f"{n * side:.4g}" for n, side in zip(self.shape, sides, strict=True)]
         yield (
             f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {' × '.join(lengths)} µm, "
             f"pixels {sides[0]:.4g} × {sides[1]:.4g} µm"
         )
-        percent = f"± {100 * fit.rms_error:.2g} % from surface to surface of this size"
-        yield f"  Ra                  {1e6 * self.ra:.4g} µm  {percent}"
+        yield f"  {self.axis}"
+        percent = f"  ± {100 * self.fit.rms_error:.2g} % from surface to surface of this size"
+        yield f"  Ra                  {1e6 * self.ra:.4g} µm{percent * self.is_self_affine}"
         yield f"  Rq                  {1e6 * self.rq:.4g} µm"
         yield f"  skewness, kurtosis  {self.skewness:.2g}, {self.kurtosis:.2g}"
-        degrees = [f"{np.degrees(np.arctan(slope)):.2g}°" for slope in self.tilt]
+        degrees = [f"{angle:.2g}°" for angle in self.tilt]
         yield f"  tilt                {degrees[0]} along x, {degrees[1]} along y, taken off"
-        lay = f"{fit.lay:.0f}° from x ± {fit.lay_error:.1g}°" if self.has_lay else "none"
-        yield f"  lay                 {lay}"
+        yield from self._directions()
+        yield from (f"  warning             {warning}" for warning in self.warnings)
+
+    def _directions(self) -> Iterator[str]:
+        """Lay, lengths of the autocorrelation, and those of the fit if it did not fail."""
+        fit, lengths = self.fit, self.lengths
+        lay = f"{lengths.direction:.0f}° from x"
+        if self.is_self_affine:
+            lay = f"{fit.lay:.0f}° from x ± {fit.lay_error:.1g}°"
+        yield f"  lay                 {lay if self.has_lay else 'none'}"
+        x, y = (_in_words(length) for length in (lengths.along_x, lengths.along_y))
+        yield f"  1/e lengths         {x} along x, {y} along y, of the autocorrelation"
+        aspect = "not known" if self._aspect is None else f"{self._aspect:.2g}"
+        yield (
+            f"  Sal, Str            {_in_words(lengths.shortest)}, {aspect} (ISO 25178, at 1/e for "
+            "its usual 0.2)"
+        )
+        if not self.is_self_affine:
+            yield (
+                "  spectrum            not self-affine: the best fit is off by a factor "
+                f"{fit.misfit:.2g}, so it gives no length and no Hurst exponent"
+            )
+            return
         x, y = (
             f"{1e6 * length:.3g} ± {1e6 * error:.1g} µm"
             for length, error in zip(fit.correlation_length, fit.length_error, strict=True)
         )
-        yield f"  correlation length  {x} along x, {y} along y"
+        yield f"  correlation length  {x} along x, {y} along y, of the fitted spectrum"
         yield f"  Hurst exponent      {fit.hurst_exponent:.3g} ± {fit.hurst_error:.1g}"
         yield f"  spectrum            within a factor {fit.misfit:.2g} of that of the fit"
-        yield from (f"  warning             {warning}" for warning in self.warnings)
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
@@ -174,7 +233,7 @@ def surface_statistics(
     surface = oriented(read_surface(path, unit), transpose, flip)
     if pixel_size is not None:
         x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
-        surface = MeasuredSurface(surface.heights, (x, y))
+        surface = surface.with_pixels((x, y))
     if surface.pixel_size is None or min(surface.pixel_size) <= 0:
         raise InputError(f"{path}: no size of a pixel; give pixel_size, such as 0.8 um")
     holes = int(np.count_nonzero(~np.isfinite(surface.heights)))
@@ -182,7 +241,6 @@ def surface_statistics(
     if min(heights.shape) < 2:
         raise InputError(f"{path}: a profile; give a map of heights")
     level = levelled(heights)
-    plane = heights - level
     return SurfaceStatistics(
         file=str(path),
         shape=(level.shape[0], level.shape[1]),
@@ -192,12 +250,16 @@ def surface_statistics(
         rq=rms_height(level),
         skewness=_moment(level, 3),
         kurtosis=_moment(level, 4),
-        tilt=(
-            float((plane[1, 0] - plane[0, 0]) / surface.pixel_size[0]),
-            float((plane[0, 1] - plane[0, 0]) / surface.pixel_size[1]),
-        ),
+        tilt=tilts(heights, level, surface.pixel_size),
         fit=fit_self_affine(level, surface.pixel_size),
+        lengths=autocorrelation_lengths(level, surface.pixel_size),
+        axis=axis_note(transpose),
+        notes=surface.notes,
     )
+
+
+def _in_words(length: float) -> str:
+    return f"{1e6 * length:.3g} µm" if math.isfinite(length) else "over half the scan"
 
 
 def _moment(level: Array, order: int) -> float:

@@ -18,6 +18,18 @@ from tribo.errors import reason_of, require_file
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # that an archive may unpack to
+_SAME = 0.01  # of a length, within which two say the same
+_STEEPEST = 20.0  # tilt [°] that leaves no pixel of an instrument its height
+_IMAGES = (".tif", ".tiff", ".png", ".jpg", ".jpeg", ".bmp", ".gif")
+
+
+def axis_note(transpose: bool) -> str:
+    """Direction of sliding in the file, in words."""
+    lines, name = ("row", "y") if transpose else ("column", "x")
+    return (
+        f"x, the sliding direction, is along the {lines}s of the file: from {lines} to {lines}, or "
+        f"the {name} that it names"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +38,20 @@ class MeasuredSurface:
 
     heights: Array
     pixel_size: tuple[float, float] | None = None
+    notes: tuple[str, ...] = ()  # on what the file says and a user says otherwise
+
+    def with_pixels(self, sides: tuple[float, float]) -> MeasuredSurface:
+        """The surface with other sides of a pixel than the file says [m]."""
+        own, notes = self.pixel_size, self.notes
+        if own and not np.allclose(own, sides, rtol=_SAME, atol=0):
+            notes += (f"the pixels given count, not the file's own of {_sides(own)}",)
+        return MeasuredSurface(self.heights, sides, notes)
 
 
 def read_surface(path: str | Path, height_unit: float | None = None) -> MeasuredSurface:
     """A measured surface from a plain array, text, or a file of SurfaceTopography's formats.
 
+    In each x goes from column to column of the file, and a line of it is one of equal y.
     The length of one unit of the heights [m] goes before what the file says. Raise an `InputError`
     if it is missing, the file is no surface, or the extra for its format is not installed.
     """
@@ -66,17 +87,33 @@ def _of_text(path: Path, height_unit: float | None) -> MeasuredSurface:
         raise InputError(f"{path}: the text says no unit of its heights; give height_unit")
     heights = heights * unit
     if (infinite := np.argwhere(np.isinf(heights))).size:
-        row, column = infinite[0].tolist()
+        column, row = infinite[0].tolist()
         raise InputError(
             f"{path}: the height at row {row}, column {column} (counted from 0) is infinite; write "
             "holes as NaN"
         )
-    return MeasuredSurface(heights, pixel_size)
+    return MeasuredSurface(heights, pixel_size, _unit_note(said, height_unit))
+
+
+def _unit_note(own: float | None, given: float | None) -> tuple[str, ...]:
+    """A note where a unit [m] is given that is not the file's own."""
+    if own is None or given is None or np.isclose(own, given, rtol=_SAME, atol=0):
+        return ()
+    return (f"the height unit given counts, {given:g} m, not the file's own of {own:g} m",)
+
+
+def _sides(pixel: tuple[float, float]) -> str:
+    return " × ".join(f"{1e6 * side:.4g}" for side in pixel) + " µm"
 
 
 def _of_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of one of SurfaceTopography's formats."""
     _require_small_file(path)
+    if path.suffix.lower() in _IMAGES:
+        raise InputError(
+            f"{path}: an image, whose grey values are no heights of a known unit; export the "
+            "heights from the instrument's software as .x3p, .sur, text or .npy"
+        )
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")
     except ImportError as error:
@@ -120,17 +157,18 @@ def _converted(path: Path, topography: Any, height_unit: float | None) -> Measur
         raise InputError(
             f"{path}: a profile, or unevenly spaced; give a map of heights on a regular grid"
         )
-    pixel_size, heights = None, topography.heights() * (height_unit or 1.0)
+    pixel_size, own, heights = None, None, topography.heights() * (height_unit or 1.0)
     if topography.unit is not None:
         in_metres = topography.to_unit("m")
         pixel_size = float(in_metres.pixel_size[0]), float(in_metres.pixel_size[1])
+        own = pixel_size[0] / float(topography.pixel_size[0])
         heights = in_metres.heights() if height_unit is None else heights
     elif height_unit is None:
         raise InputError(
             f"{path}: the file does not give the unit of its heights; give height_unit"
         )
     copied = np.ma.filled(np.ma.masked_invalid(np.ma.array(heights, dtype=np.float64)), np.nan)
-    return MeasuredSurface(np.ascontiguousarray(copied), pixel_size)
+    return MeasuredSurface(np.ascontiguousarray(copied), pixel_size, _unit_note(own, height_unit))
 
 
 Flip = Literal["no", "x", "y", "heights"]
@@ -147,7 +185,7 @@ def oriented(
         heights = -heights
     elif flip != "no":
         heights = np.flip(heights, "xy".index(flip))
-    return MeasuredSurface(np.ascontiguousarray(heights), sides)
+    return MeasuredSurface(np.ascontiguousarray(heights), sides, surface.notes)
 
 
 def levelled(heights: Array) -> Array:
@@ -158,6 +196,24 @@ def levelled(heights: Array) -> Array:
     plane, *_ = np.linalg.lstsq(terms[measured], heights[measured], rcond=None)
     level: Array = heights - terms @ plane
     return level
+
+
+def tilts(heights: Array, level: Array, sides: tuple[float, float]) -> tuple[float, float]:
+    """Angles by which a plane that was taken off rises along x and y [°]."""
+    corner = (heights - level)[:2, :2]
+    rises = np.diff(corner, axis=0)[0, 0] / sides[0], np.diff(corner, axis=1)[0, 0] / sides[1]
+    x, y = np.degrees(np.arctan(rises)).tolist()
+    return x, y
+
+
+def tilt_doubts(angles: tuple[float, float]) -> tuple[str, ...]:
+    """A doubt where a scan is steeper than any that an instrument can measure [°]."""
+    if (steepest := max(map(abs, angles))) <= _STEEPEST:
+        return ()
+    return (
+        f"the scan is tilted by {steepest:.3g}°: check the unit of the heights and the size of the "
+        "pixels",
+    )
 
 
 def filled(heights: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Heights in text, as Gwyddion, MountainsMap, numpy.savetxt and spreadsheets write them.
+"""Heights in text, as Gwyddion, MountainsMap, Keyence, NumPy and spreadsheets write them.
 
 A matrix, or rows of x, y and z, with any usual separator, decimal mark and sign of a hole.
 """
@@ -20,13 +20,14 @@ TEXT = (".csv", ".txt", ".xyz", ".asc", ".dat", ".tsv")
 _HOLES = {"", "nan", "bad", "***", "---", "-", "null", "none", "missing"}
 _COMMENT = ("#", "%", "//", ";#", "*")
 _SIZES = {
-    name: re.compile(rf"\W*(?:{words})\s*[:=\s]\s*(\S.*)", re.IGNORECASE)
+    name: re.compile(rf"\W*(?:{words})\s*[:=;\s]\s*(\S.*)", re.IGNORECASE)
     for name, words in {
         "width": r"width|breite|taille[ _]x|x[ -](?:axis[ -])?(?:size|length)",
         "height": r"height|höhe|taille[ _]y|y[ -](?:axis[ -])?(?:size|length)",
         "x step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?x|x[ -](?:spacing|step)",
         "y step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?y|y[ -](?:spacing|step)",
-        "unit": r"value units?|z[ -](?:axis[ -])?units?|unité[ _]z|einheit(?:[ _]z)?|"
+        "xy step": r"xy calibration",
+        "unit": r"(?:value )?units?|z[ -](?:axis[ -])?units?|unité[ _]z|einheit(?:[ _]z)?|"
         r"(?:heights?|z) in",
     }.items()
 }
@@ -44,28 +45,32 @@ Size = tuple[float, float] | None
 def read_text(path: Path) -> tuple[Array, Size, float | None]:
     """Heights by x and y in their unit, NaN in holes; sides of a pixel [m] and unit [m], if said.
 
+    A matrix has a line for each y, in which x goes from column to column.
     Raise an `InputError` if there is no matrix of numbers, nor rows of x, y and z on a grid.
     """
     if path.stat().st_size > _MOST_BYTES:
         raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
     text, _ = decoded(path.read_bytes())
-    head, table, above = _table(path, [line for line in text.splitlines() if line.strip()])
+    lines = [_unquoted(line) for line in text.splitlines() if line.strip()]
+    head, table, above = _table(path, lines)
     if hole := _NO_DATA.search("\n".join(head)):
         table[table == float(hole[1])] = np.nan
     sizes, units = _said(head)
     if table.shape[1] == 3 and (table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"):
         return _of_places(path, table, units)
     unit = sizes.get("unit", units.get("z"))
-    if {"width", "height"} <= sizes.keys():  # as Gwyddion writes it: a line for each y
-        table = np.ascontiguousarray(table.T)
-        x, y = sizes["width"] / table.shape[0], sizes["height"] / table.shape[1]
-        return table, (x, y), unit
-    table, steps = _without_axes(table, above)
+    is_sized = {"width", "height"} <= sizes.keys()
+    table, steps = (table, None) if is_sized else _without_axes(table, above)
+    heights = np.ascontiguousarray(table.T)
     length = units.get("x", units.get("y"))
-    if steps and length:
-        return table, (steps[0] * length, steps[1] * length), unit
-    pixel = (sizes["x step"], sizes["y step"]) if {"x step", "y step"} <= sizes.keys() else None
-    return table, pixel, unit
+    pixel = None
+    if is_sized:
+        pixel = sizes["width"] / heights.shape[0], sizes["height"] / heights.shape[1]
+    elif steps and length:
+        pixel = steps[0] * length, steps[1] * length
+    elif {"x step", "y step"} <= sizes.keys():
+        pixel = sizes["x step"], sizes["y step"]
+    return heights, pixel, unit
 
 
 def _step(line: Array) -> float:
@@ -77,7 +82,7 @@ def _step(line: Array) -> float:
 
 
 def _without_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a column, or a column and a row, of even places; and the steps of these."""
+    """Heights without a column, or a column and a row, of even places; their steps by x and y."""
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):
@@ -85,7 +90,7 @@ def _without_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float
         across = _step(table[0, 1:]) if first else _step(above)
         is_axis = math.isfinite(down) and not math.isfinite(_step(table[first:, 1]))
         if is_axis and (math.isfinite(across) or not first):
-            steps = (down, across) if math.isfinite(across) else None
+            steps = (across, down) if math.isfinite(across) else None
             return np.ascontiguousarray(table[first:, 1:]), steps
     return table, None
 
@@ -132,6 +137,14 @@ def _separator(lines: list[str]) -> str | None:
     return None
 
 
+def _unquoted(line: str) -> str:
+    """A line whose cells stand in quotation marks without these, and semicolons between cells."""
+    bare = line.strip().rstrip(",;")
+    if len(bare) < 2 or not bare[0] == bare[-1] == '"':
+        return line
+    return ";".join(re.split(r'"[,;\t]"', bare[1:-1]))
+
+
 def _cells(line: str, separator: str | None) -> list[str]:
     """Cells of a line, without empty ones at its end."""
     return (line if separator is None else line.rstrip(f"{separator} \t")).split(separator)
@@ -159,9 +172,10 @@ def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
         for part in re.split(r"[,;](?=\s)", line):
             for name, size in _SIZES.items():
                 if match := size.fullmatch(part.strip()):
-                    text = f"1 {match[1]}" if name == "unit" else match[1].replace(",", ".")
-                    if (length := _length(text)) is not None:
-                        sizes[name] = length
+                    said = match[1].replace(",", ".").replace(";", " ")
+                    if (length := _length(f"1 {said}" if name == "unit" else said)) is not None:
+                        axes = ("x step", "y step") if name == "xy step" else (name,)
+                        sizes |= dict.fromkeys(axes, length)
         for axis, unit in _HEAD.findall(line):
             if (length := _length(f"1 {unit}")) is not None:
                 units[axis.lower()] = length

@@ -29,11 +29,16 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
     Parameters
     ----------
     path : str or Path
-        A two-dimensional array: one row for each x, one column for each y.
+        A two-dimensional array: a row for each y, in which x goes from column to column.
     unit : float
         Length of one unit of the file [m].
     allow_missing : bool
         True to allow missing heights: NaN in either format, or nothing between two commas.
+
+    Returns
+    -------
+    ndarray, shape (nx, ny)
+        Heights by x and y, so with the rows of the file along their second axis.
 
     Raises
     ------
@@ -49,7 +54,9 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
     ...     file = Path(folder, "heights.csv")
     ...     _ = file.write_text("1,2,3")
     ...     read_heights(file, unit=1e-6)
-    array([[1.e-06, 2.e-06, 3.e-06]])
+    array([[1.e-06],
+           [2.e-06],
+           [3.e-06]])
     """
     path = Path(path)
     require_positive(unit=unit)
@@ -71,7 +78,7 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
     if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
         raise InputError(
             f"{path}: an array of shape {heights.shape} and type {heights.dtype}; "
-            "needed are two-dimensional real numbers, rows along x and columns along y"
+            "needed are two-dimensional real numbers, a row for each y"
         )
     with np.errstate(over="ignore"):
         scaled: Array = heights.astype(np.float64) * unit
@@ -82,7 +89,7 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
             f"{path}: {len(bad)} of {heights.size} heights are not finite, the first at "
             f"row {row}, column {column} (counted from 0); fill or crop them before"
         )
-    return scaled
+    return np.ascontiguousarray(scaled.T)
 
 
 def _read_npy(path: Path) -> NDArray[Any]:

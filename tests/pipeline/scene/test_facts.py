@@ -143,7 +143,7 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
             "tilted: its mean plane rises by 3.2 µm along y",
         ),
         (rough(waves(along=1)), 'pattern = "swept" assumes'),
-        (rough(waves(along=1), wear=tribo.Wear(1.2e-15, "local")), "file is transposed"),
+        (rough(waves(along=1), wear=tribo.Wear(1.2e-15, "local")), "with transpose under"),
     ],
 )
 def test_what_is_hardly_meant_is_doubted(sweep, said):

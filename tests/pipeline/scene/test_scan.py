@@ -20,13 +20,13 @@ def scan(tmp_path_factory):
     heights = self_affine(GRID, 0.27e-6, 0.8, (4e-6, 12e-6), seed=3)
     i, j = np.indices(heights.shape)
     path = tmp_path_factory.mktemp("scan") / "scan.npy"
-    np.save(path, 1e6 * (heights + 5e-2 * i * 0.8e-6 - 3e-2 * j * 0.9e-6))
+    np.save(path, 1e6 * (heights + 5e-2 * i * 0.8e-6 - 3e-2 * j * 0.9e-6).T)
     return path
 
 
 def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     statistics = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
-    assert statistics.tilt == pytest.approx((5e-2, -3e-2), abs=1e-3)
+    assert statistics.tilt == pytest.approx(np.degrees((5e-2, -3e-2)), abs=0.06)
     assert statistics.ra == pytest.approx(0.27e-6, rel=2 * statistics.fit.rms_error)
     assert statistics.fit.lay == pytest.approx(90.0, abs=2) or statistics.fit.lay == pytest.approx(
         -90, abs=2
@@ -35,7 +35,7 @@ def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     lengths = tuple(to_si(length, "1 um") for length in table["correlation_length"])
     ra = to_si(table["ra"], "1 um")
     again = self_affine(GRID, ra, table["hurst_exponent"], lengths, seed=8)
-    np.save(scan.with_name("again.npy"), again)
+    np.save(scan.with_name("again.npy"), again.T)
     other = surface_statistics(scan.with_name("again.npy"), 1.0, GRID.spacing)
     assert other.ra == pytest.approx(statistics.ra, rel=0.01)
     assert other.rq == pytest.approx(statistics.rq, rel=2 * statistics.fit.rms_error)
@@ -72,7 +72,7 @@ def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
     }
     turned = {"disk.roughness.transpose": True, "disk.roughness.flip": "x"}
     sweep = load_scene("first_try", overrides=surface | turned)
-    assert np.array_equal(sweep.scene.roughness.array, 1e-6 * np.load(scan).T[::-1])
+    assert np.array_equal(sweep.scene.roughness.array, 1e-6 * np.load(scan)[::-1])
     with pytest.raises(SceneFileError, match=r"disk\.roughness\.transpose = true"):
         load_scene("first_try", overrides=surface)
     wide = surface | {"window.pixels": [480, 192]}
@@ -88,3 +88,32 @@ def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, irg):
     printed = irg("surface", tmp_path / "scan.npy", *options)
     assert "use the scan itself" in printed
     assert "[disk.roughness]" not in printed
+    assert "correlation length" not in printed  # of the fit, which failed
+    assert "x, the sliding direction, is along the columns of the file" in printed
+    document = irg("surface", tmp_path / "scan.npy", *options, "--json")
+    assert document["fit"] is None
+    # White noise after a Gauss filter of 3 pixels: the autocorrelation is exp(−r²/4σ²).
+    assert document["lengths"]["along_x"] == pytest.approx(2 * 3 * 0.8e-6, rel=0.1)
+
+
+def test_heights_too_flat_and_planes_too_steep_are_doubted(scan):
+    sides = "0.8 um", "0.9 um"
+    flat = surface_statistics(scan, "fm", sides).warnings
+    assert any("check the unit of the heights" in doubt for doubt in flat)
+    steep = surface_statistics(scan, "mm", sides).warnings
+    assert any("tilted by 88" in doubt or "tilted by 89" in doubt for doubt in steep)
+    assert surface_statistics(scan, "um", sides).warnings == ()
+
+
+def test_a_scene_says_which_way_x_goes_and_doubts_a_steep_plane(scan):
+    turned = {
+        "without": "disk.roughness",
+        "disk.roughness.file": str(scan),
+        "disk.roughness.height_unit": "mm",
+        "disk.roughness.level": True,
+        "disk.roughness.transpose": True,
+        "window.pixels": [192, 240],
+    }
+    notes = load_scene("first_try", overrides=turned).about.notes
+    assert any("x, the sliding direction, is along the rows of the file" in one for one in notes)
+    assert any("the scan is tilted by" in one for one in notes)

@@ -1,6 +1,5 @@
 """Measured surfaces: read, cropped, levelled, and their holes filled."""
 
-import importlib
 import sys
 from types import ModuleType, SimpleNamespace
 
@@ -107,14 +106,40 @@ def test_heights_may_be_missing_in_a_plain_array_but_not_infinite(tmp_path):
         read_surface(tmp_path / "a.csv", 1.0)
 
 
-def test_the_real_library_reads_what_it_writes(tmp_path):
-    pytest.importorskip("SurfaceTopography")
-    topographies = importlib.import_module("SurfaceTopography")
+@pytest.mark.parametrize("name", ["a.x3p", "a.gwy", "a.npy", "a.csv", "a.txt"])
+def test_x_goes_from_column_to_column_of_each_file(tmp_path, name):
+    topographies = pytest.importorskip("SurfaceTopography")
     size = tuple(n * side for n, side in zip(HEIGHTS.shape, SIDES, strict=True))
-    topographies.Topography(HEIGHTS, size, unit="m").to_x3p(str(tmp_path / "a.x3p"))
-    surface = read_surface(tmp_path / "a.x3p")
+    measured = topographies.Topography(HEIGHTS, size, unit="m")
+    head = f"Width: {1e6 * size[0]} µm\nHeight: {1e6 * size[1]} µm\nValue units: m"
+    path = tmp_path / name
+    {
+        "a.x3p": lambda: measured.to_x3p(str(path)),
+        "a.gwy": lambda: measured.to_gwy(str(path)),
+        "a.npy": lambda: np.save(path, HEIGHTS.T),
+        "a.csv": lambda: np.savetxt(path, HEIGHTS.T, delimiter=","),
+        "a.txt": lambda: np.savetxt(path, HEIGHTS.T, header=head, encoding="utf-8"),
+    }[name]()
+    surface = read_surface(path, 1.0)
     np.testing.assert_allclose(surface.heights, HEIGHTS, rtol=1e-6)
-    assert surface.pixel_size == pytest.approx(SIDES)
+    if name not in ("a.npy", "a.csv"):
+        assert surface.pixel_size == pytest.approx(SIDES)
+
+
+def test_a_note_says_that_the_unit_and_the_pixels_given_count(library):
+    library.topography = FakeTopography(HEIGHTS * 1e6, unit="µm")
+    surface = read_surface("a.x3p", 1e-9)
+    np.testing.assert_allclose(surface.heights, 1e-3 * HEIGHTS)
+    (note,) = surface.notes
+    assert "given counts, 1e-09 m, not the file's own of 1e-06 m" in note
+    assert read_surface("a.x3p", 1e-6).with_pixels(SIDES).notes == ()
+    (note,) = read_surface("a.x3p").with_pixels((1e-6, 1e-6)).notes
+    assert note == "the pixels given count, not the file's own of 0.816 × 0.95 µm"
+
+
+def test_an_image_is_refused_in_words():
+    with pytest.raises(InputError, match="an image, whose grey values are no heights"):
+        read_surface("a.tif")
 
 
 def test_filled_holes_stay_between_their_borders():
@@ -162,7 +187,7 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library):
     ("table", "key", "said"),
     [
         ('file = "a.x3p"\nrepeat = "yes"\n', "disk.roughness.repeat", "mirror"),
-        ('file = "a.x3p"\n', "disk.roughness.missing", "row 20, column 20"),
+        ('file = "a.x3p"\n', "disk.roughness.missing", "x 20, y 20"),
         (
             'file = "a.x3p"\ncrop = [40, 0]\n',
             "disk.roughness.crop",

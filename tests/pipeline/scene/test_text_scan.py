@@ -8,7 +8,10 @@ import pytest
 from pipeline.scene.surfaces import read_surface
 from tribo import InputError
 
-HEIGHTS = np.arange(20.0).reshape(4, 5) + 0.25  # [µm], along x and then y
+HEIGHTS = (
+    np.arange(20.0).reshape(4, 5) + 0.25
+)  # [µm], along x and then y, a column of a file each x
+ROWS = HEIGHTS.T
 
 
 def saved(heights, **form):
@@ -23,20 +26,25 @@ def places(unit=1.0, separator="\t"):
     return "".join(separator.join(f"{value:.6g}" for value in row) + "\n" for row in rows)
 
 
+def quoted(rows):
+    return "".join(",".join(f'"{height:.2f}"' for height in row) + "\n" for row in rows)
+
+
 GWYDDION = "# Channel: Height\n# Width: 4.00 µm\n# Height: 5.00 µm\n# Value units: µm\n"
 TEXTS = {
-    "savetxt.txt": saved(HEIGHTS, header="heights"),
-    "tabs.asc": "Messung 3\n" + saved(HEIGHTS, delimiter="\t").replace("\n", "\t\n"),
-    "semicolons.csv": saved(HEIGHTS, delimiter=";"),
-    "german.csv": saved(HEIGHTS, delimiter=";").replace(".", ","),
-    "comments.csv": "# a scan\n" + saved(HEIGHTS, delimiter=","),
-    "blanks.txt": saved(HEIGHTS, fmt="%.3f").replace(".", ","),
-    "gwyddion.txt": GWYDDION + saved(HEIGHTS.T, delimiter="\t"),
+    "savetxt.txt": saved(ROWS, header="heights"),
+    "tabs.asc": "Messung 3\n" + saved(ROWS, delimiter="\t").replace("\n", "\t\n"),
+    "semicolons.csv": saved(ROWS, delimiter=";"),
+    "german.csv": saved(ROWS, delimiter=";").replace(".", ","),
+    "comments.csv": "# a scan\n" + saved(ROWS, delimiter=","),
+    "blanks.txt": saved(ROWS, fmt="%.3f").replace(".", ","),
+    "gwyddion.txt": GWYDDION + saved(ROWS, delimiter="\t"),
     "gwyddion.xyz": places(),
     "mountains.txt": "X [mm];Y [mm];Z [µm]\n" + places(1e-3, ";").replace(".", ","),
     "mountains_matrix.txt": "Taille X\t4 µm\nTaille Y\t5 µm\nUnité Z\tµm\n"
-    + saved(HEIGHTS.T, delimiter="\t").replace(".", ","),
-    "spacings.csv": "# z in µm, dx = 1.0 µm, dy = 1.0 µm\n" + saved(HEIGHTS, delimiter=","),
+    + saved(ROWS, delimiter="\t").replace(".", ","),
+    "spacings.csv": "# z in µm, dx = 1.0 µm, dy = 1.0 µm\n" + saved(ROWS, delimiter=","),
+    "keyence.csv": '"XY calibration","1000.0","nm"\n"Unit","um"\n"Height"\n' + quoted(ROWS),
 }
 
 
@@ -50,7 +58,7 @@ def test_a_matrix_or_rows_of_places_give_the_same_heights(name, tmp_path):
 SAID = {"gwyddion.txt": "utf-8", "mountains.txt": "utf-16", "mountains_matrix.txt": "latin-1"}
 
 
-@pytest.mark.parametrize("name", [*SAID, "spacings.csv"])
+@pytest.mark.parametrize("name", [*SAID, "spacings.csv", "keyence.csv"])
 def test_sizes_and_units_are_taken_from_the_text(name, tmp_path):
     (tmp_path / name).write_text(TEXTS[name], encoding=SAID.get(name, "utf-8"))
     surface = read_surface(tmp_path / name)
@@ -65,8 +73,8 @@ def test_places_beside_and_above_a_matrix_are_no_heights(corner, tmp_path):
     lines += [",".join(map(str, [float(k), *row])) for k, row in enumerate(rough)]
     (tmp_path / "scan.csv").write_text("\n".join(lines))
     surface = read_surface(tmp_path / "scan.csv", 1e-6)
-    np.testing.assert_allclose(surface.heights, 1e-6 * rough)
-    assert surface.pixel_size == (pytest.approx((1e-6, 1.2e-6)) if corner != "0" else None)
+    np.testing.assert_allclose(surface.heights, 1e-6 * rough.T)
+    assert surface.pixel_size == (pytest.approx((1.2e-6, 1e-6)) if corner != "0" else None)
 
 
 def test_the_word_of_a_file_for_a_hole_is_taken(tmp_path):

@@ -1,0 +1,58 @@
+"""Lengths of the autocorrelation, against surfaces that have it in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from tribo import InputError
+from tribo.surface import autocorrelation_lengths
+
+PIXEL = 0.8e-6
+
+
+def gaussian(length_x, length_y, shape=(480, 400)):
+    """Heights whose autocorrelation is exp(−(x/length_x)² − (y/length_y)²)."""
+    noise = np.random.default_rng(1).standard_normal(shape)
+    widths = length_x / PIXEL / 2, length_y / PIXEL / 2
+    return ndimage.gaussian_filter(noise, widths, mode="wrap")
+
+
+def test_a_gaussian_surface_has_its_lengths():
+    found = autocorrelation_lengths(gaussian(16e-6, 4e-6), (PIXEL, PIXEL))
+    assert found.along_x == pytest.approx(16e-6, rel=0.1)
+    assert found.along_y == found.shortest == pytest.approx(4e-6, rel=0.1)
+    assert found.texture_aspect == pytest.approx(0.25, rel=0.15)
+    assert abs(found.direction) < 5
+
+
+def test_a_turned_surface_keeps_its_shortest_and_longest():
+    turned = ndimage.rotate(gaussian(16e-6, 4e-6, (700, 700)), 30.0, reshape=False)[
+        150:550, 150:550
+    ]
+    found = autocorrelation_lengths(turned, (PIXEL, PIXEL))
+    assert found.shortest == pytest.approx(4e-6, rel=0.12)
+    assert found.direction == pytest.approx(30.0, abs=5)
+    assert found.shortest < found.along_y < found.along_x < found.longest
+
+
+def test_the_threshold_and_unequal_pixels_count():
+    heights = gaussian(12e-6, 12e-6)
+    found = autocorrelation_lengths(heights, (PIXEL, PIXEL), threshold=0.2)
+    assert found.along_x == pytest.approx(12e-6 * math.sqrt(math.log(5)), rel=0.1)
+    wide = autocorrelation_lengths(heights, (PIXEL, 2 * PIXEL), threshold=0.2)
+    assert wide.along_y == pytest.approx(2 * found.along_y, rel=0.01)
+
+
+def test_lines_have_no_length_along_themselves():
+    lines = np.broadcast_to(gaussian(8e-6, 8e-6)[:, :1], (480, 400))
+    found = autocorrelation_lengths(lines, (PIXEL, PIXEL))
+    assert found.along_y == found.longest == math.inf
+    assert abs(found.direction) == pytest.approx(90.0)
+    assert math.isnan(found.texture_aspect)
+
+
+def test_a_flat_surface_is_refused():
+    with pytest.raises(InputError, match="rms_height"):
+        autocorrelation_lengths(np.zeros((40, 40)), (PIXEL, PIXEL))
