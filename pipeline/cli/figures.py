@@ -62,6 +62,6 @@ def report(options: argparse.Namespace) -> Result:
     out = options.output or given.beside(options.store, "_report.html")
     weighing = given.values_in(options, "scatter", "given_measured")
     with working("writing the report"):
-        written = pipeline.report(ds, out, options.points, **weighing, **conditions)
+        written = pipeline.report(ds, out, given.table_in(options), **weighing, **conditions)
     warned = pipeline.warned(ds, **conditions)
     return Result({"file": str(written)}, [str(written)], warned)

@@ -96,13 +96,20 @@ def criterion_in(options: argparse.Namespace) -> dict[str, Any]:
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
     """Operating points of a table, or the one of --load and --velocity."""
     place = values_in(options, "load", "velocity")
+    if options.points is None and options.sheet is not None:
+        raise InputError("--sheet is one of a workbook of --points; give that too, or leave it out")
     if options.points is None and len(place) < 2:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
     if options.points is None:
         return OperatingPoints((Place(options.load, options.velocity),), {})
     if place:
         raise InputError(f"--points has each load and velocity; leave out {flags_of(place)}")
-    return OperatingPoints.read(options.points)
+    return OperatingPoints.read(options.points, options.sheet)
+
+
+def table_in(options: argparse.Namespace) -> OperatingPoints | None:
+    """Operating points of a table; None if none is given."""
+    return operating_points_in(options) if options.points or options.sheet else None
 
 
 def scene_in(

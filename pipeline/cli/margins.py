@@ -23,10 +23,18 @@ from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import as_dict, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
 from pipeline.analysis.warned_points import turns_left_out
-from pipeline.cli.given import by_samples, conditions_in, dataset_in, operating_points_in, values_in
+from pipeline.cli.given import (
+    by_samples,
+    conditions_in,
+    dataset_in,
+    operating_points_in,
+    table_in,
+    values_in,
+)
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.unknowns import boundary_of_samples, frame_of_intervals, on_risk, samples_in
+from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import MELTS, MOLTEN
@@ -37,11 +45,11 @@ from tribo import InputError
 def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
     place = values_in(options, "load", "velocity")
-    points = operating_points_in(options) if place or options.points else None
+    points = operating_points_in(options) if place else table_in(options)
     ds, conditions = dataset_in(options), conditions_in(options)
     if by_samples(options, ds):
-        operating_points_in(options)  # of which samples have none themselves
-        return _of_samples(options, ds, conditions)
+        # Samples have none themselves.
+        return _of_samples(options, ds, conditions, points or operating_points_in(options))
     if place:
         here = pipeline.margins(ds, options.load, options.velocity, **conditions)
     table = pipeline.margin_table(ds, points, **conditions)
@@ -51,10 +59,7 @@ def margin(options: argparse.Namespace) -> Result:
     else:
         if table.empty:
             operating_points_in(options)  # which says that there is none
-        document, text = _on_points(options, table)
-        if points and points.unused:
-            document["columns_not_used"] = [*points.unused]
-            text.append(f"columns not used: {', '.join(points.unused)}")
+        document, text = _on_points(options, table, points)
     found = [*margins_at(ds, points, **conditions)]
     margins = [one for _, one in found]
     undecided = dict[Conditions, list[Margin]]()
@@ -94,7 +99,12 @@ def _on_place(
     return documents[0] if len(documents) == 1 else {"scenes": documents}, text
 
 
-def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
+def _of_samples(
+    options: argparse.Namespace,
+    ds: xr.Dataset,
+    conditions: dict[str, Any],
+    points: OperatingPoints,
+) -> Result:
     """Distances of operating points as intervals of probability."""
     samples = samples_in(options, ds, **conditions)
     ensemble, draws = samples.ensemble, samples.draws
@@ -104,20 +114,24 @@ def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
         text: list[str | pd.DataFrame] = [on_risk(answer.risk), table]
         document: dict[str, Any] = {"intervals": answer.as_dict()}
     else:
-        table = pipeline.risk_table(ensemble, operating_points_in(options), draws)
-        document, text = _on_points(options, table)
+        table = pipeline.risk_table(ensemble, points, draws)
+        document, text = _on_points(options, table, points)
     document |= samples.as_dict()
     return Result(document, [*text, *samples.notes()], pipeline.warned(ds), [table])
 
 
 def _on_points(
-    options: argparse.Namespace, frame: pd.DataFrame
+    options: argparse.Namespace, frame: pd.DataFrame, points: OperatingPoints | None
 ) -> tuple[dict[str, Any], list[str | pd.DataFrame]]:
     """Plain data, sentences and a frame on operating points."""
     verdicts = Counter(frame["verdict"])
     said = f"{counted(len(frame), 'operating point', 'operating points')}: {in_counts(frame)}"
     shown = [] if options.output else ["", short(frame, LONG)]
-    return {"verdicts": verdicts, "margins": as_dict(frame)}, [said, *shown, *notes_of(frame)]
+    document: dict[str, Any] = {"verdicts": verdicts, "margins": as_dict(frame)}
+    if points and points.unused:
+        document["columns_not_used"] = [*points.unused]
+    remarks = points.remarks if points else []
+    return document, [said, *shown, *notes_of(frame), *remarks]
 
 
 def _is_incomplete(here: Margin) -> bool:

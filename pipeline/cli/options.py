@@ -104,6 +104,7 @@ OF_SCAN = (
     _flag("--transpose", "exchange x and y of the file"),
 )  # fmt: skip
 
+SHEET = Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one")
 OF_TESTS = (
     Option(
         "log", metavar="LOG", type=Path,
@@ -122,7 +123,7 @@ OF_TESTS = (
         "--where", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
         help='rows to take, like "oil=FVA 3"; may be repeated',
     ),
-    Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one"),
+    SHEET,
     Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
 )  # fmt: skip
 TOPIC = Option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
@@ -173,10 +174,13 @@ PLACE = (
     _quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
-POINTS = Option(
-    "--points", metavar="DUTY.csv", type=Path,
-    help='operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
-    ".csv, .txt or .xlsx; further columns are passed on",
+POINTS = (
+    Option(
+        "--points", metavar="DUTY.csv", type=Path,
+        help='operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
+        ".csv, .txt or .xlsx; further columns are passed on",
+    ),
+    SHEET,
 )  # fmt: skip
 REALIZATION = Option(
     "--realization", metavar="SEED", type=partial(values.count, least=0),

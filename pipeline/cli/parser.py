@@ -76,7 +76,7 @@ COMMANDS = (
         "distance of operating points from severe wear: one, a table, or the rows of pairs",
         f"results/scene.zarr {_AT}",
         (
-            o.STORE, *o.PLACE, o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
+            o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
             o.OWN_LAWS,
         ),
     ),
@@ -120,7 +120,7 @@ COMMANDS = (
         "find the value of an unknown input that makes severe wear unlikely enough",
         f"results/uncertain.zarr {_AT} --risk 1% --over disk.roughness.correlation_length",
         (
-            o.STORE, *o.OF_DESIGN, *o.PLACE, o.POINTS, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED,
+            o.STORE, *o.OF_DESIGN, *o.PLACE, *o.POINTS, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED,
         ),
     ),
     Command(
@@ -141,7 +141,7 @@ COMMANDS = (
         "results/scene.zarr --points duty.csv -o report.html",
         (
             o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS, o.OWN_LAWS,
+            *o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS, o.OWN_LAWS,
         ),
     ),
     Command(

@@ -255,8 +255,7 @@ def _operating_points(
     if table.empty:
         return
     yield from _on_points(table)
-    if points and points.unused:
-        yield f"Columns not used: {', '.join(points.unused)}"
+    yield from points.remarks if points else ()
     yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
         "many times its velocity, or its load. Where there is none, the sweep has no transition"
@@ -375,7 +374,9 @@ def sections_of_samples(
         f"Not known exactly{basis}": basis_of(ensemble, weighed),
         "Transition diagram": [fit_to_width(picture, 0.17, with_title=False)],
         "Boundary in numbers": [lines, meaning],
-        "Operating points": _on_points(risk_table(ensemble, points, draws)) if points else (),
+        "Operating points": [*_on_points(risk_table(ensemble, points, draws)), *points.remarks]
+        if points
+        else (),
     }
 
 

@@ -68,6 +68,16 @@ class OperatingPoints:
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
     unused: tuple[str, ...] = ()  # headings of columns that no answer depends on
+    sheet: str = ""  # words on the sheet, where the workbook has others
+
+    @property
+    def remarks(self) -> list[str]:
+        """What was not read, and what was read and is not used, in words."""
+        columns = [f"columns not used: {', '.join(self.unused)}"] if self.unused else []
+        return [
+            *columns,
+            *([f"operating points of {self.sheet}; --sheet names another"] if self.sheet else []),
+        ]
 
     @property
     def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
@@ -80,14 +90,20 @@ class OperatingPoints:
             raise InputError(f"the table has columns for {', '.join(own)}; {reason}")
 
     @classmethod
-    def read(cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]]) -> OperatingPoints:
+    def read(
+        cls,
+        source: str | os.PathLike[str] | Mapping[str, Sequence[Any]],
+        sheet_name: str | None = None,
+    ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
+        Of a workbook it is the first sheet unless one is named.
         Units stand in the heading or in each cell; bare numbers of a mapping are in SI.
         `InputError` is raised for all faults at once, by row and column.
         """
         if isinstance(source, str | os.PathLike):
-            name, sheet = str(source), read_sheet(Path(source), _ROW.keys, _PLACE.keys)
+            name = str(source)
+            sheet = read_sheet(Path(source), _ROW.keys, _PLACE.keys, sheet_name=sheet_name)
         else:
             name, sheet = "points", sheet_of(source, _ROW.keys, _PLACE.keys)
         heads = [heading.text for heading in sheet.headings]
@@ -104,7 +120,8 @@ class OperatingPoints:
         if not sheet.rows and not faults:
             faults = ['there are no rows; begin with a line "load [N],velocity [m/s]"']
         if faults:
-            raise InputError(in_lines(name, faults))
+            more = f", {sheet.of_several}; --sheet names another" if sheet.of_several else ""
+            raise InputError(in_lines(name + more, faults))
         others = {
             sheet.headings[place].label: [row.cells[place] for row in sheet.rows]
             for place in range(len(sheet.headings))
@@ -115,7 +132,7 @@ class OperatingPoints:
         )
         unused = tuple(sheet.headings[place].label for place in sheet.others)
         places = tuple(Place(row["load"], row["velocity"]) for row in rows)
-        return cls(places, others, given, unused)
+        return cls(places, others, given, unused, sheet.of_several)
 
 
 def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
@@ -226,6 +243,8 @@ def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
                 where = f"row {row.number}, column {quoted(heading.text)}"
                 faults.note("sweep.along", f"{path}: {where} {wrong}")
             table[names.get(place, heading.title)] = as_entry(cell, heading.unit)
+    if sheet.of_several:
+        faults.notes.append(f"sweep.along: {path.name}, {sheet.of_several}")
     if not tables and not sheet.faults:
         faults.note("sweep.along", f"{path} has no rows; give a load and a velocity in each")
     return tables

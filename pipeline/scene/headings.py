@@ -243,6 +243,11 @@ class Sheet:
         """Columns of no wanted quantity."""
         return [k for k in range(len(self.headings)) if k not in self.places.values()]
 
+    @property
+    def of_several(self) -> str:
+        """Words on the sheet that was read, and on the workbook's others; empty if it has none."""
+        return next((words for words in self.form if "(not read: " in words), "")
+
     def heading(self, name: str) -> Heading:
         """Heading of a quantity."""
         return self.headings[self.places[name]]

@@ -210,6 +210,32 @@ class Ensemble:
             keeper=ds["status"].encoding.get("reader"),
         )
 
+    def judged_by(self, own: Mapping[str, float]) -> Ensemble:
+        """The ensemble under conditions of a row of a table; see `Conditions.of_row`.
+
+        They take the place of the scene's and of those that are drawn. Raise an `InputError` where
+        rises at friction 1 depend on them.
+        """
+        if not own:
+            return self
+        conditions = self.conditions.of_row(own)
+        curves = [one.has_friction_curve for one in (self.conditions, conditions)]
+        if conditions.bulk_ratio != self.conditions.bulk_ratio or curves[0] != curves[1]:
+            raise InputError(
+                f"samples whose bodies have unlike bulk temperatures, or whose friction depends on "
+                f"velocity, are not judged row by row at another {' and '.join(own)}; give that to "
+                "all rows, by options such as --friction"
+            )
+        fixed = fixed_at(self.unknown, self.fixed, {}, own, conditions)
+        judged = replace(
+            self,
+            conditions=conditions,
+            unknown=without(self.unknown, [one.unknown.path for one in fixed]),
+            fixed=tuple({one.unknown.path: one for one in (*self.fixed, *fixed)}.values()),
+        )
+        vars(judged)["_rise"] = self._rise  # the same at friction 1
+        return judged
+
     @property
     def velocities(self) -> tuple[float, float]:
         """Lowest and highest velocity between which samples lie [m/s]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -196,9 +197,10 @@ def risk_table(
     ensemble : Ensemble
         Samples of a sweep.
     points : path or mapping of str to sequence
-        Operating points; see `pipeline.margin_table`.
+        Operating points; see `pipeline.margin_table`. Conditions of a row take the place of the
+        scene's, and of those that are drawn.
     draws : Draws, optional
-        See `pipeline.risk`.
+        See `pipeline.risk`; not where rows have conditions of their own.
 
     Returns
     -------
@@ -223,15 +225,17 @@ def risk_table(
     ['mild', 'not decided']
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
-    draws = draws_of(ensemble, draws)
+    if draws is not None:
+        read.require_places_alone("tests weigh the conditions as they were drawn: leave these out")
 
-    read.require_places_alone(
-        "samples have their own: fix these by Ensemble.of(ds, friction=..., ...), or by options "
-        "such as --friction and --bulk-temperature"
-    )
+    @functools.cache
+    def judged_by(*own: tuple[str, float]) -> tuple[Ensemble, Draws]:
+        judged = ensemble.judged_by(dict(own))
+        return judged, draws_of(judged, draws)
 
     def answer(place: Place, own: Mapping[str, float]) -> tuple[Any, ...]:
-        here, _, distance, _ = _judged(ensemble, *place, draws)
+        judged, of_row = judged_by(*own.items())
+        here, _, distance, _ = _judged(judged, *place, of_row)
         ends = distance.middle, distance.low, distance.high
         return here.verdict, here.probability, here.error, *ends, None
 

@@ -183,3 +183,23 @@ def test_conditions_of_a_row_in_another_unit_are_doubted_or_refused(store, tmp_p
     assert "out of range, which is from -53 degC" in irg(
         "margin", "out.zarr", "--points", points, code=2
     )
+
+
+def test_a_sheet_of_a_workbook_is_chosen_and_the_others_are_named(store, tmp_path, irg):
+    book = tmp_path / "duty.xlsx"
+    with pd.ExcelWriter(book) as sheets:
+        for name, load in (("cold", 400.0), ("warm", 300.0)):
+            row = {"load [N]": [load], "velocity [m/s]": [1.2]}
+            pd.DataFrame(row).to_excel(sheets, sheet_name=name, index=False)
+        pd.DataFrame({"remark": ["none"]}).to_excel(sheets, sheet_name="notes", index=False)
+    said = irg("margin", "out.zarr", "--points", book)
+    assert 'sheet "cold" (not read: warm, notes); --sheet names another' in said
+    document = irg("margin", "out.zarr", "--points", book, "--sheet", "warm", "--json")
+    assert document["margins"]["load"] == [300.0]
+    said = irg("margin", "out.zarr", "--points", book, "--sheet", "notes", code=2)
+    assert 'duty.xlsx, sheet "notes" (not read: cold, warm); --sheet names another: no col' in said
+    assert 'has no sheet "hot"; give one of cold, warm, notes' in irg(
+        "margin", "out.zarr", "--points", book, "--sheet", "hot", code=2
+    )
+    place = ["--load", "400 N", "--velocity", "1 m/s", "--sheet", "warm"]
+    assert "--sheet is one of a workbook of --points" in irg("margin", "out.zarr", *place, code=2)

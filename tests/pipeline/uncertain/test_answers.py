@@ -9,6 +9,7 @@ import pytest
 import pipeline
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain.answers import risk_lines
+from pipeline.uncertain.inputs import prior
 from pipeline.uncertain.sensitivity import indices
 from tests.helpers.samples import (
     ALL,
@@ -189,3 +190,33 @@ def test_correlated_inputs_have_first_indices_alone_which_count_what_they_share(
     x = np.log(direct)
     expected = [np.corrcoef(x[:, k], y)[0, 1] ** 2 for k in range(4)]
     assert indices.first[1] == pytest.approx(expected, abs=0.03)
+
+
+# Tables
+
+
+def test_conditions_of_a_row_judge_its_samples_as_options_would():
+    ds, place = dataset(ensemble()), {"load": [400.0, 400.0], "velocity": [2.0, 2.0]}
+    own = {"friction": [0.12, ""], "bulk_temperature": ["40 degC", ""]}
+    warm, usual = pipeline.risk_table(pipeline.Ensemble.of(ds), place | own).to_dict("records")
+    judged = pipeline.Ensemble.of(ds, friction=0.12, bulk_temperature="40 degC")
+    assert warm["probability"] == pytest.approx(pipeline.risk(judged, 400.0, 2.0).probability)
+    free = pipeline.risk(ensemble(), 400.0, 2.0).probability
+    assert usual["probability"] == pytest.approx(free)
+    assert warm["probability"] > free + 0.1
+    (row,) = pipeline.risk_table(
+        judged, {"load": [400.0], "velocity": [2.0], "friction": [0.09]}
+    ).to_dict("records")
+    both = pipeline.Ensemble.of(ds, friction=0.09, bulk_temperature="40 degC")
+    assert row["probability"] == pytest.approx(pipeline.risk(both, 400.0, 2.0).probability)
+
+
+def test_conditions_of_rows_that_samples_cannot_take_are_refused(samples):
+    points = {"load": [400.0], "velocity": [2.0], "friction": [0.12]}
+    with pytest.raises(InputError, match="columns for friction; tests weigh the conditions"):
+        pipeline.risk_table(samples, points, prior(samples.unknown, 0))
+    disk = dataclasses.replace(samples.conditions, disk_temperature=320.0)
+    unlike = dataclasses.replace(samples, conditions=disk)
+    (row,) = pipeline.risk_table(unlike, points).to_dict("records")
+    assert row["verdict"] == "not known"
+    assert "are not judged row by row at another friction" in row["note"]
