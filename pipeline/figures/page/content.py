@@ -232,6 +232,7 @@ def _planes(
             "load": between(loads, by_load).tolist(),
         },
         "parts": {"load": by_load, "velocity": by_velocity},
+        "friction_factors": fine_friction.ravel().tolist(),
         "lines": {
             "velocity": packed_array(plane, "<f4"),
             "load": packed_array(columns.swapaxes(-4, -3), "<f4"),

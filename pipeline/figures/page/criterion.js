@@ -4,8 +4,10 @@
 
 /**
  * @typedef {{friction: number, bulk_temperature: number, disk_temperature?: number,
- *   critical_temperature: number | null, failing_share: number, criterion?: string}} Conditions
- *   temperatures in kelvin; that of the disk's bulk only where it may differ from the pin's
+ *   critical_temperature: number | null, failing_share: number, criterion?: string,
+ *   at_one_friction?: boolean}} Conditions
+ *   temperatures in kelvin; that of the disk's bulk only where it may differ from the pin's; at one
+ *   friction where it was measured at a place, and does not follow the scene's over velocity
  */
 
 /** Bulk temperature of the disk less that of the pin [K]. @param {Conditions} conditions */

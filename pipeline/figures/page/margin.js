@@ -4,12 +4,15 @@
 
 /**
  * Conditions of a test: friction and bulk of its own or of the scene, whatever the reader has set.
+ * A friction of its own does not follow the scene's over velocity.
  * @param {Measurement} test
+ * @returns {Conditions}
  */
 function conditionsOf({ friction, bulk_temperature: bulk }) {
   const { friction: usual, bulk_temperature, disk_temperature } = content.conditions;
   const [pin, disk] = [bulk ?? bulk_temperature, bulk ?? disk_temperature];
-  const own = { ...chosen.conditions, friction: friction ?? usual, bulk_temperature: pin };
+  const at_one_friction = typeof friction === "number";
+  const own = { ...chosen.conditions, friction: friction ?? usual, at_one_friction, bulk_temperature: pin };
   return disk_temperature === undefined ? own : { ...own, disk_temperature: disk };
 }
 
@@ -20,8 +23,10 @@ function hasDrawnBulk(test) {
 
 /** A test has another transition than the boundary that is drawn. @param {Measurement} test */
 function hasOwnConditions(test) {
-  const [own, drawn] = [conditionsOf(test), chosen.conditions].map((conditions) => riseLimit(conditions));
-  return Math.abs(own / drawn - 1) > 0.02;
+  const own = conditionsOf(test);
+  const { fine, content: { friction_factors } } = sweep;
+  const factor = own.at_one_friction ? linear(fine.velocity, friction_factors, test.velocity) : 1;
+  return Math.abs((riseLimit(own) / riseLimit(chosen.conditions)) * factor - 1) > 0.02;
 }
 
 /** Margin on each surface at the place and the conditions of a test. @param {Measurement} test */

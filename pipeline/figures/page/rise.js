@@ -16,6 +16,7 @@
  * @typedef {{title: string, name: string, conditions: Conditions, controls: Control[],
  *   measured: Measurement[], chosen: boolean, loads: number[], velocities: number[],
  *   fine: {velocity: number[], load: number[]}, parts: {velocity: number, load: number},
+ *   friction_factors: number[],
  *   lines: {velocity: string, load: string}, bridged: {velocity: string, load: string},
  *   missing: number[],
  *   quantiles: number[], bulk_ratios: number[], shares: number[],
@@ -83,16 +84,21 @@ class Sweep {
    */
   lines(axis, conditions) {
     const { shares, lines } = this.content;
-    const key = `${axis} ${conditions.failing_share} ${bulkRatio(conditions)}`;
+    const { failing_share, at_one_friction = false } = conditions;
+    const key = `${axis} ${failing_share} ${bulkRatio(conditions)} ${at_one_friction}`;
     const kept = this.kept.get(key);
     if (kept) return kept;
     const read = this.reader(new Float32Array(bytes(lines[axis])), shares.length, conditions);
-    const share = weights(shares, conditions.failing_share);
+    const share = weights(shares, failing_share);
     const count = axis === "velocity" ? this.fine.load.length : this.velocities.length;
     const length = this.fine[axis].length;
     const made = Array.from({ length: this.surfaces }, (_, surface) =>
       Array.from({ length: count }, (_line, i) =>
-        Array.from({ length }, (_place, j) => read((surface * count + i) * length + j, share)),
+        Array.from({ length }, (_place, j) => {
+          const rise = read((surface * count + i) * length + j, share);
+          const k = axis === "velocity" ? j : i * this.content.parts.velocity;
+          return at_one_friction ? rise / this.content.friction_factors[k] : rise;
+        }),
       ),
     );
     if (this.kept.size > 20) this.kept.clear();

@@ -7,6 +7,10 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.analysis.dataset import plane_of
+from pipeline.analysis.decisive import conditions_of
+from pipeline.analysis.frames import own_conditions
+from pipeline.analysis.margins import rows_under
 from pipeline.figures.plot import plot
 from tests.helpers import javascript, synthetic
 
@@ -46,6 +50,28 @@ def test_boundary_margin_page_and_figure_cross_at_one_velocity():
     np.testing.assert_allclose(on_page, whole, rtol=2e-3)
     axes = plot(ds, "temperature", load="600 N").axes[0]
     assert f"transition, {crossings[1]:.3g} m/s" in [line.get_label() for line in axes.lines]
+
+
+def test_a_test_that_measured_its_friction_is_compared_alike_on_the_page():
+    tests = [
+        {"normal_load": 600.0, "velocity": 1.0, "friction": 0.1, "outcome": "mild"},
+        {"normal_load": 600.0, "velocity": 4.0, "friction": 0.1},
+        {"normal_load": 600.0, "velocity": 4.0, "friction": None},
+        {"normal_load": 500.0, "velocity": 2.0, "friction": 0.11},
+    ]
+    ds = swept(FALLING).assign_attrs(measured=tests)
+    ask = (
+        "return content.measured.map((test) => [marginsOf(test)[0].rise, expectedVelocity(test)]);"
+    )
+    for test, (rise, velocity) in zip(tests, javascript.run(ds, ask), strict=True):
+        place = test["normal_load"], test["velocity"]
+        factor = 1.0 if test["friction"] else float(FALLING.friction_factor(np.array(place[1])))
+        assert rise == pytest.approx(factor * float(synthetic.rise(*place, 0.9)), rel=2e-3)
+        own = own_conditions(ds, conditions_of(ds), test)
+        (row,) = rows_under(plane_of(ds), own)
+        assert velocity == pytest.approx(row.at(*place).critical_velocity, rel=2e-3)
+    drawn = javascript.run(ds, "return content.measured.map(hasOwnConditions);")
+    assert drawn == [True, True, False, True]
 
 
 def test_wear_that_is_mild_again_at_a_higher_velocity_is_not_decided_between_points():
