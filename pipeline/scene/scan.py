@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.scene.surfaces import (
     Flip,
+    MeasuredSurface,
     axis_note,
     filled,
     levelled,
@@ -30,6 +31,9 @@ _UNLIKE = 5  # factor between spectra, beyond which a fit stands for no scan
 _SHORT = 10.0  # correlation lengths along a side, below which few of them are seen
 _LAY = 0.5  # Str of ISO 25178, below which a surface has a lay
 _FLATTEST, _ROUGHEST = 1e-10, 1e-4  # Rq [m], beyond which the unit of heights is doubted
+_FINEST, _COARSEST = 1e-9, 1e-3  # sides of a pixel [m], beyond which their unit is doubted
+_HIGHEST = 1.0  # height [m], above which the unit is wrong
+_ROUNDING = 1e-9  # of the heights' size, below which what is left above their plane is rounding
 _DEGREES = 10.0  # of a lay from an axis, beyond which the fit along the axes is another surface
 
 
@@ -83,6 +87,10 @@ class SurfaceStatistics:
         yield from self.notes
         if not _FLATTEST <= self.rq <= _ROUGHEST:
             yield f"Rq is {1e6 * self.rq:.3g} µm: check the unit of the heights (--height-unit)"
+        if not _FINEST <= min(self.pixel_size) <= max(self.pixel_size) <= _COARSEST:
+            yield "check the size of the pixels (--pixel-size)"
+        if self.lengths.shortest < min(self.pixel_size):
+            yield "neighbouring heights hardly depend on each other: noise, or too coarse pixels"
         yield from tilt_doubts(self.tilt)
         if self.missing:
             share = 100 * self.missing / np.prod(self.shape)
@@ -111,9 +119,21 @@ class SurfaceStatistics:
             )
 
     @property
+    def fault_of_fit(self) -> str:
+        """Why no random roughness can stand for the scan; empty if one can."""
+        if self.fit.misfit > _UNLIKE:
+            return f"not self-affine: the best fit is off by a factor {self.fit.misfit:.2g}"
+        lengths = zip(self.fit.correlation_length, self.fit.length_error, strict=True)
+        if any(error > length for length, error in lengths):
+            return (
+                "too few heights, or too coarse pixels: the fit's lengths err by more than they are"
+            )
+        return ""
+
+    @property
     def is_self_affine(self) -> bool:
         """True where a random roughness can stand for the scan."""
-        return self.fit.misfit <= _UNLIKE
+        return not self.fault_of_fit
 
     def as_dict(self) -> dict[str, Any]:
         """Return the statistics by name, with the table as text."""
@@ -169,8 +189,8 @@ class SurfaceStatistics:
         )
         if not self.is_self_affine:
             yield (
-                "  spectrum            not self-affine: the best fit is off by a factor "
-                f"{fit.misfit:.2g}, so it gives no length and no Hurst exponent"
+                f"  spectrum            {self.fault_of_fit}; so it gives no length and no Hurst "
+                "exponent"
             )
             return
         x, y = (
@@ -236,24 +256,39 @@ def surface_statistics(
         surface = surface.with_pixels((x, y))
     if surface.pixel_size is None or min(surface.pixel_size) <= 0:
         raise InputError(f"{path}: no size of a pixel; give pixel_size, such as 0.8 um")
+    try:
+        return _described(path, surface, surface.pixel_size, axis_note(transpose))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _described(
+    path: str | Path, surface: MeasuredSurface, sides: tuple[float, float], axis: str
+) -> SurfaceStatistics:
+    """Statistics of a surface whose pixels are known."""
+    highest = np.abs(surface.heights[np.isfinite(surface.heights)]).max(initial=0.0)
+    if highest > _HIGHEST:
+        raise InputError(f"heights of {highest:.3g} m; give the unit that they are in, height_unit")
     holes = int(np.count_nonzero(~np.isfinite(surface.heights)))
     heights = filled(surface.heights)
     if min(heights.shape) < 2:
-        raise InputError(f"{path}: a profile; give a map of heights")
+        raise InputError("a profile; give a map of heights")
     level = levelled(heights)
+    if rms_height(level) <= _ROUNDING * highest:
+        raise InputError("the heights are a plane, without any roughness; give another file")
     return SurfaceStatistics(
         file=str(path),
         shape=(level.shape[0], level.shape[1]),
-        pixel_size=surface.pixel_size,
+        pixel_size=sides,
         missing=holes,
         ra=average_roughness(level),
         rq=rms_height(level),
         skewness=_moment(level, 3),
         kurtosis=_moment(level, 4),
-        tilt=tilts(heights, level, surface.pixel_size),
-        fit=fit_self_affine(level, surface.pixel_size),
-        lengths=autocorrelation_lengths(level, surface.pixel_size),
-        axis=axis_note(transpose),
+        tilt=tilts(heights, level, sides),
+        fit=fit_self_affine(level, sides),
+        lengths=autocorrelation_lengths(level, sides),
+        axis=axis,
         notes=surface.notes,
     )
 

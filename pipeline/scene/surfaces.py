@@ -134,7 +134,8 @@ def _of_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
         if type(error).__name__ == "CannotDetectFileFormat":
             reason = ["its format is not known; save the heights as .npy or .csv"]
         elif "physical_sizes" in reason[0]:  # an option of the library, which a scene does not have
-            reason = ["it does not say how large its pixels are; save the heights as .npy or .csv"]
+            said = "it is cut off, or does not say how large its pixels are"
+            reason = [f"{said}; save the heights as .npy or .csv"]
         raise InputError(f"{path}: cannot be read as a surface: {reason[0]}") from error
 
 

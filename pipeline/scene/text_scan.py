@@ -26,7 +26,7 @@ _SIZES = {
         "height": r"height|höhe|taille[ _]y|y[ -](?:axis[ -])?(?:size|length)",
         "x step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?x|x[ -](?:spacing|step)",
         "y step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?y|y[ -](?:spacing|step)",
-        "xy step": r"xy calibration",
+        "xy step": r"xy[- ](?:calibration|kalibrierung)",
         "unit": r"(?:value )?units?|z[ -](?:axis[ -])?units?|unité[ _]z|einheit(?:[ _]z)?|"
         r"(?:heights?|z) in",
     }.items()
@@ -34,6 +34,7 @@ _SIZES = {
 """Words for sizes, and for the unit of heights, at the beginning of a line or of a part of it."""
 _NO_DATA = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?[\d.]+)", re.IGNORECASE)
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
+_AFTER_COMMA = re.compile(r",0\d")  # decimals, for no whole number begins with 0
 _LEAST_PLACES = 9  # rows of three numbers from which on they are x, y and z
 _MOST_BYTES = 2**30
 _TOLERANCE = 1e-3  # of a step, within which places are on a grid
@@ -118,11 +119,17 @@ def _table(path: Path, lines: list[str]) -> tuple[list[str], Array, Array]:
                 "same mark"
             )
         # Holes may stand at the end of a row, behind which there is a separator each.
-        if len(row) < usual and (separator is None or len(row) == 1):
+        has_all = separator is not None and line.count(separator) >= usual - 1
+        if len(row) < usual and not has_all:
             raise InputError(
                 f'{path}: {len(row)} numbers in the row "{line.strip()[:40]}", but {usual} in '
                 "others; all rows must be of equal length"
             )
+    if separator == "," and any(map(_AFTER_COMMA.search, body[first:])):
+        raise InputError(
+            f"{path}: commas stand between cells and before decimals; put semicolons between "
+            "cells, or write decimals with points"
+        )
     table = np.array([[*row, *[math.nan] * (usual - len(row))] for row in rows], float)
     return [*head, *body[:first]], table, places
 

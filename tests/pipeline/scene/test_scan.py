@@ -105,6 +105,30 @@ def test_heights_too_flat_and_planes_too_steep_are_doubted(scan):
     assert surface_statistics(scan, "um", sides).warnings == ()
 
 
+@pytest.mark.parametrize(
+    ("heights", "said"),
+    [
+        (np.indices((20, 30))[1] * 0.1, "plane.npy: the heights are a plane, without any rough"),
+        (np.eye(20) * 1e9, "plane.npy: heights of 1e.03 m; give the unit"),
+        (np.eye(10), "plane.npy: 10 × 10 heights are too few"),
+    ],
+)
+def test_what_has_no_roughness_is_refused(heights, said, tmp_path):
+    np.save(tmp_path / "plane.npy", heights)
+    with pytest.raises(InputError, match=said):
+        surface_statistics(tmp_path / "plane.npy", "um", ("1 um", "1 um"))
+
+
+def test_noise_between_pixels_has_no_length_of_a_fit(tmp_path):
+    np.save(tmp_path / "noise.npy", np.random.default_rng(0).normal(size=(40, 50)))
+    noise = surface_statistics(tmp_path / "noise.npy", "um", ("1 um", "1 um"))
+    assert not noise.is_self_affine
+    assert "the fit's lengths err by more than they are" in str(noise)
+    assert any("hardly depend on each other" in doubt for doubt in noise.warnings)
+    coarse = surface_statistics(tmp_path / "noise.npy", "um", ("1 m", "1 m"))
+    assert any("check the size of the pixels" in doubt for doubt in coarse.warnings)
+
+
 def test_a_scene_says_which_way_x_goes_and_doubts_a_steep_plane(scan):
     turned = {
         "without": "disk.roughness",

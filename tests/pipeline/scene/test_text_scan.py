@@ -96,6 +96,8 @@ def test_holes_stay_holes(text, tmp_path):
     ("text", "words"),
     [
         ("1 2 3\n4 5\n", "equal length"),
+        ("1,2,3\n4,5\n7,8,9\n", "2 numbers in the row"),
+        ("0,12,1,05\n0,33,1,25\n", "commas stand between cells and before decimals"),
         ("1;2;x\n4;5;6\n", '"x" is not a number'),
         ("no numbers\n", "no line of numbers"),
         ("".join(f"0 {k} 1\n" for k in range(9)), "one x or y alone"),
