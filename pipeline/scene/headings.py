@@ -133,7 +133,8 @@ def _usual_unit(unit: str) -> str:
 def is_unit(unit: str) -> bool:
     """True of a unit of any dimension."""
     try:
-        return bool(si_unit(f"1 {unit}")) and not unit.isdigit()
+        # A lone µ, once a micron, is a coefficient of friction.
+        return unit not in "µμ" and bool(si_unit(f"1 {unit}")) and not unit.isdigit()
     except UnitError:
         return False
 
@@ -237,11 +238,13 @@ class Sheet:
     of_rows: list[str] = field(default_factory=list)  # faults of rows
     decimal: str = "."
     form: list[str] = field(default_factory=list)  # words on how the file was read
+    track: int | None = None  # column of the track, of which velocities were made
 
     @property
     def others(self) -> list[int]:
         """Columns of no wanted quantity."""
-        return [k for k in range(len(self.headings)) if k not in self.places.values()]
+        used = (*self.places.values(), self.track)
+        return [k for k in range(len(self.headings)) if k not in used]
 
     @property
     def of_several(self) -> str:
@@ -417,6 +420,7 @@ def _take_velocity_of_turns(sheet: Sheet) -> None:
         fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
         sheet.of_rows.append(fault)
         return
+    sheet.track = k
     sheet.headings[turn] = heading_of("velocity")
     for _, cells in sheet.rows:
         at = f" at {which} {cells[k]} {track.unit}" if cells[k] else ""

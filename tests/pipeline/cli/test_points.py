@@ -1,6 +1,7 @@
 """Tables of operating points in; tables of margins and boundaries out."""
 
 import csv
+import math
 
 import numpy as np
 import pandas as pd
@@ -171,6 +172,18 @@ def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, 
         points.write_text(f"load [N],velocity [m/s],{head}\n400,1.2,3\n")
         said = irg("margin", "out.zarr", "--points", points, code=2)
         assert f'column "{head}" cannot act after the simulation' in said
+
+
+def test_the_track_of_a_rotation_counts_as_used_and_a_lone_mu_is_no_unit(store, tmp_path, irg):
+    points = tmp_path / "duty.csv"
+    points.write_text(
+        "load [N],speed [rpm],track diameter [mm],friction coefficient µ\n400,300,80,0.12\n",
+        encoding="utf-8",
+    )
+    document = irg("margin", "out.zarr", "--points", points, "--json")
+    assert "columns_not_used" not in document
+    (margin,) = pipeline.margins(store, 400.0, math.pi * 0.08 * 5, friction=0.12)
+    assert document["margins"]["distance"] == [pytest.approx(margin.distance)]
 
 
 def test_conditions_of_a_row_in_another_unit_are_doubted_or_refused(store, tmp_path, irg):
