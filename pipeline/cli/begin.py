@@ -19,6 +19,7 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import COMMANDS, parse
 from pipeline.scene.document import as_toml
+from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.headings import numbered
 from pipeline.scene.logs import Log, Trace, read_log, read_trace
@@ -119,7 +120,8 @@ def tests(options: argparse.Namespace) -> Result:
     entries = {"columns": columns, "words": words, **taken}
     row_of, log = TEST, read_log(path, entries)
     places = log.sheet.places.keys()
-    if "outcome" not in places and {"load", "velocity"} <= places:
+    has_outcomes = "outcome" in places or log.has_several_outcomes
+    if not has_outcomes and {"load", "velocity"} <= places:
         row_of, log = TRANSITION, read_log(path, entries, TRANSITION)
         if log.is_only_wear:
             log.faults.append(
@@ -134,7 +136,7 @@ def tests(options: argparse.Namespace) -> Result:
         "file": str(path), "form": log.sheet.form,
         "columns": {name: log.sheet.heading(name).text for name in log.sheet.places},
         "unused": log.unused, "words": log.words, "tests": found, "faults": faults,
-        "toml": "\n".join(toml),
+        "toml": "\n".join(toml), "doubts": [*_doubts(log)],
     }  # fmt: skip
     text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
     if found:
@@ -148,6 +150,7 @@ def tests(options: argparse.Namespace) -> Result:
                 'column with --column "outcome=HEADING")'
             )
         text += ["", *toml, ""]
+        text += (f"warning: {doubt}" for doubt in _doubts(log))
     if log.twice:
         text.append(f"{numbered(log.twice)} the same as rows before, and not counted")
     if log.left_out:
@@ -156,6 +159,13 @@ def tests(options: argparse.Namespace) -> Result:
     if faults:
         text += [f"{counted(len(faults), 'fault', 'faults')}:", *(f"  {one}" for one in faults)]
     return Result(document, text, code=WRONG_USE if faults else 0)
+
+
+def _doubts(log: Log) -> Iterable[str]:
+    """Conditions of tests that are probably in another unit."""
+    for row in log.in_si:
+        for doubt in doubts_of_row(row):
+            yield f"the test of {row['load']:g} N at {row['velocity']:g} m/s: {doubt}"
 
 
 def _of_trace(path: Path, trace: Trace) -> Result:

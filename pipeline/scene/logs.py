@@ -70,6 +70,8 @@ class Log:
     faults: list[str]
     is_unclear: bool  # as a whole, and not in cells alone
     twice: list[int]  # numbers of rows that are the same as one before, and not counted
+    in_si: list[dict[str, Any]]  # the tests, in SI
+    has_several_outcomes: bool  # columns, of which none is called outcome
 
     @property
     def unused(self) -> list[str]:
@@ -115,10 +117,11 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
         for word in dict.fromkeys(row.cells[places["outcome"]] for row in tested):
             if word not in OUTCOMES and (outcome := own.get(word) or outcome_of(word, title)):
                 words[word] = outcome
-    tests, _, wrong = sheet.entries(row_of, words)
+    tests, in_si, wrong = sheet.entries(row_of, words)
     return Log(
         path, sheet, words, left_out, tests, [*faults, *listed_faults(map(_hinted, wrong))],
-        is_unclear=bool(faults), twice=twice,
+        is_unclear=bool(faults), twice=twice, in_si=in_si,
+        has_several_outcomes=any("columns may be outcome" in fault for fault in faults),
     )  # fmt: skip
 
 

@@ -28,6 +28,17 @@ def test_what_is_missing_is_said_and_may_be_given(tmp_path, irg):
     assert "no test has" in irg("tests", tmp_path / "log.csv", "--column", "lod=a", code=2)
 
 
+def test_two_columns_of_outcomes_are_asked_about_and_units_doubted(tmp_path, irg):
+    log = tmp_path / "log.csv"
+    log.write_text("load [N],velocity [m/s],result,verdict\n400,1.2,mild,severe\n")
+    said = irg("tests", log, code=2)
+    assert '2 columns may be outcome: "result", "verdict"' in said
+    assert "[[measured]]" not in said
+    log.write_text("load [N],velocity [m/s],bulk temperature [degC],outcome\n400,1.2,333,mild\n")
+    said = irg("tests", log)
+    assert "the test of 400 N at 1.2 m/s: the bulk temperature is 333 °C, where" in said
+
+
 @pytest.mark.parametrize(("step", "words"), [(0.15, "at 30 s"), (0.0, "no transition")])
 def test_a_trace_of_friction_gives_its_transition(tmp_path, irg, step, words):
     time = np.arange(0.0, 60.0, 0.5)
