@@ -216,7 +216,8 @@ def _heights(
     said = surface.notes
     if table["level"]:
         level = levelled(heights)
-        said += tilt_doubts(tilts(heights, level, sides)) if sides else ()
+        if sides and min(heights.shape) > 1:
+            said += tilt_doubts(tilts(heights, level, sides))
         heights = level
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
         is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
