@@ -234,6 +234,33 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
+def test_a_growth_moves_the_store_once_the_larger_one_is_on_the_disk(path, monkeypatch):
+    """Or a power cut leaves neither: names are lost that no sync of their folder has written."""
+    commit(path, SWEEP, [POINT])
+    fsync, rename, on_disk, were_safe = os.fsync, os.rename, {}, []
+
+    def names():
+        return {entry.name: entry.inode() for entry in os.scandir(path.parent)}
+
+    def noted(descriptor):
+        fsync(descriptor)
+        if os.path.samestat(os.fstat(descriptor), path.parent.stat()):
+            on_disk.clear()
+            on_disk.update(names())
+
+    def moved(source, target, **options):
+        if Path(source) == path:
+            were_safe.append(names().items() <= on_disk.items())
+        rename(source, target, **options)
+
+    monkeypatch.setattr(os, "fsync", noted)
+    monkeypatch.setattr(os, "rename", moved)
+    commit(path, LARGER, [ADDED])
+    assert were_safe
+    assert all(were_safe)
+    assert on_disk[path.name] == path.stat().st_ino
+
+
 def sampled(count=2, seed=0):
     unknown = (Unknown("pin.radius", "normal", (8e-3, 1e-4), "m"),)
     design = Design(unknown, ("contact",), (0.5, 1.0), seed, 1)
