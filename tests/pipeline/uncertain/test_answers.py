@@ -62,8 +62,27 @@ def test_the_error_of_the_preset_widens_every_answer(samples):
     assert (rough.risk.lowest, rough.risk.highest) == pytest.approx((low, high), abs=0.01)
     assert rough.risk.error == exact.risk.error
     assert pipeline.risk(samples, 400.0, 0.8).verdict == "mild"
+    assert pipeline.risk(samples, 750.0, 5.0).verdict == "severe"
     unknown = dataclasses.replace(samples, velocity_error=None)
     assert pipeline.risk(unknown, 400.0, 0.8).verdict == "not decided"
+    assert pipeline.risk(unknown, 750.0, 5.0).verdict == "not decided"
+
+
+def test_where_no_slope_is_known_the_rise_errs_by_as_much_as_the_velocity():
+    few = dataclasses.replace(ensemble((CRITICAL, FRICTION), count=12), velocity_error=0.0)
+    at = np.array([1.95, 2.05])
+    few = dataclasses.replace(
+        few,
+        design=dataclasses.replace(few.design, velocities=(1.95, 2.05)),
+        sample_velocities=np.geomspace(*at, 12),
+        rises=few.rises * (np.geomspace(*at, 12) / few.sample_velocities)[:, None] ** EXPONENT,
+    )
+    rough = dataclasses.replace(few, velocity_error=0.08)
+    exact, highest = (
+        pipeline.margin_intervals(one, 400.0, 2.0).decisive_temperature.high - 298.15
+        for one in (few, rough)
+    )
+    assert highest == pytest.approx(1.08 * exact, rel=0.005)  # not by 1.08**EXPONENT
 
 
 def test_the_probability_counts_with_what_is_correlated(samples):
