@@ -73,6 +73,15 @@ def test_the_error_of_a_preset_in_velocity_is_one_of_temperature_through_the_exp
     assert here.temperature_error == here.error.preset
 
 
+def test_between_loads_the_error_of_a_preset_is_that_of_the_steeper_rise():
+    def steeper_at_high_loads(load, velocity, quantile=1.0):
+        return synthetic.rise(load, velocity, quantile) * (velocity / 2) ** (load / 4000)
+
+    here = margin(synthetic.sweep(preset="draft", rise=steeper_at_high_loads), 425.0, 2.0)
+    rise = here.decisive_temperature - 298.15
+    assert here.error.preset == pytest.approx(rise * (1.08 ** (0.7 + 450 / 4000) - 1), rel=1e-6)
+
+
 def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
     here = margin(synthetic.sweep(preset=None), 400.0, 0.5)
     assert (here.temperature_error, here.verdict) == (None, "not decided")
