@@ -72,7 +72,7 @@ def test_corrections_cost_no_point_and_change_no_stored_number(store):
     ds = pipeline.open_sweep(store)
     assert ds.drop_attrs().equals(plain.drop_attrs())
     assert pipeline.boundary(ds).attrs["corrections"]
-    pipeline.run_sweep(tiny.full(conditions=CONDITIONS), store, workers=1)
+    commit_all(store, tiny.full(conditions=CONDITIONS))
 
 
 def test_searches_go_by_the_corrected_rise(tmp_path):
@@ -217,7 +217,7 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
     at = {"pin.stem.length": "12 mm"}
     (tmp_path / "scene.toml").write_text(f'extends = "known.toml"\n{UNKNOWN}{asked}')
     store = tmp_path / "out.zarr"
-    pipeline.run_sweep(pipeline.load_scene(tmp_path / "scene.toml"), store, workers=1)
+    commit_all(store, pipeline.load_scene(tmp_path / "scene.toml"))
     samples = pipeline.Ensemble.of(store, at=at)
     paths = [one.path for one in samples.design.inputs]
     for number in (0, 7):

@@ -128,7 +128,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     )  # fmt: skip
     assert list(sweep.variants.axes) == ["friction.coefficient", "pin.material", "realization"]
     assert (len(points(sweep)), len(chains(points(sweep), sweep))) == (8, 4)
-    pipeline.run_sweep(sweep, tmp_path / "out.zarr", workers=1)
+    commit_all(tmp_path / "out.zarr", sweep)
     surfaces = {"sweep.realizations": [3, 4]}
     alone = '{ "friction.coefficient" = [0.1], "pin.material" = ["hard"] }'
     with (

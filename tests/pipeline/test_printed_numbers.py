@@ -639,7 +639,7 @@ def test_a_risk_is_the_share_of_draws_that_are_hotter_than_critical(ask, law, tm
 
 def test_margins_of_samples_are_intervals_of_their_draws(ask, law):
     _, frictions, criticals, log_rise, log_velocity = law
-    document, _, shown = ask("margin", "samples", *place_of(600, 2))
+    document, said, shown = ask("margin", "samples", *place_of(600, 2))
     found = document["intervals"]
     off = 0.52 * math.log(1.08) * np.array([-1.0, 0.0, 1.0])
     hot = [298.15 + frictions * np.exp(log_rise(600.0, 2.0) + one) for one in off]
@@ -655,7 +655,13 @@ def test_margins_of_samples_are_intervals_of_their_draws(ask, law):
         for end, want in known:
             assert end == pytest.approx(want, abs=tolerance)
             shown(end - 273.15 if name == "decisive_temperature" else end)
+    shown([end and end / 2.0 for end in found["critical_velocity"].values()])  # factors
     assert found["load_range"] == [400.0, 600.0]
+    fast, said, _ = ask("margin", "samples", *place_of(600, 3.9))
+    assert fast["intervals"]["critical_load"]["low"] == 0.0
+    (line,) = re.findall("^critical load.*", said, re.MULTILINE)
+    assert line.index("below the sweep") > line.index("[N]")
+    assert "above the sweep" not in line
 
 
 def test_the_boundary_of_samples_has_the_velocities_of_their_probabilities(ask, law):

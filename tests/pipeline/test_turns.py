@@ -5,6 +5,7 @@ import pytest
 
 import pipeline
 from pipeline.sweep.physics import note_on_turns
+from tests.pipeline.conftest import commit_all
 
 COLD = {"without": ["pin.diameter", "disk.diameter"]}
 AROUND = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
@@ -40,13 +41,12 @@ def test_commands_say_what_a_scene_of_cold_discs_leaves_out(tmp_path, irg):
     assert BOTH in irg("check", scene)
     point = irg("point", scene, "--load=3 kN", "--velocity=6.6 m/s", "--json")
     assert point["not_counted"].startswith(BOTH)
-    irg("run", scene, "-o", store, "-q")
+    commit_all(store, pipeline.load_scene(scene))
     said = irg("boundary", store, "--json")
     assert "would move the critical velocities by -25 to -25 %" in said["not_counted"]
     cold = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item()
-    warm = ('pin.diameter="100 mm"', 'disk.diameter="100 mm"')
-    settings = [argument for entry in warm for argument in ("--set", entry)]
-    irg("run", scene, "-o", store, "-q", *settings)
+    warm = {"pin.diameter": "100 mm", "disk.diameter": "100 mm"}
+    commit_all(store, pipeline.load_scene(scene, overrides=warm))
     assert irg("boundary", store, "--json")["not_counted"] is None
     moved = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item() / cold - 1
     assert np.round(100 * moved) == -25
