@@ -530,7 +530,8 @@ def test_a_difference_is_that_of_the_two_datasets(stores, irg):
     alone = found["state_b"].count("absent")
     assert alone == a["status"].size - b["status"].size
     unlike = b["status"].size - alike
-    assert f"points: {alike} alike, {unlike} unlike" in said
+    moved = 100 * np.abs(second / both - 1).max().item()
+    assert f"points: {alike} alike, {unlike} unlike (by up to {moved:.2g} % of the rise)" in said
     assert f"{alone} done in one alone" in said
     rows = zip(
         *(found[name] for name in ("load", "velocity", "rise_a", "rise_b", "change")), strict=True

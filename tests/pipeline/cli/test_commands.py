@@ -9,7 +9,6 @@ from pipeline.cli import main
 from pipeline.cli.parser import COMMANDS
 from tests.helpers.scenes import MEASURED, SCENE
 
-
 # An error that is known needs no probe.
 DRAFT = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
 

@@ -326,6 +326,9 @@ def test_the_temperature_crosses_the_critical_one_at_the_transition(sweep):
     expected = float(boundary(sweep).sel(load=400.0)["critical_velocity"])
     time = named[label].get_xdata()[0]
     assert time == pytest.approx(expected)
+    highest = 25.0 + 0.1 * sweep["max_rise"].sel(load=400.0, step=0).values
+    drawn = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) == len(highest)]
+    assert any(np.allclose(temperatures, highest) for temperatures in drawn)
     curves = (line for line in axes.lines if line.get_marker() == "None")
     exceeded = next(line for line in curves if line.get_ls() == "-")
     assert np.interp(time, *exceeded.get_data()) == pytest.approx(145.0, abs=0.2)

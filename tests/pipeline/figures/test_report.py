@@ -5,11 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.figures.report import citation, sections_of_samples
 from pipeline.scene.along import OperatingPoints
 from tests.helpers import samples, synthetic
+from tests.pipeline.figures.page import sweeps
 from tribo import InputError
 
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
@@ -41,6 +43,16 @@ def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
     assert "may err by up to 8 %" in page
     assert re.search(r"developers: irg-transition \(version .*\)\. BSD-3-Clause\.", page)
     assert not re.search(r'(src|href)="(?!data:|#)', page)
+
+
+def test_a_report_of_surfaces_answers_by_the_median_of_those_that_are_done(tmp_path):
+    parts = [sweeps.one(status={}, rise=sweeps.uneven(seed)) for seed in range(3)]
+    ds = xr.concat(parts, xr.Variable("realization", range(3)), combine_attrs="override")
+    page = pipeline.report(ds, tmp_path / "report.html").read_text(encoding="utf-8")
+    velocities = pipeline.boundary(ds)["critical_velocity"].dropna("load", how="any")
+    median = velocities.median("realization")[-1].item()
+    assert f"{median:.3g} m/s on at {velocities['load'][-1].item():g} N" in page
+    assert "the median of 3 surfaces" in page
 
 
 def test_a_report_cites_what_the_citation_file_has():

@@ -6,7 +6,7 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.scene.surfaces import filled, levelled, read_surface
+from pipeline.scene.surfaces import MeasuredSurface, filled, levelled, oriented, read_surface
 from tests.pipeline.scene.conftest import ROUGHNESS
 from tribo import InputError
 
@@ -212,3 +212,12 @@ def test_the_pixels_of_the_file_are_those_of_the_window(faults, library):
     (fault,) = faults(*with_table('file = "a.x3p"\n'), overrides=FINEST)
     assert fault.startswith("window.pixel_size: ")
     assert "2 µm × 2 µm" in fault
+
+
+def test_a_surface_is_turned_with_its_pixels_and_reversed_along_the_axis_that_is_named():
+    surface = MeasuredSurface(np.arange(6.0).reshape(2, 3), (1e-6, 2e-6))
+    turned = oriented(surface, transpose=True)
+    assert turned.pixel_size == (2e-6, 1e-6)
+    assert np.array_equal(turned.heights, surface.heights.T)
+    assert np.array_equal(oriented(surface, flip="x").heights, surface.heights[::-1])
+    assert np.array_equal(oriented(surface, flip="y").heights, surface.heights[:, ::-1])
