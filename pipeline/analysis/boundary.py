@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import asked, attributes_of, dataset_of, require_plane, variant_of
+from pipeline.analysis.dataset import asked, dataset_of, require_plane, stored_sweep, variant_of
 from pipeline.analysis.decisive import Bulk, attributes_by, conditions_of, decisive_rise
 from pipeline.analysis.scenes import by_scene, scenes, stacked
 from pipeline.analysis.transition import (
@@ -149,7 +149,7 @@ def _judged(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     rise = decisive_rise(ds, conditions)
     is_missing = rise.isnull() & asked(ds)
     oil = np.array(None, dtype=object)
-    oil[()] = Lubrication.stored(attributes_of(ds))
+    oil[()] = Lubrication.of(stored_sweep(ds))
     friction = np.array(None, dtype=object)
     friction[()] = conditions.friction_factor if conditions.has_friction_curve else None
     parts = {  # underscored, since a dimension may have any other name

@@ -1,81 +1,95 @@
-"""A stored sweep as a labelled dataset, whose attributes any format of file can hold."""
+"""A stored sweep as a labelled dataset, and the scene that it is of."""
 
 from __future__ import annotations
 
 import functools
-import json
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import COORDINATES, PLANE
+from pipeline.store.schema import AT_END, COORDINATES, INPUTS, PLANE, STEPPED
+from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import RISES, at_bulks, columns_needed, corrected_columns
-from pipeline.sweep.variants import VARIANT, Variant
+from pipeline.sweep.variants import VARIANT, Column, Label, Variant, written_of
 from tribo import InputError
 from tribo.types import Array
 
-_ENCODED = "json_attributes"
-_decoded = functools.lru_cache(maxsize=64)(json.loads)  # each surface has the attributes of all
-_INTERNAL = ("axes", "root_hash", "points_per_chunk", "generation")
+
+@dataclass(frozen=True)
+class _Source:
+    """The dataset whose arrays a text names by their digests, which tell all of them apart."""
+
+    ds: Any = field(compare=False)
+
+    def arrays(self) -> dict[str, Array]:
+        """Arrays of the scene by digest."""
+        if INPUTS not in self.ds:
+            return {}
+        return split_arrays(self.ds[INPUTS].values, self.ds[INPUTS].attrs)
 
 
-def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Attributes of a store as netCDF holds them, others as JSON, and what computed the data."""
-    kept = {k: v for k, v in attributes.items() if v is not None and k not in _INTERNAL}
-    plain = (name for name, value in kept.items() if type(value) in (str, int, float))
-    encoded = sorted(kept.keys() - set(plain))
-    return (
-        kept
-        | {name: json.dumps(kept[name], ensure_ascii=False) for name in encoded}
-        | {_ENCODED: " ".join(encoded)}
-        | _provenance(attributes)
-    )
+def stored_sweep(ds: xr.Dataset) -> Sweep:
+    """The sweep that a dataset is of, at those labels that the dataset was taken at.
+
+    Raise an `InputError` if it has lost its attribute ``sweep``.
+    """
+    return _stored_sweep(_text(ds), taken_at(ds), _Source(ds))
 
 
-def with_changes(attributes: Mapping[Any, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Portable attributes after changes; a change to None removes an attribute."""
-    new = portable(changes)
-    names = {*str(attributes.get(_ENCODED, "")).split(), *new[_ENCODED].split()}
-    kept = {name: value for name, value in attributes.items() if name not in changes}
-    return kept | new | {_ENCODED: " ".join(sorted(names & {*kept, *new}))}
+def taken_at(ds: xr.Dataset) -> Variant:
+    """Values of entries that a dataset was taken at; none unless each has one."""
+    table = _sweep(_text(ds), _Source(ds)).variants
+    if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
+        return ()
+    name = tuple((one.name, ds[one.name].item()) for one in table.chosen)
+    if name in table.given:
+        return name
+    return tuple((one.name, _label(one, ds[one.name].item())) for one in table.chosen)
 
 
-def attributes_of(ds: xr.Dataset | xr.DataArray) -> dict[Any, Any]:
-    """Attributes of a sweep as plain data, with JSON read; cached, so do not change them."""
-    attributes = dict(ds.attrs)
-    for name in str(attributes.get(_ENCODED, "")).split():
-        if isinstance(attributes.get(name), str):
-            attributes[name] = _decoded(attributes[name])
-    return attributes
+def taken_entries(ds: xr.Dataset) -> dict[str, Any]:
+    """Values of entries that a dataset was taken at, as its scene writes them."""
+    return written_of(_sweep(_text(ds), _Source(ds)).variants, taken_at(ds))
 
 
-def _provenance(attributes: Mapping[Any, Any]) -> dict[str, str]:
-    """Versions that computed a store, and the times at which others went on with it."""
-    versions = attributes.get("versions")
-    if not versions:
-        return {}
+def _text(ds: xr.Dataset) -> str:
+    if "sweep" not in ds.attrs:
+        raise InputError(
+            "the dataset has no attribute sweep, which says what it is of; give one of "
+            "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
+        )
+    return str(ds.attrs["sweep"])
 
-    def listed(versions: Mapping[str, str]) -> str:
-        others = ", ".join(f"{name} {it}" for name, it in versions.items() if name != "tribo")
-        return f"irg-transition {versions['tribo']} with {others}"
 
-    later = attributes.get("later_versions", [])
-    lines = [f"computed by {listed(versions)}"]
-    lines += [f"{entry['since']}: gone on with by {listed(entry['versions'])}" for entry in later]
-    for entry in attributes.get("worker_versions", []):
-        others = ", ".join(f"{name} {version}" for name, version in entry["versions"].items())
-        lines.append(f"{entry['since']}: some points computed by workers with {others}")
-    return {
-        "source": f"simulated by irg-transition {versions['tribo']}",
-        "history": "\n".join(lines),
-        "license": "BSD-3-Clause for the program that computed this; the data are their author's",
-    }
+@functools.lru_cache(maxsize=64)
+def _sweep(text: str, source: _Source) -> Sweep:
+    return text_sweep(text, source.arrays())
+
+
+@functools.lru_cache(maxsize=64)
+def _stored_sweep(text: str, name: Variant, source: _Source) -> Sweep:
+    whole = _sweep(text, source)
+    if not name:
+        return whole
+    words = ", ".join(f"{path} {value}" for path, value in written_of(whole.variants, name).items())
+    return whole.below(name).changed(title=f"{whole.about.title}, {words}")
+
+
+def _label(column: Column, value: Any) -> Label:
+    """The label of a table that a coordinate stands for, which may have lost its last digits."""
+    numbers = [label for label in column.values if not isinstance(label, str)]
+    if isinstance(value, str) or not numbers:
+        return str(value)
+    return min(numbers, key=lambda label: abs(label - value))
 
 
 _USUAL = {*COORDINATES, "friction"}
@@ -96,8 +110,8 @@ def open_sweep(path: PathLike) -> xr.Dataset:
         The stored variables, with loads, velocities and seeds of surfaces ascending. At ``step`` 0
         is the end of each point, at −1 the station before; steps before a point's first station and
         points that are not done are NaN. Data are read when they are used.
-        Attributes are text and numbers, those that are more as JSON, so that ``to_netcdf`` writes
-        them. `pipeline.temperatures` gives the temperatures of the contact.
+        Its attributes are text, so that ``to_netcdf`` writes them.
+        `pipeline.temperatures` gives the temperatures of the contact.
 
     Raises
     ------
@@ -117,18 +131,16 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     ds = ordered(open_store(path))
     ds = ds.drop_vars("checksum")
     words = [name for name, values in ds.coords.items() if values.dtype.kind == "T"]
-    ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
-    return ds.drop_attrs(deep=False).assign_attrs(portable(ds.attrs))
+    return ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a sweep, with what one scene says alone where entries have one value each."""
-    return _of_one_scene(opened(source))
-
-
-def opened(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a sweep, opened if given by its path."""
-    return ordered(source) if isinstance(source, xr.Dataset) else open_sweep(source)
+    """The dataset of a sweep, opened if given by its path; what Dask holds but fields is read."""
+    if not isinstance(source, xr.Dataset):
+        return open_sweep(source)
+    _text(source)
+    lazy = [name for name in source.data_vars if source[name].chunks and name not in AT_END]
+    return ordered(source.assign({name: source[name].compute() for name in lazy}))
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
@@ -139,25 +151,6 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
         for dim in dims
         if dim not in _USUAL or (dim == VARIANT and VARIANT not in _drawn(ds))
     ]
-
-
-def _of_one_scene(ds: xr.Dataset) -> xr.Dataset:
-    """The sweep with the attributes of its one scene, where entries have one value each."""
-    attributes = attributes_of(ds)
-    paths = attributes.get("over", [])
-    if not paths or any(path in ds.dims or path not in ds.coords for path in paths):
-        return ds
-    values = [ds[path].item() for path in paths]
-    here = next(scene for scene in attributes["scenes"] if scene["values"] == values)
-    words = ", ".join(f"{path} {text}" for path, text in zip(paths, here["written"], strict=True))
-    changes = here["attributes"] | {
-        "over": None,
-        "scenes": None,
-        "scene": attributes["scene"] | here["scene"],
-        "title": f"{attributes['title']}, {words}",
-        "entries": dict(zip(paths, here["written"], strict=True)),
-    }
-    return ds.drop_attrs(deep=False).assign_attrs(with_changes(ds.attrs, changes))
 
 
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
@@ -185,7 +178,8 @@ def has_plane(ds: xr.Dataset) -> bool:
 
 def is_emulated(ds: xr.Dataset) -> bool:
     """True if rows were drawn from distributions, and an emulator of them answers."""
-    return bool(attributes_of(ds).get("unknown"))
+    draw = stored_sweep(ds).variants.draw
+    return bool(draw and draw.unknown)
 
 
 def require_samples(ds: xr.Dataset, given_measured: bool, scatter: float | None) -> None:
@@ -285,6 +279,21 @@ def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> A
     return field
 
 
+def with_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
+    """The dataset with steps along a dimension, also where it was taken at one of them.
+
+    Raise an `InputError` if it lacks any of these variables.
+    """
+    if missing := [name for name in names if name not in ds.variables]:
+        raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
+    if "step" in ds.dims:
+        return ds
+    stepped = [name for name in ds.data_vars if name in STEPPED]
+    return ds.drop_vars("step", errors="ignore").assign(
+        {name: ds[name].drop_vars("step", errors="ignore").expand_dims("step") for name in stepped}
+    )
+
+
 def _with_rises(
     ds: xr.Dataset,
     conditions: Conditions,
@@ -322,4 +331,4 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.00029
     """
-    return dataset_of(ds).isel(step=-1).drop_vars("step")
+    return with_steps(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")

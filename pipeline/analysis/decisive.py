@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 from functools import partial
 from typing import Any
 
@@ -13,11 +12,12 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
-    attributes_of,
     dataset_of,
     plane_of,
+    stored_sweep,
     sweep_at_bulks,
     values_of,
+    with_steps,
 )
 from pipeline.analysis.scenes import by_scene
 from pipeline.analysis.transition import certain, interpolated
@@ -26,8 +26,8 @@ from pipeline.scene.format import OIL_WORKS
 from pipeline.scene.units import in_si, share_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
-from pipeline.sweep.conditions import Conditions, changes_of
-from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.own_laws import OwnLawError, Reference
 from pipeline.sweep.severity import (
     columns_needed,
     contact_temperature,
@@ -47,7 +47,6 @@ CONDITIONS = (
 )  # fmt: skip
 """Names of the conditions that may be given in place of the sweep's own, and the permission."""
 
-_STORED = {entry.name for entry in fields(Conditions)} - {"own_criterion"}
 COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 """Bulk temperatures between which an oil may work [K]."""
 
@@ -63,31 +62,26 @@ def conditions_of(
 ) -> Conditions:
     """Take the sweep's own conditions, and those that are given in their place."""
     bulk: Any = bulk_temperature
-    stored = attributes_of(ds).get("conditions") or {}
-    values = {name: value for name, value in stored.items() if name in _STORED} | changes_of(
-        friction,
-        {body: _kelvin("bulk_temperature", one) for body, one in bulk.items()}
+    stored = stored_sweep(ds)
+    conditions = stored.conditions.changed(
+        friction=friction,
+        bulk_temperature={body: _kelvin("bulk_temperature", one) for body, one in bulk.items()}
         if isinstance(bulk, Mapping)
         else _kelvin("bulk_temperature", bulk),
-        _kelvin("critical_temperature", critical_temperature),
-        None if share is None else share_of(share),
-        criterion,
-        own_laws,
+        critical_temperature=_kelvin("critical_temperature", critical_temperature),
+        share=None if share is None else share_of(share),
+        criterion=criterion,
+        own_laws=own_laws,
     )
-    named = str(values.get("criterion", ""))
-    if ":" in named and "own_criterion" not in values:
+    if isinstance(reference := conditions.own_criterion, Reference):
         raise OwnLawError(
-            f"the store was judged by the criterion {quoted(named)} (SHA-256 "
-            f"{stored.get('criterion_hash')}), which is code, and nothing that a store names is "
-            f"run; give --criterion={quoted(named)} --own-laws in the folder of its file, or "
+            f"the store was judged by the criterion {quoted(reference.reference)} (SHA-256 "
+            f"{reference.digest}), which is code, and nothing that a store names is run; give "
+            f"--criterion={quoted(reference.reference)} --own-laws in the folder of its file, or "
             "another, such as --criterion=share"
         )
-    for name in ("friction", "failing_share", "bulk_temperature"):
-        if values.get(name) is None:
-            raise InputError(f"the sweep has no {name} of its own; give one")
-    conditions = Conditions(**values)
     require_bulks(ds, conditions)
-    if conditions.friction and not attributes_of(ds).get("scene", {}).get("friction_heat", True):
+    if conditions.friction and not stored.scene.friction_heat:
         raise InputError(
             f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
             "so without any heat: run it again with friction, into another store"
@@ -128,7 +122,9 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
                 f"the sweep is one at a single {name}, and not a plane: take a list of one, such "
                 f"as ds.sel({name}=[{ds[name].item():g}])"
             )
-    names = ["normal_load", conditions.decisive.column, *columns_needed(conditions)]
+    column = conditions.decisive.column
+    ds = with_steps(ds, "status", "normal_load", column, "cooler_share")
+    names = ["normal_load", column, *columns_needed(conditions)]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     columns["quantile"] = ds["cooler_share"].values
     rises = worst_rises(columns, ds["load"].values[:, None, None], conditions)

@@ -1,9 +1,8 @@
-"""Entries of the scene that a store holds, and the differences between two stores."""
+"""The differences between two stores."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,23 +13,21 @@ import xarray as xr
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
     asked,
-    attributes_of,
     dataset_of,
     end_of_point,
     has_plane,
     is_emulated,
     require_one_scene,
+    stored_sweep,
 )
 from pipeline.analysis.decisive import require_all_sound
+from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.margins import labels_of_rows, margin_table
 from pipeline.analysis.tables import as_dict, frame_of
-from pipeline.analysis.transition import ENTRIES, outcomes
-from pipeline.scene.units import display
+from pipeline.analysis.transition import outcomes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.plain import made
-from pipeline.sweep.unknown import Unknown
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 
@@ -109,7 +106,7 @@ def diff(
 
 def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     """Entries that differ, in the order of the scene."""
-    of_a, of_b = (entries_of(attributes_of(ds)) for ds in (a, b))
+    of_a, of_b = (scene_entries(stored_sweep(ds)) for ds in (a, b))
     rows = ((path, of_a.get(path), of_b.get(path)) for path in of_a | of_b)
     return frame_of(("entry", "a", "b"), (row for row in rows if row[1] != row[2]))
 
@@ -195,7 +192,7 @@ def _states(ds: xr.Dataset, has_seeds: bool) -> pd.DataFrame:
     in_front = [str(name) for name in ds["status"].dims if name not in PLANE]
     if PLACE in ds.coords:
         in_front[in_front.index(VARIANT)] = PLACE
-    labels: Any = (attributes_of(ds)["scene"].get("roughness") or {}).get("seed")
+    labels: Any = getattr(stored_sweep(ds).scene.roughness, "seed", None)
     if len(in_front) > 1:
         labels = frame[in_front].astype(str).agg(", ".join, axis=1)
     elif in_front:
@@ -206,123 +203,3 @@ def _states(ds: xr.Dataset, has_seeds: bool) -> pd.DataFrame:
     frame["state"] = frame["status"].map(_STATES).fillna("pending")
     here = (frame["status"] != PENDING) | frame["asked"]
     return frame.loc[here, ["load", "velocity", "variant", "state", "rise"]]
-
-
-_ATTRIBUTES = (
-    "scene", "conditions", "friction_band", "lubrication", "loads", "velocities", "realizations",
-    "samples", "sample_seed", "measured", "tested", "preset",
-)  # fmt: skip
-_NOT_SHOWN = (
-    "friction_heat", "unequal_bulks", "lubrication.", "sweep.samples.",
-    "conditions.corrections.course", "conditions.corrections.motion",
-    "conditions.corrections.rate",
-)  # fmt: skip
-"""Paths of values that follow from other entries."""
-_TYPES = tuple(
-    f"{name}.type"
-    for name in ("material", "disk", "pixels", "loading", "roughness", "wear", "motion", "fidelity")
-)
-_PATHS = {
-    "pin.type": "pin.shape",
-    "pixels.shape": "window.pixels",
-    "pixels.spacing": "window.pixel_size",
-    "pixels.periodic": "window.periodic",
-    "roughness": "disk.roughness",
-    "disk": "disk.material",
-    "lubrication.oil": "oil",
-    "friction_band": "friction.band",
-    "loads": "sweep.loads",
-    "velocities": "sweep.velocities",
-    "realizations": "sweep.realizations",
-    "samples": "sweep.samples",
-    "sample_seed": "sweep.sample_seed",
-    "preset": "fidelity.preset",
-    **{f"conditions.{name}": path for name, path in ENTRIES.items()},
-    "conditions.disk_temperature": "temperature.bulk.disk",
-    "conditions.corrections.friction": "friction.by_velocity",
-    "conditions.corrections.stem": "pin.stem",
-    "conditions.corrections.track": "disk.track",
-    "conditions.corrections.pin_track": "pin.track",
-    "conditions.corrections.pin_bulk": "pin",
-    "conditions.corrections.disk_bulk": "disk",
-    "conditions.corrections.film_resistance": "disk.film",
-}
-"""Paths in the scene file of what a store calls otherwise, the more special ones first."""
-
-_UNITS = {
-    "mm": ("radius", "length", "width", "crown_radius", "track_length"),
-    "µm": ("spacing", "ra", "correlation_length"),
-    "GPa": ("elastic_modulus", "hardness"),
-    "W/(m K)": ("thermal_conductivity",),
-    "kg/m³": ("density",),
-    "J/(kg K)": ("specific_heat",),
-    "N/s": ("rate",),
-    "N": ("reference_load", "loads", "normal_load", "load_scatter"),
-    "m/s": ("entrainment_velocity", "velocities", "velocity", "velocity_scatter"),
-    "s": ("hold", "settling_time"),
-    "mm³/(N m)": ("specific_wear_rate",),
-    "°C": ("bulk_temperature", "disk_temperature", "critical_temperature", "temperatures"),
-    "1/GPa": ("pressure_coefficients",),
-    "mm²/s": ("viscosities", "thermal_diffusivity"),
-    "K/W": ("resistance",),
-    "J/K": ("capacity",),
-    "W/K": ("loss",),
-    "mm² K/W": ("film_resistance",),
-    "MJ/(m³ K)": ("heat_capacity",),
-}
-_DIGEST = re.compile(r"(sha256:)?[0-9a-f]{32,64}")  # of an array, beside which words stand
-_UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
-
-
-def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Entries of a store by their paths in a scene file, those that have a value."""
-    entries = {}
-    for attribute in _ATTRIBUTES:
-        prefix = "" if attribute == "scene" else attribute
-        for path, value in _flat(attributes.get(attribute), prefix):
-            entry = _in_scene(path)
-            if entry.startswith(_NOT_SHOWN) or path.endswith(_TYPES):
-                continue
-            if path == "pixels.periodic":
-                repeated = [axis for axis, repeats in zip("xy", value, strict=True) if repeats]
-                entries[entry] = f"along {' and '.join(repeated)}" if repeated else "no"
-            elif not (path.startswith("roughness.") and _DIGEST.fullmatch(str(value))):
-                entries[entry] = in_usual_unit(path, value)
-    for data in attributes.get("unknown") or []:
-        path, _, distribution = str(made(Unknown, data)).partition(": ")
-        entries[f'unknown."{path}"'] = distribution
-    return entries
-
-
-def in_usual_unit(path: str, value: Any) -> str:
-    """Write the value of an entry, in SI, in the unit in which such entries are usually given."""
-    unit = _UNIT_OF.get(path.split(".")[-1], "")
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, list):
-        items = [in_usual_unit(path, item).removesuffix(f" {unit}") for item in value]
-        return f"{', '.join(items)} {unit}".rstrip()
-    if not isinstance(value, int | float):
-        return str(value)
-    return display(value, unit) if unit else f"{value:g}"
-
-
-def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """Values of nested tables by their paths, without those that are missing."""
-    if isinstance(value, list) and any(isinstance(item, Mapping) for item in value):
-        value = {str(number): item for number, item in enumerate(value, 1)}
-    if isinstance(value, Mapping):
-        for key, entry in value.items():
-            yield from _flat(entry, f"{path}.{key}" if path else key)
-    elif value is not None and value != []:
-        yield path, value
-
-
-def _in_scene(path: str) -> str:
-    """Path of an entry in a scene file."""
-    for name, other in _PATHS.items():
-        if path == name or path.startswith(f"{name}."):
-            return other + path[len(name) :]
-    return (
-        path.replace("normal_load", "load") if path.startswith(("measured.", "tested.")) else path
-    )

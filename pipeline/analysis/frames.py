@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import attributes_of, entry_dims, plane_of, variant_of
+from pipeline.analysis.dataset import entry_dims, plane_of, stored_sweep, variant_of
 from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import notes_of, rows_under
@@ -142,19 +142,19 @@ _HEADS = (
 
 def laboratory_tests(ds: xr.Dataset) -> list[dict[str, Any]]:
     """Measured transitions of a sweep, and then its tests."""
-    attributes = attributes_of(ds)
-    return [*(attributes.get("measured") or []), *(attributes.get("tested") or [])]
+    about = stored_sweep(ds).about
+    return [test.as_dict() for test in (*about.measured, *about.tested)]
 
 
 def own_conditions(ds: xr.Dataset, conditions: Conditions, test: Mapping[str, Any]) -> Conditions:
     """Conditions of a test: friction and bulk of its own or the scene, not those judged by."""
-    stored = attributes_of(ds).get("conditions") or {}
+    stored = stored_sweep(ds).conditions
     bulks: dict[str, Any] = {
-        body: stored.get(body) for body in ("bulk_temperature", "disk_temperature")
+        body: getattr(stored, body) for body in ("bulk_temperature", "disk_temperature")
     }
     if test.get("bulk_temperature") is not None:
         bulks = {"bulk_temperature": test["bulk_temperature"], "disk_temperature": None}
-    own = replace(conditions, friction=stored.get("friction", conditions.friction), **bulks)
+    own = replace(conditions, friction=stored.friction, **bulks)
     return own.at_friction(test.get("friction"))
 
 
@@ -195,7 +195,7 @@ def _rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[tuple[Any, ...
     """Rows of one scene."""
     plane, conditions = plane_of(ds), conditions_of(ds, **changed)
     rows_by = functools.cache(lambda judged: tuple(rows_under(plane, judged)))
-    held = (attributes_of(ds).get("scene") or {}).get("loading", {}).get("hold") or 0.0
+    held = getattr(stored_sweep(ds).scene.loading, "hold", 0.0)
     for test in laboratory_tests(ds):
         place = test["normal_load"], test["velocity"]
         hold = test.get("hold")

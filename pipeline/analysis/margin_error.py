@@ -18,9 +18,9 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.dataset import asked, attributes_of
+from pipeline.analysis.dataset import asked, stored_sweep, with_steps
 from pipeline.analysis.warned_points import warnings_of
-from pipeline.sweep.selection import velocity_error
+from pipeline.sweep.accuracy import velocity_error
 from tribo import WarningKind
 from tribo.simulation.point_warnings import SLOWEST
 from tribo.types import Array, Indices, Mask
@@ -126,7 +126,8 @@ class RisePlane:
 def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
     """Grid of each surface of a sweep, by its deciding rises."""
     shape = -1, *rise.shape[-2:]
-    of_rows = rise, rise.isnull() & asked(ds), warnings_of(ds), ds["time"].max("step")
+    duration = with_steps(ds, "time")["time"].max("step")
+    of_rows = rise, rise.isnull() & asked(ds), warnings_of(ds), duration
     parts = (part.transpose(*rise.dims).values.reshape(shape) for part in of_rows)
     axes = rise["load"].values, rise["velocity"].values
     return [RisePlane(*axes, *values) for values in zip(*parts, strict=True)]
@@ -134,7 +135,7 @@ def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
 
 def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
     """Relative error of the rise on and midway between loads and velocities, by surface."""
-    promised = velocity_error(attributes_of(ds))
+    promised = velocity_error(stored_sweep(ds))
     twice = (np.repeat(rise[name].values, 2) for name in ("load", "velocity"))
     loads, velocities = (((x[1:] + x[:-1]) / 2).tolist() for x in twice)
     totals = [

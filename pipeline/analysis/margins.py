@@ -16,12 +16,12 @@ import xarray as xr
 
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import (
-    attributes_of,
     dataset_of,
     has_plane,
     is_emulated,
-    opened,
     require_plane,
+    stored_sweep,
+    taken_entries,
 )
 from pipeline.analysis.decisive import (
     at_one_friction,
@@ -39,8 +39,8 @@ from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
+from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 
@@ -117,7 +117,7 @@ def rows_of(
 
     Own conditions are those of a row of a table; see `Conditions.of_row`.
     """
-    ds = opened(ds)
+    ds = dataset_of(ds)
     if is_emulated(ds):
         require_plane(ds)
     if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long
@@ -137,13 +137,13 @@ def rows_under(scene: xr.Dataset, conditions: Conditions) -> Iterator[JudgedRow]
     place = tuple(scene[name].item() for name in PLANE) if placed else None
     coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
     shown = {name: label.item() for name, label in coords.items() if not label.ndim}
-    scene, about = scene.expand_dims(placed), attributes_of(scene)
+    scene, sweep = scene.expand_dims(placed), stored_sweep(scene)
     rise = decisive_rise(scene, conditions)
     ends = {
         name: (at, at) if place else range_of(scene, name)
         for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
     }
-    entries = {path: scene[path].item() for path in about.get("entries", {})}
+    entries = {path: scene[path].item() for path in taken_entries(scene)}
     front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
     grids = grids_of(scene, at_one_friction(rise, conditions))
     for grid, row in zip(grids, itertools.product(*front.values()), strict=True):
@@ -151,7 +151,7 @@ def rows_under(scene: xr.Dataset, conditions: Conditions) -> Iterator[JudgedRow]
         yield JudgedRow(
             grid=grid,
             conditions=conditions,
-            promised=velocity_error(about),
+            promised=velocity_error(sweep),
             ends=ends,
             realization=labels.get("realization"),
             entries=entries,

@@ -11,13 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import (
-    attributes_of,
-    dataset_of,
-    entry_dims,
-    has_plane,
-    opened,
-)
+from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, taken_entries
 from pipeline.analysis.tables import frame_of
 from pipeline.scene.units import display, to_si
 from pipeline.store.place import PathLike
@@ -43,8 +37,7 @@ def at_entries(ds: xr.Dataset | PathLike, values: Mapping[str, float | str]) -> 
     Returns
     -------
     Dataset
-        The sweep without these dimensions. With a value of every entry its attributes are those
-        of the scene with these values.
+        The sweep without these dimensions.
 
     Raises
     ------
@@ -76,19 +69,19 @@ def taken(
     ds: xr.Dataset, values: Mapping[str, float | str]
 ) -> tuple[xr.Dataset, dict[str, float | str]]:
     """Take a sweep at those values that its table of variants has, and return the others."""
-    columns = {*entry_dims(ds), *(attributes_of(ds).get("entries") or ())}
+    columns = {*entry_dims(ds), *taken_entries(ds)}
     places = {path: _place(ds[path], values[path]) for path in values if path in columns}
     ds = ds.isel({path: place for path, place in places.items() if path in ds.dims})
     ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # of a row of pairs
-    return dataset_of(ds), {path: value for path, value in values.items() if path not in columns}
+    return ds, {path: value for path, value in values.items() if path not in columns}
 
 
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
     """The sweep of each scene: with each combination of the values of its entries."""
-    ds = opened(ds)
+    ds = dataset_of(ds)
     names = entry_dims(ds)
     for places in np.ndindex(*(ds.sizes[name] for name in names)):
-        yield dataset_of(ds.isel(dict(zip(names, places, strict=True))))
+        yield ds.isel(dict(zip(names, places, strict=True)))
 
 
 def planes(ds: xr.Dataset) -> list[xr.Dataset]:
@@ -188,8 +181,7 @@ def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
 
 def entries_in_words(scene: xr.Dataset) -> str:
     """Values of the entries of one of `scenes` in words, as its sweep gives them."""
-    entries = attributes_of(scene).get("entries") or {}
-    return ", ".join(f"{path} {text}" for path, text in entries.items())
+    return ", ".join(f"{path} {text}" for path, text in taken_entries(scene).items())
 
 
 def _place(axis: xr.DataArray, value: float | str) -> int:

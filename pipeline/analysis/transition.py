@@ -17,7 +17,7 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.dataset import attributes_of
+from pipeline.analysis.dataset import stored_sweep
 from tribo import Criterion
 from tribo.types import Array, Mask
 
@@ -110,7 +110,8 @@ def in_words(outcome: str, computed: Iterable[float], along: str) -> str:
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of a scene, without a 0 that has no point."""
     present = ds[axis].values.tolist()
-    of_scene = attributes_of(ds).get({"load": "loads", "velocity": "velocities"}[axis]) or present
+    plane = stored_sweep(ds).plane
+    of_scene = plane.loads if axis == "load" else plane.velocities
     asked = [value for value in of_scene if value or 0.0 in present] or present
     return float(min(asked)), float(max(asked))
 

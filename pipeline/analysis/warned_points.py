@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary_under
-from pipeline.analysis.dataset import attributes_of, dataset_of, entry_dims, has_plane
+from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, stored_sweep
 from pipeline.analysis.decisive import beside_boundary, conditions_of, decisive_rise
 from pipeline.analysis.scenes import by_scene, planes, value_text
 from pipeline.store.place import PathLike
@@ -27,7 +27,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.physics import cold_bodies, on_cold_bodies, with_turns
 from pipeline.sweep.severity import MELTS, MOLTEN, contact_temperature, rise_limit
-from tribo import CRITERIA, Ball, Crowned, Cylinder, Material, Motion, WarningKind
+from tribo import CRITERIA, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array
 
@@ -178,9 +178,9 @@ def slow_rise(ds: xr.Dataset) -> xr.DataArray:
     """Points at which the rise by friction, between equal bulks, grows slowly with velocity."""
 
     def of_scene(scene: xr.Dataset) -> xr.DataArray:
-        stored = attributes_of(scene).get("conditions") or {}
-        kind, share = stored.get("criterion", "share"), stored.get("failing_share") or 0.0
-        plain = Conditions(1.0, 300.0, None, share, criterion=kind if kind in CRITERIA else "share")
+        stored = stored_sweep(scene).conditions
+        kind = stored.criterion if stored.criterion in CRITERIA else "share"
+        plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
         rise = decisive_rise(scene, plain)
         x = rise["velocity"].values
         slow = np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rise.values)
@@ -205,17 +205,15 @@ def exponents(x: Array, y: Array) -> Array:
 
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> str | None:
     """Say that bodies roll as if each turn met a cold track; None where none does."""
-    scene = attributes_of(ds).get("scene", {})
+    scene = stored_sweep(ds).scene
     several = entry_dims(ds) or np.ndim(conditions.get("friction", 0.0))
-    if several or not scene.get("motion"):
+    if several or not (motion := scene.motion):
         return None
     judged = conditions_of(ds, **conditions)
-    motion = _part(scene["motion"])
     cold = cold_bodies(motion, judged.corrections)
     if not cold:
         return None
-    pin, disk = _part(scene["pin"]), _part(scene["disk"])
-    corrections, around = with_turns(judged.corrections, pin, disk, motion)
+    corrections, around = with_turns(judged.corrections, scene.pin, scene.disk, motion)
     warm = boundary_under(ds, replace(judged, corrections=corrections))
     moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
     moved = moved[np.isfinite(moved)]
@@ -223,12 +221,3 @@ def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> 
     if moved.size:
         size = f"move the critical velocities by {moved.max():+.0f} to {moved.min():+.0f} %"
     return on_cold_bodies(cold, around, size)
-
-
-def _part(plain: Any) -> Any:
-    """A part of `tribo` from the plain data that a store has of it."""
-    if not isinstance(plain, dict):
-        return plain
-    kinds = {kind.__name__: kind for kind in (Ball, Crowned, Cylinder, Material, Motion)}
-    entries = {name: _part(value) for name, value in plain.items() if name != "type"}
-    return kinds[plain["type"]](**entries)

@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import attributes_of, is_emulated
+from pipeline.analysis.dataset import is_emulated, stored_sweep
 from pipeline.analysis.scenes import taken
 from pipeline.cli.output import tell
 from pipeline.cli.values import setting
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
-from pipeline.store.attributes import describe, scene_hash
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.sweep.stored import misfits
 from pipeline.tradeoff.choose import at_accuracy, with_own_error
 from tribo import InputError
 
@@ -180,14 +181,14 @@ def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> 
 
 def _tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
     """Note that the criterion which the user gave is not the text that the store was judged by."""
-    given, stored = criterion_in(options), attributes_of(ds).get("conditions") or {}
-    if not given.get("own_laws") or given["criterion"] != stored.get("criterion"):
+    given, stored = criterion_in(options), stored_sweep(ds).conditions.own_criterion
+    if not (stored and given.get("own_laws")) or given["criterion"] != stored.reference:
         return
-    digest, of_store = changes_of(**given)["own_criterion"].digest, stored.get("criterion_hash")
-    if digest != of_store:
+    digest = changes_of(**given)["own_criterion"].digest
+    if digest != stored.digest:
         tell(
             f"note: {given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the "
-            f"store was judged by ({str(of_store)[:8]})"
+            f"store was judged by ({stored.digest[:8]})"
         )
 
 
@@ -198,15 +199,15 @@ def by_samples(options: argparse.Namespace, ds: xr.Dataset) -> bool:
 
 def scene_with_of(ds: xr.Dataset) -> SceneWith:
     """Reader of the scene of a store with other entries, if its file is still the same."""
-    attributes = attributes_of(ds)
-    path, *words = attributes.get("arguments") or [""]
+    stored = stored_sweep(ds)
+    path, *words = stored.about.arguments or [""]
     given = [word.partition("=")[::2] for word in words]
     settings = dict(setting(value) for flag, value in given if flag == "--set")
     preset = next((value for flag, value in given if flag == "--preset"), None)
-    if any("hash" in part for part in attributes["scene"].values() if isinstance(part, dict)):
+    if own_laws(stored.scene):
         raise InputError("it has laws of its own, and no code runs because a store names it")
     read = partial(pipeline.load_scene, path, preset)  # also without the user's own laws
-    if not path or scene_hash(describe(read(settings))) != attributes["scene_hash"]:
+    if not path or [*misfits(stored, read(settings))]:
         raise InputError(f"{path or 'the scene'} is not the scene of the store any more")
     left_out = settings.pop("without", [])
     left_out = [left_out] if isinstance(left_out, str) else left_out

@@ -20,11 +20,10 @@ from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.scene.units import display
-from pipeline.store.attributes import root_attributes
+from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
-from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.severity import MELTS, MOLTEN
 from tribo import InputError, Ramp, measures, specific_wear_rate
 
@@ -46,8 +45,7 @@ def point(options: argparse.Namespace) -> Result:
     decisive, critical = verdict.decisive_temperature, conditions.critical_temperature
     rise = decisive - conditions.coldest_bulk_temperature
     flags = sum({int(warning.kind) for warning in result.warnings})
-    attributes = root_attributes(sweep, None)  # as a store of this scene would have them
-    promised = velocity_error(attributes)
+    promised = velocity_error(sweep)
     error = error_of_point(flags, result.state.time, promised).times(rise)
     judged, commands = None, list[str]()
     distance = None if critical is None else critical - decisive
@@ -55,7 +53,7 @@ def point(options: argparse.Namespace) -> Result:
         judged = verdict_on(verdict.is_severe, distance, error.total)
         if judged == NOT_DECIDED:
             about = distance, rise, conditions_in(options)
-            commands = point_that_decides(attributes, place, options.realization, *about)
+            commands = point_that_decides(sweep, place, options.realization, *about)
     document = measures(sweep.scene, result.state) | {
         "velocity": options.velocity,
         "friction": conditions.friction,

@@ -15,7 +15,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis import frames
-from pipeline.analysis.dataset import attributes_of, has_plane
+from pipeline.analysis.dataset import has_plane, stored_sweep
 from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import LONG, in_counts, margins_at, notes_of
@@ -196,7 +196,7 @@ def boundary(options: argparse.Namespace) -> Result:
     text += ["", f"compute more of the boundary with: {command}"] if command else []
     text += ["", f"warning: {cold}"] if cold else []
     text += [] if tests is None else ["", *frames.on_tests(tests)]
-    text += after_boundary(attributes_of(ds), options.store)
+    text += after_boundary(stored_sweep(ds), options.store)
     warned = pipeline.warned(ds, **conditions)
     document = document_of(crossings) | {"command": command, "not_counted": cold}
     if tests is not None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.dataset import asked, attributes_of
+from pipeline.analysis.dataset import asked, stored_sweep
 from pipeline.analysis.margin import Margin
 from pipeline.analysis.transition import ENTRIES
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.model import Point
-from pipeline.sweep.selection import velocity_error
+from pipeline.sweep.accuracy import velocity_error
+from pipeline.sweep.model import Point, Sweep
 
 _COARSE = 0.05  # error of the boundary velocity from which a table is no more than a first look
 _ACCURACIES = (0.05, 0.02, 0.01)  # that are suggested, of the boundary velocity
@@ -26,13 +26,13 @@ _BULKS = {
 }
 
 
-def after_boundary(attributes: Mapping[str, Any], store: Path | str) -> Iterator[str]:
+def after_boundary(sweep: Sweep, store: Path | str) -> Iterator[str]:
     """Command for a boundary of a higher accuracy, where that of the preset is low."""
-    bound = velocity_error(attributes)
-    if bound and bound > _COARSE and not attributes.get("selection"):
+    bound = velocity_error(sweep)
+    if bound and bound > _COARSE and not sweep.about.selection:
         yield (
-            f"preset {attributes['preset']}: velocities may err by up to {100 * bound:g} %, "
-            f"as irg trade measures on a scene; next: {_more_accurate(attributes, store, 0.02)}"
+            f"preset {sweep.about.preset}: velocities may err by up to {100 * bound:g} %, "
+            f"as irg trade measures on a scene; next: {_more_accurate(sweep, store, 0.02)}"
         )
 
 
@@ -44,15 +44,15 @@ def commands_that_decide(
     A point that was asked for and is not done is run. Any other place that is not computed is
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
-    attributes = attributes_of(ds)
-    scenes = [_scene_of_row(attributes, margin.entries) for margin in undecided]
-    if None in scenes:
+    sweep = stored_sweep(ds)
+    rows = [_row_sweep(sweep, margin.entries) for margin in undecided]
+    if None in rows:
         places = (Point(one.load, one.velocity, tuple(one.entries.items())) for one in undecided)
         reason = "more accurately, in Python, since no scene file has this row"
         return [*dict.fromkeys(f"{place}, {reason}" for place in places)]
     waits = asked(ds) & (ds["status"] != DONE)
-    commands, sharpest, bound = dict[str, None](), math.inf, velocity_error(attributes)
-    for scene, margin in zip(scenes, undecided, strict=True):
+    commands, sharpest, bound = dict[str, None](), math.inf, velocity_error(sweep)
+    for row, margin in zip(rows, undecided, strict=True):
         interpolation, preset = margin.error.interpolation, margin.error.preset
         here = (ds["load"] == margin.load) & (ds["velocity"] == margin.velocity)
         if interpolation is not None and interpolation <= (preset or 0.0):
@@ -65,10 +65,9 @@ def commands_that_decide(
             rise = margin.decisive_temperature - float(min(bulks))
             alone = None if bound is None else bound * rise
             accuracy = _accuracy_for(bound, margin.distance, alone)
-            about = attributes | {"arguments": scene}
-            commands[_point(about, margin, margin.realization, accuracy, judged)] = None
+            commands[_point(row or sweep, margin, margin.realization, accuracy, judged)] = None
     if math.isfinite(sharpest):
-        commands[_more_accurate(attributes, store, sharpest)] = None
+        commands[_more_accurate(sweep, store, sharpest)] = None
     return list(commands)
 
 
@@ -84,15 +83,15 @@ def lines_on(commands: Sequence[str]) -> Iterator[str]:
 
 def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str, Any]) -> str:
     """Command that computes more of a boundary under some conditions: first its missing points."""
-    attributes = attributes_of(ds)
+    sweep = stored_sweep(ds)
     missing = {int(status) for status in ds["status"].values[asked(ds).values]} - {DONE}
-    settings = [] if missing else _settings(attributes, conditions)
+    settings = [] if missing else _settings(sweep, conditions)
     replaced = tuple(setting[: setting.rindex("=") + 1] for setting in settings)
-    words = [word for word in _scene_of(attributes) if not (replaced and word.startswith(replaced))]
-    if accuracy := (attributes.get("selection") or {}).get("accuracy"):
+    words = [word for word in _arguments(sweep) if not (replaced and word.startswith(replaced))]
+    if sweep.about.selection and (accuracy := sweep.about.selection.accuracy):
         words.append(f"--accuracy={accuracy:g}")
     words += ["-o", str(store)]
-    if attributes.get("boundary_only") or not missing:
+    if sweep.plane.chosen is not None or not missing:
         words.append("--boundary-only")
     if FAILED in missing:
         words.append("--retry-failed")
@@ -113,7 +112,7 @@ def next_tests(
 
 
 def point_that_decides(
-    attributes: Mapping[str, Any],
+    sweep: Sweep,
     place: Point,
     seed: int | None,
     distance: float,
@@ -125,18 +124,19 @@ def point_that_decides(
     Its distance from severe wear and its rise are in K; ``given`` are the names of conditions that
     are not the scene's own.
     """
-    bound, conditions = velocity_error(attributes), attributes["conditions"]
+    bound, conditions = velocity_error(sweep), sweep.conditions.as_dict()
     accuracy = _accuracy_for(bound, distance, None if bound is None else bound * rise)
     entries = {"share": ("failing_share",), "bulk_temperature": tuple(_BULKS)}
     others = {entry for name in given for entry in entries.get(name, (name,))}
-    own = {name: value for name, value in conditions.items() if name not in others}
-    scene = {**attributes, "conditions": own}
-    return [] if accuracy is None else [_point(scene, place, seed, accuracy, conditions)]
+    return [] if accuracy is None else [_point(sweep, place, seed, accuracy, conditions, others)]
 
 
-def _settings(attributes: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[str]:
-    """Settings of the conditions that differ from those of a store."""
-    stored, entries = {"criterion": "share", **(attributes.get("conditions") or {})}, ENTRIES
+def _settings(
+    sweep: Sweep, conditions: Mapping[str, Any], given: Collection[str] = ()
+) -> list[str]:
+    """Settings of the conditions that differ from those of a sweep, or are given anew."""
+    stored, entries = sweep.conditions.as_dict(), ENTRIES
+    stored = {name: value for name, value in stored.items() if name not in given}
     if "disk_temperature" in stored:
         entries = entries | _BULKS
         conditions = {"disk_temperature": conditions["bulk_temperature"], **conditions}
@@ -164,45 +164,42 @@ def _accuracy_for(bound: float | None, distance: float, error: float | None) -> 
 
 
 def _point(
-    attributes: Mapping[str, Any],
+    sweep: Sweep,
     place: Margin | Point,
     seed: int | None,
     accuracy: float | None,
     judged: Mapping[str, Any],
+    given: Collection[str] = (),
 ) -> str:
     """Command that computes an operating point by itself."""
-    words = _scene_of(attributes) if accuracy is None else _without_preset(attributes)
+    words = _arguments(sweep) if accuracy is None else _without_preset(sweep)
     words += [] if seed is None else [f"--realization={seed}"]
     words += [f"--load={place.load:.6g} N", f"--velocity={place.velocity:.6g} m/s"]
     words += [] if accuracy is None else [f"--accuracy={100 * accuracy:g}%"]
-    return shlex.join(["irg", "point", *words, *_settings(attributes, judged)])
+    return shlex.join(["irg", "point", *words, *_settings(sweep, judged, given)])
 
 
-def _more_accurate(attributes: Mapping[str, Any], store: Path | str, accuracy: float) -> str:
+def _more_accurate(sweep: Sweep, store: Path | str, accuracy: float) -> str:
     """Command that computes a sweep anew to an accuracy, beside its store."""
     out = str(store).removesuffix(".zarr") + "_accurate.zarr"
-    words = [*_without_preset(attributes), f"--accuracy={100 * accuracy:g}%", "-o", out]
+    words = [*_without_preset(sweep), f"--accuracy={100 * accuracy:g}%", "-o", out]
     return shlex.join(["irg", "run", *words])
 
 
-def _scene_of(attributes: Mapping[str, Any]) -> list[str]:
+def _arguments(sweep: Sweep) -> list[str]:
     """Arguments that read the scene of a store, but for a permission that it might give itself."""
-    words = attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
+    words = sweep.about.arguments or (f"{sweep.about.name}.toml",)
     return [word for word in words if not word.startswith("--own")]
 
 
-def _without_preset(attributes: Mapping[str, Any]) -> list[str]:
+def _without_preset(sweep: Sweep) -> list[str]:
     flags = "--preset=", "--set=preset="
-    return [word for word in _scene_of(attributes) if not word.startswith(flags)]
+    return [word for word in _arguments(sweep) if not word.startswith(flags)]
 
 
-def _scene_of_row(
-    attributes: Mapping[str, Any], entries: Mapping[str, float | str]
-) -> list[str] | None:
-    """Arguments that read the scene of a row of a table; None where none do, as of one by hand."""
-    own: Mapping[str, Any] = {}
-    for row in attributes.get("scenes") or ():
-        if row["values"] == [*entries.values()]:
-            own = row["attributes"]
-    words = _scene_of({**attributes, **own})
-    return words if "arguments" in own or not entries else None
+def _row_sweep(sweep: Sweep, entries: Mapping[str, float | str]) -> Sweep | None:
+    """The sweep of a row of a table; None where no scene file has the row, as one by hand."""
+    name = tuple(entries.items())
+    if name not in sweep.variants.given or not name:
+        return sweep
+    return sweep.below(name) if "arguments" in dict(sweep.variants.part(name)) else None

@@ -17,9 +17,8 @@ from pipeline.cli.given import criterion_in, dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
 from pipeline.store.place import DAMAGED, ROOT, StoreError
 from pipeline.store.progress import summary
-from pipeline.store.root import read_attributes
-from pipeline.sweep.selection import error_in_words, velocity_error
-from pipeline.tradeoff.choose import stored_selection
+from pipeline.store.root import read_sweep
+from pipeline.sweep.accuracy import error_in_words, velocity_error
 
 _MOST_POINTS = 10  # that are printed; files have all
 
@@ -33,8 +32,7 @@ def status(options: argparse.Namespace) -> Result:
         held = short(frame) if len(frame) else f"{options.store} holds none"
         return Result(as_dict(frame), [held])
     state = pipeline.summary(options.store)
-    selection = stored_selection(options.store)
-    attributes = read_attributes(options.store) or {}
+    sweep = read_sweep(options.store)
     document = {
         "title": state.title,
         "points": state.total,
@@ -43,8 +41,8 @@ def status(options: argparse.Namespace) -> Result:
         "pending": state.pending,
         "done_earlier": state.earlier,
         "running": state.running is not None,
-        "velocity_error": velocity_error(attributes),
-        "selection": selection.as_dict() if selection else None,
+        "velocity_error": velocity_error(sweep),
+        "selection": sweep.about.selection and sweep.about.selection.as_dict(),
     }
     text = [
         state.title,
@@ -55,7 +53,7 @@ def status(options: argparse.Namespace) -> Result:
         text.append(f"{state.earlier} more are done from an earlier run, which asked for them")
     if state.running:
         text.append(f"running: {state.running}")
-    text += [error_in_words(attributes), *(f"failed: {point}" for point in state.failed)]
+    text += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
     try:
         warned = pipeline.warned(options.store)
     except StoreError as error:  # the points are counted all the same
@@ -165,7 +163,7 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
 def _of_store(path: Path) -> dict[str, Any]:
     """State of a store."""
     try:
-        state, preset = summary(path), (read_attributes(path) or {}).get("preset")
+        state, preset = summary(path), read_sweep(path).about.preset
     except StoreError as error:
         reason = str(error).split(";")[0].replace(str(path.absolute()), "").strip(": ")
         return {"kind": "store", "state": f"unreadable: {reason}"}

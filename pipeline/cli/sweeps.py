@@ -23,7 +23,7 @@ from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own_laws import own_laws
+from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import Lubrication
@@ -176,12 +176,11 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         if sweep.scene.friction_heat
         else "none, since there is no friction",
     )
-    if sweep.conditions.criterion_hash:
-        reference = {"law": sweep.conditions.criterion, "parameters": {}}
-        laws["criterion"] = reference | {"hash": sweep.conditions.criterion_hash}
+    if sweep.conditions.own_criterion:
+        laws["criterion"] = refer(sweep.conditions.own_criterion)
     for entry, law in laws.items():
-        named = "".join(f", {name} = {value}" for name, value in law["parameters"].items())
-        yield "own law", f"{entry}: {law['law']}{named}, hash {law['hash'][:8]}"
+        named = "".join(f", {name} = {value}" for name, value in law.parameters)
+        yield "own law", f"{entry}: {law.reference}{named}, hash {law.digest[:8]}"
     if sweep.conditions.corrections:
         yield "besides", sweep.conditions.corrections.worded
 

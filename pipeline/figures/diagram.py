@@ -20,11 +20,11 @@ from pipeline.analysis.boundary import BAND, boundary_under
 from pipeline.analysis.dataset import (
     asked,
     at_realization,
-    attributes_of,
     drawn_row,
     entry_dims,
     has_plane,
     is_emulated,
+    stored_sweep,
 )
 from pipeline.analysis.decisive import conditions_of, decisive_rise, refined
 from pipeline.analysis.frames import laboratory_tests
@@ -97,7 +97,7 @@ def diagram(
         if isinstance(friction, Sequence):
             raise InputError(_ONE_LINE_EACH.format(several[0]))
         return _of_scenes(ds, {"friction": friction, **changed}, log, ax)
-    band = attributes_of(ds).get("friction_band")
+    band = stored_sweep(ds).about.friction_band
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
         friction = float(np.median(friction))
@@ -150,7 +150,7 @@ def _on_plane(
 
 def _own_bulk(ds: xr.Dataset) -> float:
     """Bulk temperature of the scene [K], which tests have that give none."""
-    return float(attributes_of(ds)["conditions"]["bulk_temperature"])
+    return stored_sweep(ds).conditions.bulk_temperature
 
 
 def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from scipy.ndimage import distance_transform_edt
 
-from pipeline.analysis.dataset import attributes_of
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.frames import own_conditions
 from pipeline.analysis.transition import crossing
 from pipeline.figures import style
@@ -39,7 +39,7 @@ _LEVELS = (
 
 def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
-    lubrication = Lubrication.stored(attributes_of(ds))
+    lubrication = Lubrication.of(stored_sweep(ds))
     if lubrication is None:
         return []
     ends = {name: ds[name].values[[0, -1]].tolist() for name in PLANE}

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.decisive import conditions_of
-from pipeline.analysis.difference import entries_of
+from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.frames import compared, on_boundary, on_tests
 from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of
 from pipeline.analysis.scenes import parts_of, scenes, value_text, words
@@ -30,12 +30,15 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.style import fit_to_width, svg_of
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import meanings
-from pipeline.store.attributes import package_versions
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
+from pipeline.store.versions import package_versions
 from pipeline.sweep.about import judged_by, on_plane
+from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.codec import content_hash
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.selection import error_in_words
+from pipeline.sweep.surface import surface_words
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -112,9 +115,9 @@ def report(
     ds = dataset.dataset_of(ds)
     dataset.require_samples(ds, given_measured, scatter)
     weighing = given_measured, scatter
-    title = dataset.attributes_of(ds).get("title") or path.stem
+    title = dataset.stored_sweep(ds).about.title
     template = resources.files("pipeline.figures.page").joinpath("report.html").read_text("utf-8")
-    parts = {"title": html.escape(str(title)), "body": body_of(ds, points, weighing, conditions)}
+    parts = {"title": html.escape(title), "body": body_of(ds, points, weighing, conditions)}
     return write_text(Template(template).substitute(parts), path)
 
 
@@ -125,21 +128,20 @@ def body_of(
     changed: Mapping[str, Any],
 ) -> str:
     """Headings, paragraphs, tables and a picture, as HTML."""
-    attributes = dataset.attributes_of(ds)
-    title = attributes.get("title") or attributes.get("name") or "Transition diagram"
+    sweep = dataset.stored_sweep(ds)
     if dataset.is_emulated(ds):
         answers = sections_of_samples(ds, points, weighing, changed)
     else:
         answers = _sections_of_points(ds, points, changed)
     sections: Sections = answers | {
         "Warnings": _warnings(ds, changed),
-        "Inputs": _inputs(ds, attributes),
-        "Numerical choices and their error": _fidelity(attributes),
+        "Inputs": _inputs(ds, sweep),
+        "Numerical choices and their error": _fidelity(sweep),
         "Model": [_MODEL],
-        "Versions": _versions(attributes),
+        "Versions": _versions(ds, sweep),
         "Citation": citation(),
     }
-    parts = [f"<h1>{html.escape(str(title))}</h1>"]
+    parts = [f"<h1>{html.escape(sweep.about.title)}</h1>"]
     for heading, section in sections.items():
         if body := [_html(part, heading) for part in _or_reason(section)]:
             parts += [f"<h2>{heading}</h2>", *body]
@@ -192,10 +194,8 @@ def _html(part: Part, heading: str) -> str:
 
 def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     """Question that the sweep answers, its answer in a sentence, and the state of the sweep."""
-    attributes = dataset.attributes_of(ds)
-    loads, velocities = (attributes.get(name) or [] for name in ("loads", "velocities"))
-    plane = on_plane(loads, velocities)[1] if loads and velocities else "the points computed"
-    yield f"{_QUESTION}? Examined: {plane}"
+    plane = dataset.stored_sweep(ds).plane
+    yield f"{_QUESTION}? Examined: {on_plane(plane.loads, plane.velocities)[1]}"
     total = int(dataset.asked(ds).sum())
     done, failed = (
         int((dataset.asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED)
@@ -272,11 +272,11 @@ def _warnings(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     yield from [*warned(ds, **changed).lines()] or ["No computed point carries a warning"]
 
 
-def _inputs(ds: xr.Dataset, attributes: Mapping[str, Any]) -> Iterator[Part]:
+def _inputs(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
     """Entries of the scene with their units, and the sources of those of the library."""
     several = {str(name): values for name, values in ds.coords.items() if "." in str(name)}
-    entries = entries_of(attributes) | {path: _each(values) for path, values in several.items()}
-    if surface := attributes.get("surface"):
+    entries = scene_entries(sweep) | {path: _each(values) for path, values in several.items()}
+    if surface := surface_words(sweep):
         yield f"Surface of the disk: {surface.replace('disk.roughness.file: ', '')}."
     rows = (
         (path, text, _meaning(path))
@@ -284,14 +284,14 @@ def _inputs(ds: xr.Dataset, attributes: Mapping[str, Any]) -> Iterator[Part]:
         if not path.startswith(("fidelity", "measured", "tested"))
     )
     yield frame_of(("entry", "value", "meaning"), rows)
-    library = attributes.get("library") or []
+    library = sweep.about.sources
     origin = "other values" if library else "all values"
     if library:
         yield frame_of(
             ("from the library", "value", "source"),
-            ((entry["key"], entry["value"], entry["source"]) for entry in library),
+            library,
         )
-    yield f"Source: {origin} from the scene {attributes.get('name')}.toml."
+    yield f"Source: {origin} from the scene {sweep.about.name}.toml."
 
 
 def _each(values: xr.DataArray) -> str:
@@ -319,18 +319,22 @@ def _meaning(path: str) -> str:
     return meanings().get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
 
 
-def _fidelity(attributes: Mapping[str, Any]) -> Iterator[Part]:
+def _fidelity(sweep: Sweep) -> Iterator[Part]:
     """Numerical choices, and the error of the boundary that they bring."""
-    yield error_in_words(attributes)
-    choices = entries_of({"scene": {"fidelity": (attributes.get("scene") or {}).get("fidelity")}})
-    rows = ((path.removeprefix("fidelity."), text) for path, text in choices.items())
+    yield error_in_words(sweep)
+    entries, prefix = scene_entries(sweep), "fidelity."
+    rows = (
+        (path.removeprefix(prefix), text)
+        for path, text in entries.items()
+        if path.startswith(prefix) and path != "fidelity.preset"
+    )
     yield frame_of(("choice", "value"), rows)
 
 
-def _versions(attributes: Mapping[str, Any]) -> Iterator[Part]:
+def _versions(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
     """Programs that computed the store, and the identity of its scene."""
-    yield from str(attributes.get("history") or "").splitlines()
-    yield f"Scene {attributes.get('scene_hash')} (SHA-256 of its inputs)."
+    yield from str(ds.attrs.get("history", "")).splitlines()
+    yield f"Scene {content_hash(sweep.scene)} (SHA-256 of its inputs)."
     yield f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
 
 

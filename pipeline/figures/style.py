@@ -22,6 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullLocator
 
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.tables import FIGURES, writable_path, writing_to
 from pipeline.sweep.about import on_conditions
 from pipeline.sweep.conditions import Conditions
@@ -158,7 +159,7 @@ def plain_numbers(axes: Axes, names: str = "xy") -> None:
 
 def title_of(ds: xr.Dataset) -> str:
     """Title of a sweep."""
-    return as_text(str(ds.attrs.get("title") or ds.attrs.get("name") or ""))
+    return as_text(stored_sweep(ds).about.title)
 
 
 def entry_label(path: str) -> str:

@@ -137,8 +137,8 @@ class _Run:
         self._connection, self._writer, self._reports = connection, writer, reports
         self._learn = learn
         with_fields, store = "pressure" in writer.store.arrays, writer.store
-        asked = sweep.changed(chosen=None, stations=store.attributes["stations"])
-        self._pickled = pickle.dumps((asked, with_fields, store.simulated))
+        asked = sweep.changed(chosen=None, stations=store.sweep.record.stations)
+        self._pickled = pickle.dumps((asked, with_fields))
         self._parcel = sent_once(connection, self._pickled)
         self._numbers = itertools.count()
         self._label = uuid.uuid4().hex[:8]  # a scheduler may know tasks of other runs

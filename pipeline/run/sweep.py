@@ -6,10 +6,9 @@ import itertools
 import multiprocessing
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from dask.system import CPU_COUNT
@@ -22,14 +21,15 @@ from pipeline.run.tally import Progress, Tally, reported
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
-from pipeline.store.attributes import differences, package_versions
 from pipeline.store.create import grown, restore_root, writing
 from pipeline.store.place import DAMAGED, Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
-from pipeline.store.root import read_attributes
+from pipeline.store.root import find_sweep
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.verify import changed_chunks, note_files, repaired
+from pipeline.store.versions import package_versions
 from pipeline.store.write import Store, Writer
+from pipeline.sweep.codec import differences
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
 from tribo import InputError
@@ -122,7 +122,7 @@ def run_sweep(
     began = time.monotonic()
     tell = tell or unheard
     restore_root(out, sweep, tell)
-    before = read_attributes(out)
+    before = find_sweep(out)
     repair = partial(_repair, tell)
     with writing(out, sweep, repair) as store, reported(progress) as report:
         for note in _notes(store, before) if before else ():
@@ -213,16 +213,15 @@ def _repair(tell: Callable[[str], None], store: Store) -> None:
         )
 
 
-def _notes(store: Store, before: Mapping[str, Any]) -> Iterator[str]:
-    """Notes on a store that is resumed, which had these attributes before."""
-    present = store.attributes["conditions"]
-    if changed := [*differences(before.get("conditions", present), present, "conditions")]:
+def _notes(store: Store, before: Sweep) -> Iterator[str]:
+    """Notes on a store that is resumed, which had another sweep before."""
+    if changed := [*differences(before.conditions, store.sweep.conditions, "conditions")]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"
         )
     for name, version in package_versions().items():
-        if (first := store.attributes["versions"][name]) != version:
+        if (first := store.root.facts.versions[name]) != version:
             yield (
                 f"{store.place} was begun with {name} {first}, and goes on with {version}: "
                 "new points may differ from the others in the last digits"

@@ -26,9 +26,10 @@ import scipy
 from distributed import Worker
 
 import tribo
-from pipeline.store.attributes import Simulated, packed
+from pipeline.store.checksum import packed
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_points
+from pipeline.sweep.stored import Simulated
 from tribo import InputError, TriboError
 
 SAFE = "finished points are safe, run the sweep again to go on"
@@ -144,8 +145,8 @@ def compute_points(
 ) -> Computed:
     """Compute a point, or points at one load that share a contact, on from the load below.
 
-    The name is that of the task, the parcel a pickled sweep, whether fields are stored, and hashes
-    of what is simulated. Points that are known to have failed are no stations.
+    The name is that of the task, the parcel a pickled sweep and whether fields are stored. Points
+    that are known to have failed are no stations.
     """
     global _now
     sweep, with_fields, simulated = _unpacked(parcel)
@@ -191,7 +192,7 @@ def records_here(keys: Collection[str], dask_worker: Worker) -> WorkerReport:
 @functools.lru_cache(maxsize=1)
 def _unpacked(parcel: bytes) -> tuple[Sweep, bool, Simulated]:
     try:
-        contents: tuple[Sweep, bool, Simulated] = pickle.loads(parcel)
+        sweep, with_fields = pickle.loads(parcel)
     except InputError as error:  # of a law whose text is another one here
         raise ExecutionError(f"a worker cannot take the scene: {error}; {SAFE}") from error
-    return contents
+    return sweep, with_fields, Simulated(sweep)

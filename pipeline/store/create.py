@@ -6,20 +6,19 @@ file of the lock is linked into the larger store, so that the lock stays held th
 
 from __future__ import annotations
 
-import itertools
-import json
 import math
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
-from pipeline.store.attributes import describe, differences, root_attributes, scenes_of
 from pipeline.store.files import PARTIAL, sync
+from pipeline.store.inputs import DIM, inputs_variable, joined_arrays
 from pipeline.store.layout import (
     arrays_of,
     block_of,
@@ -51,6 +50,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.root import (
     MOST_POINTS,
+    Facts,
     LostRootError,
     Root,
     are_rows,
@@ -61,12 +61,14 @@ from pipeline.store.root import (
     require_likely,
     root_document,
 )
-from pipeline.store.schema import AT_END, PENDING, PLANE, STEPPED, is_coordinate, variables_of
+from pipeline.store.schema import AT_END, INPUTS, PENDING, STEPPED, is_coordinate, variables_of
 from pipeline.store.verify import agrees, repaired, require_right_root
+from pipeline.store.versions import package_versions
 from pipeline.store.write import Store
-from pipeline.sweep.model import Sweep, named
-from pipeline.sweep.stations import Stations
-from tribo import QUANTILES
+from pipeline.sweep.codec import Arrays, sweep_text
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.stored import join, misfits
 
 _T = TypeVar("_T")
 
@@ -100,9 +102,7 @@ def grown(
 ) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = find_root(place)
-    if root:
-        sweep = sweep.changed(stations=root.attributes["stations"])
-    if root and (differing := [*_misfits(root, sweep)]):
+    if root and (differing := [*misfits(root.sweep, sweep)]):
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(
             "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
@@ -129,12 +129,13 @@ def _repaired_if_need_be(
 
 def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock | None) -> Root:
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
-    with_fields = "pressure" in before.arrays if before else sweep.record.fields
-    wanted = variables_of(sweep, with_fields)
-    axes = grown_axes(before.axes if before else {}, sweep)
+    kept, arrays = join(before and before.sweep, sweep), Arrays()
+    sweep_text(kept, arrays)
+    wanted = variables_of(kept)
+    axes = grown_axes(before.axes if before else {}, kept, sweep.plane)
     axes = {name: values for name, values in axes.items() if name in wanted}
     if not before and isinstance(place, Bucket):  # whose steps cannot be added to
-        room = len(Stations.of(sweep).loads)
+        room = len(choose_stations(kept).loads)
         axes["step"] = list(range(min(axes["step"][0], -room), 1))
     points = math.prod(len(axes[dim]) for dim in wanted["status"].dims)
     if points > MOST_POINTS:
@@ -142,84 +143,43 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
             f"{place} would have {points:.4g} points; a store has at most {MOST_POINTS:.0e}: give "
             "fewer loads or velocities"
         )
-    attributes = root_attributes(sweep, before.attributes if before else None) | {"axes": axes}
-    if before and attributes == before.attributes:
-        return before
+    sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
+    chunk = block_of(sizes, bytes_of_a_point(wanted, axes))
     is_inserted = before and any(axes[name][: len(old)] != old for name, old in before.axes.items())
-    if not before or is_inserted:
-        sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
-        attributes["points_per_chunk"] = block_of(sizes, bytes_of_a_point(wanted, axes))
-        attributes["generation"] = before.attributes["generation"] + 1 if before else 0
-    copies = {"stations": json.dumps(Stations.of(sweep).as_dict())} | copied_attributes(attributes)
-    wanted["step"] = wanted["step"]._replace(attributes=copies)
-    contents, metadata = documents(wanted, axes, attributes["points_per_chunk"])
+    facts = Facts(generation=0, axes=axes, points_per_chunk=chunk, versions=package_versions())
+    if before:
+        facts = replace(before.facts.by_present_versions(), axes=axes)
+    if before and is_inserted:
+        facts = replace(facts, points_per_chunk=chunk, generation=facts.generation + 1)
+    root = Root(kept, facts, {})
+    wanted["step"] = wanted["step"]._replace(attributes=copied_attributes(root))
+    values: dict[str, Any] = dict(axes)
+    if arrays:
+        wanted[INPUTS] = inputs_variable(arrays)
+        values |= {DIM: range(len(held := joined_arrays(arrays))), INPUTS: held}
+    contents, metadata = documents(wanted, values, facts.points_per_chunk)
+    root = root._replace(arrays=metadata)
+    if before and root_document(root) == root_document(before):
+        return before
     if before and is_inserted:
         if isinstance(place, Bucket):
             raise StoreError(
                 f"{place} cannot take values between its own, or stations before them, since "
                 "objects cannot be renamed; write to another store"
             )
-        root, path = Root(attributes, metadata), place.path
+        path = place.path
         _repaired_if_need_be(
             place, before, lock, lambda store: _replace_by_larger(store, path, root, contents)
         )
         return read_root(place)
     place.put({k: new for k, new in contents.items() if not before or new != place.read(k)})
-    place.put({ROOT: root_document(attributes, metadata)})
+    place.put({ROOT: root_document(root)})
     if not before and isinstance(place, Folder):
         # Their names may come from a process that was killed before it synced them.
         for folder in place.path.parents[:2]:
             with suppress(PermissionError):
                 sync(folder)
     return read_root(place)
-
-
-def _misfits(root: Root, sweep: Sweep) -> Iterator[str]:
-    """Differences between the sweep that a store was made for and another one."""
-    dims = root.arrays["status"]["dimension_names"]
-    stored, wanted = [dim for dim in dims if dim not in PLANE], [*sweep.variants.axes]
-    if stored != wanted:
-        have, gives = (", ".join(names) or "none" for names in (stored, wanted))
-        by = "by sweep.over, realizations or samples"
-        yield f"axes {by}: {have} in the store, {gives} in the scene"
-        return
-    yield from _differences_of_scenes(root, sweep)
-    yield from differences(root.axes["cooler_share"], list(QUANTILES), "cooler_share")
-    yield from _gaps(root, sweep)
-    if sweep.record.steps is not None:
-        steps = root.attributes["stations"]["steps"]
-        yield from differences(steps, sweep.record.steps, "sweep.steps")
-    has_fields = "pressure" in root.arrays
-    yield from differences(has_fields, has_fields or sweep.record.fields, "sweep.fields")
-    names = dict.fromkeys(variables_of(sweep, has_fields), True)
-    yield from differences(dict.fromkeys(root.arrays, True), names, "variables")
-    for column, values in sweep.variants.coordinates.items():
-        held = dict(zip(root.axes[column.along], root.axes[column.name], strict=True))
-        known = {label: value for label, value in values.items() if label in held}
-        yield from differences(held, held | known, column.name)
-
-
-def _gaps(root: Root, sweep: Sweep) -> Iterator[str]:
-    """Tell of a combination of the values of entries that neither a store nor a sweep has."""
-    names, asked = root.attributes.get("over", []), sweep.variants.given
-    known = {*scenes_of(root.attributes), *(tuple(value for _, value in name) for name in asked)}
-    axes = [dict.fromkeys(values) for values in zip(*known, strict=True)]
-    gap = next((one for one in itertools.product(*axes) if one not in known), None)
-    if gap is not None:
-        words = ", ".join(f"{name} {value}" for name, value in zip(names, gap, strict=True))
-        yield (
-            f"neither has all combinations of values, such as {words} (in SI); give each entry of "
-            "sweep.over all of its values, those of the store included"
-        )
-
-
-def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
-    """Entries in which the scene of a store differs from a sweep, for the same values of `over`."""
-    scene, stored = root.attributes["scene"], scenes_of(root.attributes)
-    for name in sweep.variants.given:
-        key = f"scene with {', '.join(named(name))}: scene" if name else "scene"
-        if known := stored.get(tuple(value for _, value in name)):
-            yield from differences(scene | known["scene"], describe(sweep, name), key)
 
 
 def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[str, bytes]) -> None:
@@ -232,7 +192,7 @@ def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[s
     _copy(store, path, root, beside)
     if (path / DAMAGED).exists():
         shutil.copytree(path / DAMAGED, beside.path / DAMAGED)
-    beside.put({ROOT: root_document(*root)})
+    beside.put({ROOT: root_document(root)})
     sync(path.parent)
     store.require_lock()  # whoever holds another one has removed some of what was made beside
     path.rename(smaller(path))
@@ -303,7 +263,7 @@ def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | Non
                 root = _remade(place, sweep, error)
                 with writes(place):
                     keep_beside(place, [ROOT])
-                    place.put({ROOT: root_document(*root)})
+                    place.put({ROOT: root_document(root)})
         tell(f"the root of {path} was lost or damaged, and is made again")
         return True
     return False
@@ -319,18 +279,19 @@ def _remade(place: StorePlace, sweep: Sweep, lost: StoreError) -> Root:
     """The root as the sweep says, if the points of the store agree."""
     with reaches(place):
         with_fields = place.read(f"pressure/{ROOT}") is not None
+    kept = join(None, sweep.changed(fields=with_fields))
+    arrays = Arrays()
+    sweep_text(kept, arrays)
+    names = [*variables_of(kept), *([INPUTS] if arrays else [])]
     try:
-        copies, metadata = copied(place, variables_of(sweep, with_fields))
+        stations, facts, metadata = copied(place, names)
     except DamagedError as error:
         raise StoreError(f"{lost}; it cannot be made again: {error}") from error
-    sweep = sweep.changed(stations=copies["stations"])
-    attributes = root_attributes(sweep, None) | copies
-    attributes["generation"] = int(time.time())  # whoever opened it before opens it again
-    if over := attributes.get("over"):  # the scene may ask for more values than there are
-        held = {*itertools.product(*(copies["axes"].get(name, ()) for name in over))}
-        rows = attributes["scenes"]
-        attributes["scenes"] = [row for row in rows if tuple(row["values"]) in held]
-    root = Root(json.loads(json.dumps(attributes)), metadata)
+    # Whoever opened it before opens it again.
+    facts = replace(facts, generation=int(time.time()))
+    # The scene may ask for more values than there are.
+    table = kept.variants.within(facts.axes)
+    root = Root(kept.changed(stations=stations, variants=table), facts, metadata)
     if are_rows(root):
         require_likely(place, root)
     if not (are_rows(root) and agrees(Store(place, root, is_damaged=True))):

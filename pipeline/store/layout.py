@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,9 +22,8 @@ from pipeline.store.schema import (
     is_coordinate,
     is_of_points,
 )
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.stations import Stations
-from pipeline.sweep.variants import Variants
+from pipeline.sweep.model import Plane, Sweep
+from pipeline.sweep.station_choice import choose_stations
 from tribo import BULK_RATIOS, QUANTILES
 from tribo.types import Mask
 
@@ -61,24 +60,23 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Mapping[str, list[flo
     )
 
 
-def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[Any]]:
-    """Values along each dimension: those of a store, and what a sweep adds, ascending."""
-    chosen, plane, table = sweep.plane.chosen or (), sweep.plane, sweep.variants
-    scenes = [sweep.variant(name).scene for name in table.given]
-    stations = Stations.of(sweep)
+def grown_axes(axes: Mapping[str, list[Any]], kept: Sweep, plane: Plane) -> dict[str, list[Any]]:
+    """Values along each dimension: those of a store, and what its sweep and a plane add, ascending.
+
+    The sweep has all rows of the store.
+    """
+    table = kept.variants
+    scenes = [kept.variant(name).scene for name in table.given]
+    stations = choose_stations(kept)
     steps = max(stations.count(scene, load) for scene in scenes for load in plane.loads)
-
-    def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
-        values = list(dict.fromkeys([*axes.get(name, []), *wanted]))
-        is_text = any(isinstance(value, str) for value in values)
-        return values if is_text else sorted(values)
-
-    leading = {name: widened(name, values) for name, values in table.axes.items()}
-    velocities = plane.velocities if plane.chosen is None else sorted({p.velocity for p in chosen})
+    velocities = plane.velocities
+    if plane.chosen is not None:
+        velocities = tuple(point.velocity for point in plane.chosen)
+    places = {"velocity": velocities, "load": plane.loads}
     return (
-        leading
-        | {"velocity": widened("velocity", velocities), "load": widened("load", plane.loads)}
-        | {name: [*values.values()] for name, values in _followed(axes, table, leading).items()}
+        {name: [*values] for name, values in table.axes.items()}
+        | {name: sorted({*axes.get(name, ()), *values}) for name, values in places.items()}
+        | {column.name: [*values.values()] for column, values in table.coordinates.items()}
         | {
             "step": list(range(1 - max(steps, len(axes.get("step", []))), 1)),
             "cooler_share": list(QUANTILES),
@@ -89,20 +87,10 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
     )
 
 
-def _followed(
-    axes: Mapping[str, list[Any]], table: Variants, leading: Mapping[str, list[Any]]
-) -> dict[str, dict[Any, Any]]:
-    """Values of columns that follow from a dimension, by the values along it."""
-    followed = {}
-    for column, values in table.coordinates.items():
-        known = dict(values)
-        known |= zip(axes.get(column.along, ()), axes.get(column.name, ()), strict=True)
-        followed[column.name] = {label: known[label] for label in leading[column.along]}
-    return followed
-
-
 def documents(
-    wanted: Mapping[str, Variable], axes: Mapping[str, list[float]], block: Mapping[str, int]
+    wanted: Mapping[str, Variable],
+    axes: Mapping[str, Any],
+    block: Mapping[str, int],
 ) -> tuple[dict[str, bytes], dict[str, Any]]:
     """Documents and coordinates of a store by key, as Zarr writes them, and metadata by array.
 

@@ -54,8 +54,8 @@ def summarized(store: Store) -> Summary:
     failed = np.nonzero(asked & (flags == FAILED))
     messages = store.read("message", ...)[failed] if failed[0].size else ()
     return Summary(
-        name=store.attributes["name"],
-        title=store.attributes["title"],
+        name=store.sweep.about.name,
+        title=store.sweep.about.title,
         total=int(np.count_nonzero(asked)),
         done=counts[DONE],
         pending=counts[PENDING],

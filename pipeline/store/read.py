@@ -26,7 +26,7 @@ from pipeline.store.place import (
     steadily,
 )
 from pipeline.store.root import read_root
-from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, is_coordinate
+from pipeline.store.schema import AT_END, DONE, INPUTS, PENDING, RECORDS, is_coordinate
 from pipeline.store.verify import faults_at
 from pipeline.store.write import Store
 from tribo.types import Mask
@@ -40,6 +40,10 @@ def open_store(path: PathLike) -> xr.Dataset:
     return xr.open_dataset(str(place_of(path)), engine=_Backend, chunks=None)
 
 
+_OF_ROOT = ("coordinates", "versions", "stations")
+"""Attributes of arrays that the root or the dataset has."""
+
+
 class _Backend(BackendEntrypoint):
     """Backend of xarray for a store, which takes axes and metadata from its root."""
 
@@ -49,7 +53,7 @@ class _Backend(BackendEntrypoint):
 
     def _opened(self, place: StorePlace) -> xr.Dataset:
         mark, root = place.mark(), read_root(place)
-        seen = _Generation(place, mark, root.attributes["generation"])
+        seen = _Generation(place, mark, root.facts.generation)
         store = Store(place, root)  # statuses first: a point that was done stays whole
         done = store.flags == DONE
         with reaches(place):
@@ -60,16 +64,19 @@ class _Backend(BackendEntrypoint):
         present: dict[str, Any] = {"status": store.flags, "asked": store.asked}
         variables = {}
         for name, array in store.arrays.items():
-            if is_coordinate(name):
+            if name == INPUTS:
+                present[name] = store.read(name, ...)
+            elif name in store.axes:
                 present[name] = np.array(store.axes[name], array.dtype)
             elif name not in present:
                 mask = store.flags != PENDING if name in RECORDS else done
                 present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask, seen))
             dims, attributes = array.metadata.dimension_names, array.metadata.attributes
-            variables[name] = xr.Variable(dims, present[name], attributes)
+            shown = {key: value for key, value in attributes.items() if key not in _OF_ROOT}
+            variables[name] = xr.Variable(dims, present[name], shown)
         variables["status"].encoding["reader"] = Reader(store)
-        coords = {name: variables.pop(name) for name in [*variables] if is_coordinate(name)}
-        return xr.Dataset(variables, coords, store.attributes)
+        coords = {name: variables.pop(name) for name in [*variables] if name in store.axes}
+        return xr.Dataset(variables, coords, root.attributes)
 
 
 class _Generation:
@@ -86,7 +93,7 @@ class _Generation:
         if (mark := self._place.mark()) == self._mark:
             return
         place = place_of(str(self._place))  # which may lie between its two renames
-        if read_root(place).attributes["generation"] != self._generation:
+        if read_root(place).facts.generation != self._generation:
             raise StoreError(f"{self._place} has grown since it was opened; open it again")
         self._mark = mark
 
@@ -191,4 +198,4 @@ class Reader:
             root = read_root(self._store.place)
         except StoreError:
             return False
-        return (root.attributes, root.axes) == (self._store.attributes, self._store.axes)
+        return root.attributes == self._store.root.attributes

@@ -1,19 +1,21 @@
-"""The root of a store: its attributes and the metadata of its arrays, replaced at one stroke.
+"""The root of a store: its sweep, facts and the metadata of its arrays, replaced at one stroke.
 
-It has a hash of all, and one of the conditions, which no checksum of a point covers.
+It has a hash of all.
 """
 
 from __future__ import annotations
 
 import hashlib
-import itertools
 import json
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.store.files import PARTIAL
+from pipeline.store.inputs import DIM, split_arrays
 from pipeline.store.layout import arrays_of
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
@@ -28,87 +30,18 @@ from pipeline.store.place import (
     reaches,
     reads,
 )
-from pipeline.store.schema import FORMAT, is_coordinate
-from pipeline.sweep.about import Measurement
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.plain import made, record_of
-from pipeline.sweep.samples import Design
-from pipeline.sweep.selection import Selection
+from pipeline.store.schema import FORMAT, INPUTS, PLANE, VARIABLES, is_coordinate
+from pipeline.store.versions import package_versions, provenance
+from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import Stations
-from pipeline.sweep.surface import Lubrication
-from pipeline.sweep.unknown import Unknown
-from tribo import Fidelity
 from tribo.errors import near_path
 
-_VERSIONS = {"tribo": str, "numpy": str, "scipy": str, "zarr": str}
-_OF_SCENE = {
-    "fidelity": {**record_of(Fidelity), "type": str},
-    "loading": {"hold?": float, ...: Any},
-    "friction_heat": bool,
-    "unequal_bulks": bool,
-    "samples?": {**record_of(Design), "inputs": dict[str, Unknown]},
-    ...: Any,
-}
-_CONDITIONS = {**record_of(Conditions), "criterion_hash?": str}
-del _CONDITIONS["own_criterion?"]
-_FOLLOWING = {
-    "selection": {**record_of(Selection), "points": [{"load": float, "velocity": float}]},
-    "lubrication": Lubrication,
-    "name": str,
-    "title": str,
-    "arguments": list[str],
-    "preset": str | None,
-    "conditions": _CONDITIONS,
-    "friction_band": tuple[float, float] | None,
-    "sample_corrections": dict[str, list[Any]],
-    "surface": str | None,
-    "same_rig": bool,
-    "measured": list[Measurement],
-    "tested": list[Measurement],
-    "library": [{"key": str, "value": str, "source": str}],
-    "loads": list[float],
-    "velocities": list[float],
-}
-"""Attributes that follow the scene file; some only where a scene has them."""
-_RARE = ("selection", "lubrication", "sample_corrections")
-_ROW = {
-    "values": list[float | str],
-    "written": list[float | str],
-    "scene": dict[str, Any],
-    "attributes": {f"{name}?": (kind, type(None)) for name, kind in _FOLLOWING.items()},
-}
-ATTRIBUTES: dict[Any, Any] = {
-    **{name + "?" * (name in _RARE): kind for name, kind in _FOLLOWING.items()},
-    "Conventions": str,
-    "format": int,
-    "scene": _OF_SCENE,
-    "scene_hash": str,
-    "stations": Stations,
-    "versions": _VERSIONS,
-    "later_versions?": [{"since": str, "versions": _VERSIONS}],
-    "worker_versions?": [{"since": str, "versions": dict[str, str]}],
-    "boundary_only": bool,
-    "coordinates?": str,
-    "realizations": list[int],
-    "samples?": int,
-    "sample_seed?": int,
-    "unknown?": list[Unknown],
-    "fixed?": [{**record_of(Unknown), "value": float}],
-    "over?": list[str],
-    "scenes?": [_ROW],
-    "axes": {...: Any},
-    "points_per_chunk": dict[str, int],
-    "generation": int,
-}
-"""Attributes of the root of a store."""
-AXES = {"float64": list[float], "int64": list[int], "string": list[str]}
+_AXES = {"float64": list[float], "int64": list[int], "string": list[str]}
 """Values along an axis, by the type of its array."""
-
-
 MOST_POINTS = 10_000_000
 """Points that a store may have."""
 _LARGEST = 2**28  # bytes of a root
-_HASH, _OF_CONDITIONS = "root_hash", "conditions_hash"
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = {"bytes", "vlen-utf8", "zstd"}
 ELSEWHERE = (
@@ -121,17 +54,56 @@ class LostRootError(StoreError):
     """The root of a store of which points are there is lost or damaged."""
 
 
-class Root(NamedTuple):
-    """Attributes of a store and the metadata of each array, as of the last change of its shape."""
+Versions = dict[str, str]
 
-    attributes: dict[str, Any]
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """What a store says of itself besides its sweep."""
+
+    generation: int  # how often its points have moved
+    axes: dict[str, list[Any]]  # values along each dimension, and of columns that follow from one
+    points_per_chunk: dict[str, int]
+    versions: Versions  # of the packages that began it
+    later_versions: dict[str, Versions] = field(default_factory=dict)  # by the time they came
+    worker_versions: dict[str, Versions] = field(default_factory=dict)
+
+    def by_present_versions(self) -> Facts:
+        """The facts, with the versions of this process noted if they are not the last ones."""
+        *_, last = self.versions, *self.later_versions.values()
+        if last == package_versions():
+            return self
+        return replace(self, later_versions=self.later_versions | {now(): package_versions()})
+
+
+def now() -> str:
+    """The present time."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+class Root(NamedTuple):
+    """The sweep of a store, what it says of itself, and the metadata of each array."""
+
+    sweep: Sweep
+    facts: Facts
     arrays: dict[str, Any]
 
     @property
     def axes(self) -> dict[str, list[Any]]:
         """Values along each dimension and of each input drawn, in the order of the store."""
-        axes: dict[str, list[Any]] = self.attributes["axes"]
-        return axes
+        return self.facts.axes
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of the dataset: words for people, and the texts of sweep and store."""
+        facts = self.facts
+        return {
+            "Conventions": "CF-1.11",
+            "title": self.sweep.about.title,
+            **provenance(facts.versions, facts.later_versions, facts.worker_versions),
+            "sweep": sweep_text(self.sweep, {}),
+            "store": json.dumps({"format": FORMAT, **asdict(facts), "hash": ""}),
+        }
 
 
 def read_root(place: StorePlace) -> Root:
@@ -166,33 +138,48 @@ def find_root(place: StorePlace) -> Root | None:
     return None
 
 
-def read_attributes(path: PathLike) -> dict[str, Any] | None:
-    """Attributes of a store, None if nothing is there; raises as `read_root` does."""
+def read_sweep(path: PathLike) -> Sweep:
+    """The sweep of a store; raises as `read_root` does."""
+    return read_root(place_of(path)).sweep
+
+
+def find_sweep(path: PathLike) -> Sweep | None:
+    """The sweep of a store, None if nothing is there; raises as `read_root` does."""
     root = find_root(place_of(path))
-    return root.attributes if root else None
+    return root.sweep if root else None
 
 
-def root_document(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
+def root_document(root: Root) -> bytes:
     """Content of the root as Zarr consolidates it, which would write it in two steps."""
     document = {
         "zarr_format": 3,
         "node_type": "group",
-        "attributes": attributes,
-        _CONSOLIDATED: {"kind": "inline", "must_understand": False, "metadata": arrays},
+        "attributes": root.attributes,
+        _CONSOLIDATED: {"kind": "inline", "must_understand": False, "metadata": root.arrays},
     }
-    hashes = {_OF_CONDITIONS: _hash(_conditions(attributes)), _HASH: _hash(document)}
-    document["attributes"] = {**attributes, **hashes}
-    return json.dumps(document, allow_nan=False).encode()
+    return sealed(document)
+
+
+def sealed(document: dict[str, Any]) -> bytes:
+    """The document of a root, with the hash of all of it in the text on its store."""
+    digest = _hash(_with_hash(document, ""))
+    return json.dumps(_with_hash(document, digest), allow_nan=False).encode()
+
+
+def _with_hash(document: dict[str, Any], digest: str) -> dict[str, Any]:
+    """The document of a root with a hash in the text on its store."""
+    attributes = document["attributes"]
+    text = json.dumps(json.loads(attributes["store"]) | {"hash": digest})
+    return document | {"attributes": attributes | {"store": text}}
 
 
 def _parsed(place: StorePlace, content: bytes) -> Root:
     try:
-        root = json.loads(content)
-        attributes, arrays = root["attributes"], root[_CONSOLIDATED]["metadata"]
-        version, expected = attributes["format"], attributes.pop(_HASH, None)
-        judged = attributes.pop(_OF_CONDITIONS, None)
-        is_as_written = _hash(root) == expected
-        conditions_are = _hash(_conditions(attributes)) == judged
+        document = json.loads(content)
+        attributes, arrays = document["attributes"], document[_CONSOLIDATED]["metadata"]
+        facts = json.loads(attributes.get("store", "{}")) or {"hash": "", **attributes}
+        version, expected = facts.pop("format"), facts.pop("hash")
+        is_as_written = _hash(_with_hash(document, "")) == expected if "store" in attributes else 1
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         with reaches(place):
             has_points = _has_points(place.keys())
@@ -206,12 +193,30 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
             f"{place} has format {version}, and this program reads format {FORMAT}; make it anew: "
             "irg run its scene into another folder with -o, or after moving this one away"
         )
-    if not (is_as_written and conditions_are):
-        what = "it is" if conditions_are else "friction, temperatures or criterion in it are"
-        raise LostRootError(f"{place}: {ROOT} is damaged: {what} not what was written; {ELSEWHERE}")
-    root = Root(attributes, arrays)
+    if not is_as_written:
+        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
+    try:
+        built: Facts = build(Facts, facts)
+        fault = _fault(built, arrays)
+    except CodecError as error:
+        fault = f"is damaged: {error}"
+    if fault:
+        raise StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
+    try:
+        root = Root(text_sweep(attributes["sweep"], _inputs(place, arrays)), built, arrays)
+    except (CodecError, DamagedError) as error:
+        raise LostRootError(f"{place}: {ROOT} is damaged: {error}; {ELSEWHERE}") from error
     require_likely(place, root)
     return root
+
+
+def _inputs(place: StorePlace, arrays: Mapping[str, Any]) -> Arrays:
+    """Arrays of the scene that a store has."""
+    if INPUTS not in arrays:
+        return {}
+    array = arrays_of(place, {INPUTS: arrays[INPUTS]}, read_only=True)[INPUTS]
+    with reads(place, INPUTS):
+        return split_arrays(array[:], array.attrs)
 
 
 def _require_small_file(folder: Path) -> None:
@@ -227,10 +232,10 @@ def _require_small_file(folder: Path) -> None:
 
 
 def require_likely(place: StorePlace, root: Root) -> None:
-    """Refuse a root of more points, other arrays or attributes of other kinds than a store has."""
-    fault = _fault(root)
+    """Refuse a root of more points, other arrays or axes than the store of its sweep has."""
+    fault = _fault(root.facts, root.arrays)
     if not (fault or are_rows(root)):
-        fault = "is damaged: its attributes over and scenes are not those of its axes"
+        fault = "is damaged: its axes are not those of its sweep"
     if fault:
         raise StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
 
@@ -238,14 +243,26 @@ def require_likely(place: StorePlace, root: Root) -> None:
 _WHO = ("versions", "later_versions", "worker_versions")
 
 
-def copied_attributes(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Attributes of the array `step`, from which a root takes the versions if it is made again."""
-    versions = {name: attributes[name] for name in _WHO if name in attributes}
-    return {"versions": json.dumps(versions)}
+def copied_attributes(root: Root) -> dict[str, str]:
+    """Attributes of the array `step`, from which a root takes this if it is made again."""
+    versions = {name: getattr(root.facts, name) for name in _WHO}
+    stations = root.sweep.record.stations
+    return {
+        "versions": json.dumps(versions),
+        "stations": json.dumps(stations and asdict(stations)),
+    }
 
 
-def copied(place: StorePlace, names: Iterable[str]) -> Root:
-    """What arrays of these names have of a root: axes, stations and versions, and their metadata.
+class Copies(NamedTuple):
+    """What the arrays of a store have of its root."""
+
+    stations: Stations
+    facts: Facts
+    arrays: dict[str, Any]
+
+
+def copied(place: StorePlace, names: Iterable[str]) -> Copies:
+    """What arrays of these names have of a root.
 
     Raise a `DamagedError` if they do not belong together.
     """
@@ -255,7 +272,7 @@ def copied(place: StorePlace, names: Iterable[str]) -> Root:
         if lost := [key for key, content in read.items() if content is None]:
             raise ValueError(f"{lost[0]} is lost")
         arrays = {name: json.loads(read[f"{name}/{ROOT}"] or b"") for name in names}
-        axes: dict[str, Any] = {name: () for name in arrays if is_coordinate(name)}
+        axes: dict[str, Any] = {k: () for k in arrays if is_coordinate(k) and k != INPUTS}
         along = {name: arrays[name] for name in axes}
         if not all(map(_is_plain, along.values())):
             raise ValueError("their axes are not those of a store")
@@ -266,57 +283,64 @@ def copied(place: StorePlace, names: Iterable[str]) -> Root:
         chunk = status["chunk_grid"]["configuration"]["chunk_shape"]
         block = zip(status["dimension_names"], chunk, strict=True)
         copies = arrays["step"]["attributes"]
-        versions = json.loads(copies["versions"])
-        return Root(
-            {name: versions[name] for name in _WHO if name in versions}
-            | {"stations": json.loads(copies["stations"])}
-            | {"axes": axes, "points_per_chunk": dict(block)},
+        stations = json.loads(copies["stations"])
+        facts = {"generation": 0, "axes": axes, "points_per_chunk": dict(block)}
+        return Copies(
+            build(Stations, stations | {"loads": tuple(stations["loads"])}),
+            build(Facts, facts | json.loads(copies["versions"])),
             arrays,
         )
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (CodecError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise DamagedError(f"{place}: the arrays make no root: {error}") from error
 
 
-def is_likely(root: Root) -> bool:
-    """True for a root that may be that of a store, but for values of entries that it lacks."""
-    return not _fault(root)
+def is_likely(facts: Facts, arrays: Mapping[str, Any]) -> bool:
+    """True for what may be that of a store, but for values of entries that its sweep lacks."""
+    return not _fault(facts, arrays)
 
 
-def _fault(root: Root) -> str:
+def _fault(facts: Facts, arrays: Mapping[str, Any]) -> str:
     """Fault of a root; empty if it may be that of a store.
 
     The arrays are made as large as it says, before a chunk of them is read. Codecs of Zarr 2 may
     unpickle chunks, those of Zarr 3 are looked up among all that is installed, and a name with a
     slash would lead out of the store.
     """
+    axes = facts.axes
+    if unknown := sorted(arrays.keys() - {*VARIABLES, *axes, INPUTS}):
+        return f"has the variable {unknown[0]}, which is of another version of this program"
     try:
-        sizes = {name: len(values) for name, values in root.axes.items()}
-        fits = {"checksum", "load", *sizes} <= root.arrays.keys() and all(
+        sizes = {name: len(values) for name, values in axes.items()}
+        if INPUTS in arrays:
+            sizes[DIM] = arrays[INPUTS]["shape"][0]
+        fits_axes = {"checksum", "load", *axes} <= arrays.keys() and all(
             _is_plain(array)
             and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
-            and (name not in sizes if not is_coordinate(name) else [sizes[name]] == array["shape"])
+            and (name not in axes if not is_coordinate(name) else _is_axis(name, array, axes))
             and 0 not in array["chunk_grid"]["configuration"]["chunk_shape"]
             and array["attributes"].keys() >= {"long_name"}
             and "/" not in name
-            for name, array in root.arrays.items()
+            for name, array in arrays.items()
         )
-        points = math.prod(root.arrays["status"]["shape"])
+        points = math.prod(arrays["status"]["shape"])
+        unfit = [k for k in axes if not fits(axes[k], _AXES.get(str(arrays[k]["data_type"]), Any))]
     except (KeyError, TypeError, AttributeError):
-        fits, points = False, 0
-    if not fits:
+        fits_axes, points, unfit = False, 0, []
+    if not fits_axes:
         return (
             "is damaged: its arrays are not of Zarr 3, or not those of a store, of the sizes of "
             "its axes"
         )
-    kinds = ATTRIBUTES | {"axes": {n: AXES.get(str(root.arrays[n]["data_type"])) for n in sizes}}
-    try:
-        made(kinds, root.attributes)
-    except ValueError as wrong:
-        kind = "is missing, or not of the kind that a run writes"
-        return f"is damaged: its attribute {wrong} {kind}"
+    if unfit:
+        return f"is damaged: its axis {unfit[0]} is missing, or not of the kind that a run writes"
     if points > MOST_POINTS:
         return f"tells of {points:.4g} points, and a store has at most {MOST_POINTS:.0e}"
     return ""
+
+
+def _is_axis(name: str, array: Mapping[str, Any], axes: Mapping[str, list[Any]]) -> bool:
+    """True for metadata of a coordinate with values in the root, or of the arrays of the scene."""
+    return name == INPUTS or [len(axes[name])] == array["shape"]
 
 
 def _is_plain(array: Mapping[str, Any]) -> bool:
@@ -327,15 +351,14 @@ def _is_plain(array: Mapping[str, Any]) -> bool:
 
 
 def are_rows(root: Root) -> bool:
-    """True if there is a scene for each combination of the values of entries that have several."""
-    names, rows = root.attributes.get("over", []), root.attributes.get("scenes", [])
-    if not (names or rows):
-        return True
-    axes = [root.axes.get(name, []) for name in names]
+    """True if the sweep has the rows that the axes of the store ask for, and each its own label."""
+    table, axes = root.sweep.variants, root.axes
+    dims = [dim for dim in root.arrays["status"]["dimension_names"] if dim not in PLANE]
+    names = [column.name for column in table.columns if column.name not in PLANE]
     return (
-        len(rows) == math.prod(map(len, axes))
-        and {tuple(row["values"]) for row in rows} == set(itertools.product(*axes))
-        and all(len(row["written"]) == len(names) for row in rows)
+        dims == [*table.axes]
+        and {*names} <= axes.keys()
+        and all(axes[name] == [*labels] for name, labels in table.axes.items())
     )
 
 
@@ -350,13 +373,6 @@ def _is_beginning(key: str) -> bool:
 def _has_points(keys: set[str]) -> bool:
     """True if a store has any status, by its keys."""
     return any(key.startswith("status/c.") for key in keys)
-
-
-def _conditions(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """What each scene of a store is judged by."""
-    others = [scene["attributes"] for scene in attributes.get("scenes", [])]
-    names = ("conditions", "friction_band", "sample_corrections")
-    return {name: attributes[name] for name in names if name in attributes} | {"of": others}
 
 
 def _hash(document: Mapping[str, Any]) -> str:

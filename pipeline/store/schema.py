@@ -9,7 +9,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, Column
 from tribo import InputError, WarningKind
 
-FORMAT = 3
+FORMAT = 4
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -133,10 +133,12 @@ RECORDS = {
         PLANE,
         None,
         "BLAKE2b-64 of what was simulated, the point's place, data and kinds of warnings",
-        "uint64",
+        "str",
     ),
 }
 
+INPUTS = "inputs"
+"""Variable of the arrays of a scene."""
 VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All that a store may hold."""
 STEPPED = COLUMNS | BULK_COLUMNS
@@ -155,7 +157,7 @@ def is_coordinate(name: str) -> bool:
 
 def is_of_points(dim: str) -> bool:
     """True if a dimension tells points apart."""
-    return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y")
+    return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
 def _variable_of(column: Column) -> Variable:
@@ -180,13 +182,13 @@ def require_free_names(sweep: Sweep) -> None:
             )
 
 
-def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
-    """Variables of the store of a sweep, with fields at the end of each point or without."""
+def variables_of(sweep: Sweep) -> dict[str, Variable]:
+    """Variables of the store of a sweep."""
     require_free_names(sweep)
     table = {column.name: _variable_of(column) for column in sweep.variants.columns}
     front, placed = tuple(sweep.variants.axes), frozenset(table)
     absent = {*_OF_TABLE}
-    if not with_fields:
+    if not sweep.record.fields:
         absent |= {"x", "y", *AT_END}
     if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
@@ -195,6 +197,9 @@ def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
             continue
         inner = tuple(dim for dim in variable.dims if dim not in placed)
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*front, *inner))
+    if along := [column.name for column in sweep.variants.coordinates]:
+        status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
+        table["status"] = status._replace(attributes={**status.attributes, **names})
     return table
 
 

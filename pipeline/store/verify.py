@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.store.attributes import checksum
+from pipeline.store.checksum import checksum
 from pipeline.store.files import THREADS
 from pipeline.store.layout import (
     Slices,
@@ -42,6 +42,7 @@ from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, is_likel
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
+from tribo import InputError
 from tribo.types import Mask
 
 _MARKS = ("status", "asked")
@@ -208,10 +209,9 @@ def agrees(store: Store) -> bool:
     for index, point in found.damaged.items():
         sound[index], wrong[index] = False, point.message == _OTHER
     of_sound, of_wrong = (
-        {*map(store.simulated.entries_at, store.points_at(np.nonzero(mask)))}
-        for mask in (sound, wrong)
+        {*map(store.simulated.group, store.points_at(np.nonzero(mask)))} for mask in (sound, wrong)
     )
-    of_sound |= {*map(store.simulated.entries_at, found.complete)}
+    of_sound |= {*map(store.simulated.group, found.complete)}
     return bool(of_sound or not found.damaged) and of_wrong <= of_sound
 
 
@@ -235,9 +235,9 @@ def _require_right_root(store: Store, found: _Found) -> None:
     if not (shared.faults or shared.is_resized):
         return
     with suppress(DamagedError):
-        attributes, arrays = copied(place, store.arrays)
-        root = Root(store.attributes | attributes, arrays)
-        if root.axes != store.axes and is_likely(root):
+        _, facts, arrays = copied(place, store.arrays)
+        root = Root(store.sweep, facts, arrays)
+        if root.axes != store.axes and is_likely(facts, arrays):
             other = Store(place, root, is_damaged=True)
             if _found(other).sound(other) > found.sound(store):
                 raise LostRootError(
@@ -326,7 +326,7 @@ def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool
     data |= {name: entries[name] for name in entries.keys() & {*AT_END, "warning_flags"}}
     try:
         simulated = store.simulated.at(point)
-    except KeyError:  # of a value that a root which is too old does not know: not proved wrong
+    except InputError:  # of a value that a root which is too old does not know: not proved wrong
         return ""
     return "" if entries["checksum"] == checksum(simulated, point, data) else _OTHER
 
@@ -375,7 +375,7 @@ def _shared(store: Store, keys: set[str]) -> _Shared:
             foreign += [key] if document else []
         else:
             is_resized |= document.get("shape") != expected["shape"]
-        if is_coordinate(name):
+        if name in store.axes:
             values = None
             with suppress(DamagedError):
                 values = store.read(name, ...).tolist()
@@ -403,7 +403,7 @@ def _restore(store: Store, shared: _Shared) -> None:
             if key in shared.faults:
                 keep_beside(store.place, [key])
                 store.place.put({key: json.dumps(expected).encode()})
-            if is_coordinate(name) and name in shared.faults:
+            if name in store.axes and name in shared.faults:
                 keep_beside(store.place, store.chunk_keys(name, ()))
                 store.arrays[name][:] = np.array(store.axes[name])
 

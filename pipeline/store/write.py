@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from datetime import UTC, datetime
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.attributes import Simulated, packed, scenes_of
+from pipeline.store.checksum import packed
 from pipeline.store.files import THREADS
 from pipeline.store.layout import arrays_of, blocks, chunk_key, field_key, slices_of
 from pipeline.store.lock import Lock
@@ -36,11 +36,13 @@ from pipeline.store.place import (
     steadily,
     writes,
 )
-from pipeline.store.root import Root, copied_attributes, read_root, root_document
+from pipeline.store.root import Root, copied_attributes, now, read_root, root_document
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
+from pipeline.sweep.stored import Simulated
+from pipeline.sweep.variants import written_of
 from tribo.types import Indices, Mask
 
 _ADVICE = "; what is finished is safe, go on when there is room and permission to write"
@@ -60,9 +62,9 @@ class Store:
         self, place: StorePlace, root: Root, lock: Lock | None = None, is_damaged: bool = False
     ) -> None:
         self.place, self.root, self.lock = place, root, lock
-        self.attributes, self.axes = root.attributes, root.axes
+        self.sweep, self.axes = root.sweep, root.axes
+        self.simulated = Simulated(root.sweep)
         try:
-            self.simulated = Simulated.of(root.attributes)
             self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
         except (ValueError, TypeError, KeyError) as error:  # of what Zarr cannot be
             raise StoreError(f"{place}: {ROOT} describes no store: {error}") from error
@@ -112,11 +114,8 @@ class Store:
 
     def in_words(self, point: Point) -> str:
         """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
-        names, values = zip(*point.variant, strict=True) if point.variant else ((), ())
-        chosen = values[: len(self.attributes.get("over", []))]
-        written = scenes_of(self.attributes).get(chosen, {"written": chosen})["written"]
-        texts = *written, *values[len(chosen) :]
-        return str(point._replace(variant=tuple(zip(names, texts, strict=True))))
+        written = written_of(self.sweep.variants, point.variant)
+        return str(point._replace(variant=tuple(written.items())))
 
     def asked_by(self, sweep: Sweep) -> Mask:
         """Mask of the points that a sweep asks for."""
@@ -170,20 +169,20 @@ class Store:
 
     def note_worker(self, versions: Mapping[str, str]) -> None:
         """Note, once, the versions of packages that a worker has."""
-        noted = self.attributes.setdefault("worker_versions", [])
-        if any(entry["versions"] == versions for entry in noted):
+        noted = self.root.facts.worker_versions
+        if versions in noted.values():
             return
-        since = datetime.now(UTC).isoformat(timespec="seconds")
-        noted.append({"since": since, "versions": dict(versions)})
+        facts = replace(self.root.facts, worker_versions=noted | {now(): dict(versions)})
+        self.root = self.root._replace(facts=facts)
         step = self.root.arrays["step"]
-        step["attributes"] |= copied_attributes(self.attributes)
+        step["attributes"] |= copied_attributes(self.root)
         with self._writes():
             self.place.put({f"step/{ROOT}": json.dumps(step).encode()})
         self.keep_root()
 
     def keep_root(self) -> None:
         """Write the root again if it is not what this process has, as after damage."""
-        document = root_document(self.attributes, self.root.arrays)
+        document = root_document(self.root)
         with self._writes():
             if self.place.read(ROOT) != document:
                 self.place.put({ROOT: document})

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError
+from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
 from tribo import BULK_RATIOS, Corrections, Criterion, InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 
@@ -39,10 +39,9 @@ class Conditions:
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
         Or the name of your own, such as ``"laws:hottest"``.
     corrections : Corrections or None
-        Friction by velocity, earlier passes, stem and film; a mapping is read as what
-        `as_dict` gives.
-    own_criterion : Own or None
-        Your own criterion by value; its name alone runs no code.
+        Friction by velocity, earlier passes, stem and film.
+    own_criterion : Own, Reference or None
+        Your own criterion by value; or a reference of a store, which runs no code.
 
     Raises
     ------
@@ -67,7 +66,7 @@ class Conditions:
     disk_temperature: float | None = None
     criterion: str = "share"
     corrections: Corrections | None = None
-    own_criterion: Own | None = None
+    own_criterion: Own | Reference | None = None
 
     def __post_init__(self) -> None:
         if self.own_criterion and self.own_criterion.reference != self.criterion:
@@ -77,8 +76,6 @@ class Conditions:
                 f'criterion is "{self.criterion}", which is code, and nothing runs by its name '
                 "alone; give --criterion and --own-laws (in Python criterion and own_laws=True)"
             )
-        if isinstance(self.corrections, Mapping):
-            object.__setattr__(self, "corrections", Corrections.of_plain(self.corrections))
         for name in _NUMBERS:
             value = getattr(self, name)
             if isinstance(value, Iterable):
@@ -98,7 +95,8 @@ class Conditions:
                 f"critical_temperature is {in_celsius(critical)}; it must lie above the bulk "
                 f"temperature, {in_celsius(warmest)}"
             )
-        _ = self.decisive
+        if not isinstance(self.own_criterion, Reference):
+            _ = self.decisive
         if self.has_friction_curve and self.bulk_difference:
             raise InputError(
                 "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
@@ -210,44 +208,6 @@ class Conditions:
     def changed(self, **changes: Any) -> Conditions:
         """The same with others in their place, by the names of `changes_of`."""
         return replace(self, **changes_of(**changes))
-
-
-def corrections_by_row(
-    own: Corrections | None, rows: Sequence[Corrections | None]
-) -> dict[str, list[Any]]:
-    """Corrections of rows that differ from their scene's, by paths such as ``stem.resistance``."""
-    usual, *others = (_leaves(one.as_dict()) if one else {} for one in (own, *rows))
-    paths = dict.fromkeys(path for other in others for path in other)
-    columns = {path: [other.get(path) for other in others] for path in paths}
-    return {
-        path: values
-        for path, values in columns.items()
-        if any(value != usual.get(path) for value in values)
-    }
-
-
-def with_corrections_of_row(
-    conditions: Conditions, columns: Mapping[str, Sequence[Any]], row: int
-) -> Conditions:
-    """Conditions with the corrections of a row, of which `corrections_by_row` gave columns."""
-    leaves = _leaves(conditions.corrections.as_dict()) if conditions.corrections else {}
-    plain: dict[str, Any] = {}
-    for path, value in (leaves | {path: values[row] for path, values in columns.items()}).items():
-        part, _, inner = path.partition(".")
-        if inner:
-            plain.setdefault(part, {})[inner] = value
-        else:
-            plain[part] = value
-    return replace(conditions, corrections=Corrections.of_plain(plain))
-
-
-def _leaves(plain: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of corrections as plain data, by their paths."""
-    leaves: dict[str, Any] = {}
-    for name, value in plain.items():
-        inner = {f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {}
-        leaves |= inner or {name: value}
-    return leaves
 
 
 def changes_of(

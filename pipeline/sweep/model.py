@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.about import About, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Part, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
 from tribo.simulation import inseparable, mechanics, wear_number
@@ -92,6 +93,10 @@ class Plane:
     independent: bool = False  # each point from the start, not on from the next lower load
     chosen: Collection[Point] | None = None  # the points to simulate, if not all of them
 
+    def __post_init__(self) -> None:
+        if not (self.loads and self.velocities):
+            raise InputError("the sweep has no load or no velocity; give at least one of each")
+
 
 @dataclass(frozen=True, slots=True)
 class Record:
@@ -99,7 +104,7 @@ class Record:
 
     fields: bool = False  # those at the end of each point
     steps: str | int | None = None  # "loads", "all", "end" or a number; None for what is usual
-    stations: dict[str, Any] | None = None  # that a store has, in place of those of the loads
+    stations: Stations | None = None  # that a store has, in place of those of the loads
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,6 +201,10 @@ class Sweep:
             present = values.get(name, self.get(name))
             values[name] = _with_inner(present, inner, value, path)
         return self.changed(**values)
+
+    def below(self, name: Variant) -> Self:
+        """The sweep at labels that are not drawn, on the rows that are drawn for them."""
+        return self.variant(name).changed(variants=self.variants.below(name)) if name else self
 
     @property
     def leads(self) -> Mapping[Variant, Lead]:

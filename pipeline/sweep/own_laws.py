@@ -140,10 +140,41 @@ class Own:
         return f"{self.reference}({arguments})"
 
 
-def identity_of(law: Any) -> dict[str, Any]:
-    """Name, parameters and hash of a law, also of one that is given in Python, as plain data."""
+@dataclass(frozen=True)
+class Reference:
+    """A law, surface or criterion that a store names: no code, and none runs by its name."""
+
+    reference: str
+    kind: str
+    parameters: tuple[tuple[str, Any], ...]
+    digest: str
+    pattern: str | None = None  # of a wear law
+
+    @property
+    def made(self) -> Any:
+        """Nothing: an `OwnLawError`, since a user's word is needed."""
+        raise OwnLawError(
+            f'the {self.kind} is "{self.reference}" (SHA-256 {self.digest}), which is code, and '
+            "nothing that a store names is run; give its scene with --own-laws"
+        )
+
+    def over(self, begin: float, end: float) -> Any:
+        """Raise an `OwnLawError`, as a wear law that is not at hand."""
+        return self.made.over(begin, end)
+
+    def heights(self, pixels: Any) -> Any:
+        """Raise an `OwnLawError`, as a surface that is not at hand."""
+        return self.made.heights(pixels)
+
+
+def refer(law: Any) -> Reference:
+    """Name, parameters and hash of a law or surface, also of one that is given in Python."""
+    if isinstance(law, Reference):
+        return law
+    pattern = getattr(law, "pattern", None) if hasattr(law, "over") else None
     if isinstance(law, Own):
-        return {"law": law.reference, "parameters": dict(law.parameters), "hash": law.digest}
+        pattern = pattern if law.kind == WEAR else None
+        return Reference(law.reference, law.kind, law.parameters, law.digest, pattern)
     kind = type(law)
     reference = f"{kind.__module__}:{kind.__qualname__}"
     try:
@@ -155,21 +186,21 @@ def identity_of(law: Any) -> dict[str, Any]:
         ) from error
     held = getattr(law, "__dataclass_fields__", None) or getattr(law, "__dict__", {})
     values = {name: getattr(law, name) for name in sorted(held)}
-    parameters = {
-        name: value if isinstance(value, str | float | int | bool) else repr(value)
+    parameters = tuple(
+        (name, value if isinstance(value, str | float | int | bool) else repr(value))
         for name, value in values.items()
-    }
+    )
     digest = hashlib.sha256(text.encode()).hexdigest()
-    return {"law": reference, "parameters": parameters, "hash": digest}
+    return Reference(reference, WEAR if pattern else SURFACE, parameters, digest, pattern)
 
 
-def own_laws(scene: Scene) -> dict[str, dict[str, Any]]:
+def own_laws(scene: Scene) -> dict[str, Reference]:
     """Name, parameters and hash of a scene's own laws, by the field of the scene."""
     laws = {}
     if scene.wears_by_law:
-        laws["wear"] = identity_of(scene.wear)
+        laws["wear"] = refer(scene.wear)
     if not isinstance(scene.roughness, SelfAffineRoughness | MeasuredRoughness | None):
-        laws["roughness"] = identity_of(scene.roughness)
+        laws["roughness"] = refer(scene.roughness)
     return laws
 
 

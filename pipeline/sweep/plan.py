@@ -19,6 +19,7 @@ from pipeline.sweep.about import as_lines, on_point
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import Verdict, verdict
+from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Variant
 from tribo import BULK_RATIOS, QUANTILES, Ramp, Scene, State, measures, warnings
@@ -114,7 +115,7 @@ class PointRecord:
     message: str = ""  # its warnings, or the reason of its failure
     warning_flags: int = 0
     wall_time: float = math.nan  # [s]
-    checksum: np.uint64 | None = field(default=None, kw_only=True)
+    checksum: str | None = field(default=None, kw_only=True)
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
@@ -173,7 +174,7 @@ def run_points(
     `progress` is called with the steps done and their number.
     """
     began = time.perf_counter()
-    load, stations = points[0].load, Stations.of(sweep)
+    load, stations = points[0].load, choose_stations(sweep)
     trunk = trunk or Trunk(start(sweep.variant(sweep.contact_of(points[0])[1]).scene))
     for below in stations.below(load):
         trunk = _passed(sweep, [point._replace(load=below) for point in points], trunk, failed)

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.sweep.plain import made
 from pipeline.sweep.unknown import Fixed, Unknown, sequence
 from tribo.types import Array
 
@@ -104,26 +103,6 @@ class Design:
         if "wear rate" in self.layers:
             columns[k] = np.where(leads, columns[k], np.exp(number) / velocities)
         return np.column_stack([*columns, velocities])[:, :-1], velocities
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all that decides the samples as plain data."""
-        inputs = {one.path: one.as_dict() for one in self.inputs}
-        for entries in inputs.values():
-            entries.pop("written", None)  # the same values in another unit are the same samples
-            entries.pop("correlated", None)
-        return {
-            "inputs": inputs,
-            "layers": list(self.layers),
-            "velocities": list(self.velocities),
-            "seed": self.seed,
-            "per_contact": self.per_contact,
-        }
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Design:
-        """Make one from what `as_dict` returned."""
-        design: Design = made(cls, {**data, "inputs": list(data["inputs"].values())})
-        return design
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from pipeline.sweep.plain import made
 from tribo import PRESETS, Fidelity
 
 KEPT_FIELDS = ("heat_model", "heat_kernel")
@@ -16,31 +14,13 @@ PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01, "reference": 0.0
 """Relative error of the boundary velocity that a preset is to keep to, see CHOOSING.md."""
 
 
-def velocity_error(attributes: Mapping[str, Any]) -> float | None:
-    """Largest known relative error of a store's boundary velocity: measured, or of its preset."""
-    if selection := attributes.get("selection"):
-        return float(max(selection["error"], selection.get("coarser") or 0.0))
-    return PRESET_BOUNDS.get(str(_preset_of(attributes)))
-
-
-def _preset_of(attributes: Mapping[str, Any]) -> str | None:
-    """Preset of a store, or that its fidelity is but for the fields that a scene keeps."""
-    if name := attributes.get("preset"):
-        return str(name)
-    fidelity = dict((attributes.get("scene") or {}).get("fidelity") or {})
-    fidelity.pop("type", None)  # which the hash of the scene has
-    return preset_of(fidelity)
-
-
-def preset_of(fidelity: Mapping[str, Any]) -> str | None:
+def preset_of(fidelity: Fidelity) -> str | None:
     """Preset that numerical choices are but for the fields that a scene keeps; None for none."""
-    kept = {name: fidelity[name] for name in KEPT_FIELDS if name in fidelity}
-    if kept.get("heat_model") == "history":  # which needs every step on the scene's own grid
+    kept: dict[str, Any] = {name: getattr(fidelity, name) for name in KEPT_FIELDS}
+    if kept["heat_model"] == "history":  # which needs every step on the scene's own grid
         kept["history_coarsening"] = 1
-    for name in PRESET_BOUNDS:
-        if asdict(PRESETS[name]) | kept == fidelity:
-            return name
-    return None
+    names = (name for name in PRESET_BOUNDS if replace(PRESETS[name], **kept) == fidelity)
+    return next(names, None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,13 +57,6 @@ class Selection:
         trials = [asdict(trial) for trial in self.trials]
         return asdict(self) | {"points": places, "trials": trials}
 
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Selection:
-        """Make a selection from what `as_dict` returned."""
-        points = [(place["load"], place["velocity"]) for place in data["points"]]
-        selection: Selection = made(cls, {**data, "points": points})
-        return selection
-
     @property
     def largest_error(self) -> float:
         """Largest relative error of the boundary velocity that is known."""
@@ -111,17 +84,3 @@ class Selection:
             f"{err}, with {less} work than nearly exact steps{why}{alone}; the probe took "
             f"{self.seconds:.1f} s"
         )
-
-
-def error_in_words(attributes: Mapping[str, Any]) -> str:
-    """The one error of a store: the largest known of its boundary velocity, and its origin."""
-    if selection := attributes.get("selection"):
-        return str(Selection.from_dict(selection))
-    error = velocity_error(attributes)
-    if error is None:
-        return "how far boundary velocities err is not known: --accuracy measures it"
-    name = _preset_of(attributes)
-    return (
-        f"boundary velocities may err by up to {100 * error:g} %, which preset {name} keeps to on "
-        "most scenes"
-    )

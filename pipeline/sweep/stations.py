@@ -5,15 +5,11 @@ On a ramp they are the ends of points at lower loads, bit for bit, else steps of
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any, Self
+from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plain import made
 from tribo import MeasuredLoad, Scene
-from tribo.loading import Station
 
 _MOST_OF_HOLD = 60  # moments of a hold at which a wearing contact and a warming body are judged
 
@@ -30,38 +26,6 @@ class Stations:
     # A body warms as a whole while a hold wears the contact away: the worst moment lies inside.
     judges_hold: bool = False
 
-    @classmethod
-    def of(cls, sweep: Sweep) -> Self:
-        """Stations of a sweep at its present loads."""
-        if sweep.record.stations:
-            stations: Self = made(cls, sweep.record.stations)
-            return stations
-        steps = sweep.record.steps or _usual(sweep)
-        if steps == "end":
-            return cls(steps, judges_hold=_warms_in_hold(sweep))
-        if steps == "loads":
-            return cls(steps, sweep.plane.loads)
-        scene, highest = sweep.variant(sweep.variants.names[0]).scene, max(sweep.plane.loads)
-
-        def way(load: float) -> list[Station]:
-            return list(scene.loading.stations(load, scene.fidelity.increments))
-
-        end = way(highest)[-1].time
-        interval = 0.0 if steps == "all" else end / (int(steps) + 1)
-        warms = _warms_in_hold(sweep)
-        if isinstance(scene.loading, MeasuredLoad):
-            return cls(steps, interval=interval)
-        loads = set[float]()
-        for load in sweep.plane.loads if steps == "all" else (highest,):
-            trunk = [step for step in way(load) if step.on_trunk and step.normal_load < highest]
-            places = _even([step.time for step in trunk], interval, end)
-            loads |= {trunk[place].normal_load for place in places}
-        return cls(steps, tuple(sorted(loads)), interval, warms)
-
-    def as_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self)
-
     def below(self, load: float) -> tuple[float, ...]:
         """Loads that are stations of the points at a load [N]."""
         return tuple(station for station in self.loads if station < load)
@@ -77,7 +41,9 @@ class Stations:
             return frozenset()
         reached = [step.index for step in way if step.normal_load == load and not step.holding]
         times = [step.time for step in own]
-        kept = set[int]() if self.interval is None else {*_even(times, self.interval, times[-1])}
+        kept = (
+            set[int]() if self.interval is None else {*even_places(times, self.interval, times[-1])}
+        )
         if self.judges_hold:
             kept |= _growing(len(own))
         return frozenset([*reached, *(own[number].index for number in kept)])
@@ -96,29 +62,6 @@ class Stations:
         return len(self.below(load)) + own
 
 
-def _usual(sweep: Sweep) -> str:
-    """The word of a scene that gives none: loads of a plane on one ramp, else the end."""
-    loading, plane = sweep.scene.loading, sweep.plane
-    is_ramp = not isinstance(loading, MeasuredLoad) and not loading.hold
-    is_plane = plane.chosen is None and not plane.independent and sweep.variants.has_plane
-    return "loads" if is_ramp and is_plane else "end"
-
-
-def _warms_in_hold(sweep: Sweep) -> bool:
-    """The load is held, and a body of some variant has a heat capacity."""
-    loading = sweep.scene.loading
-    if isinstance(loading, MeasuredLoad) or not loading.hold:
-        return False
-    several = (sweep.variant(name) for name in sweep.variants.names)
-    bulks = (
-        bulk
-        for one in several
-        if (held := one.conditions.corrections)
-        for bulk in (held.pin_bulk, held.disk_bulk)
-    )
-    return any(bulk.capacity for bulk in bulks if bulk)
-
-
 def _growing(count: int) -> set[int]:
     """Places of all steps of a hold; of very many those at times that grow by a ratio."""
     if count <= _MOST_OF_HOLD:
@@ -126,7 +69,7 @@ def _growing(count: int) -> set[int]:
     return {*(np.geomspace(1, count, _MOST_OF_HOLD).round().astype(int) - 1).tolist()}
 
 
-def _even(times: list[float], interval: float, end: float) -> list[int]:
+def even_places(times: list[float], interval: float, end: float) -> list[int]:
     """Places of the times nearest to multiples of an interval before an end [s]; all if it is 0."""
     if interval == 0 or not times:
         return list(range(len(times)))

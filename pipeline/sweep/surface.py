@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plain import made
+from pipeline.sweep.own_laws import Reference
 from tribo import (
     Grid,
     MeasuredRoughness,
@@ -82,6 +81,15 @@ def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
     return _facts(sweep.scene.roughness, sweep.scene.pixels)
 
 
+def surface_words(sweep: Sweep) -> str | None:
+    """The disk's surface in words, with what was done to a scan; None if it is smooth."""
+    if isinstance(law := sweep.scene.roughness, Reference):
+        return f"own law {law.reference} (SHA-256 {law.digest[:8]}…)"
+    facts = surface_facts(sweep)
+    done = [note for note in sweep.about.notes if note.startswith("disk.roughness")]
+    return None if facts is None else "; ".join([facts.words, *done])
+
+
 @functools.lru_cache(maxsize=1)  # asked for again whenever a store grows
 def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
     if isinstance(rough, SelfAffineRoughness):
@@ -146,25 +154,20 @@ class Lubrication:
 
     @classmethod
     def of(cls, sweep: Sweep) -> Self | None:
-        """Take what a scene says; None if it gives no oil, or not enough of it, or no roughness."""
+        """Take what a scene says; None if it gives no oil, or not enough of it, or no roughness.
+
+        A surface that is code is not known from a store, which never runs it.
+        """
         scene, oil, pin = sweep.scene, sweep.about.oil, sweep.scene.pin
         if oil is None or oil.pressure_coefficients is None:
+            return None
+        if isinstance(scene.roughness, Reference):
             return None
         surface = surface_facts(sweep)
         if surface is None or surface.rq == 0:
             return None
         modulus = contact_modulus(pin.material, scene.disk)
         return cls(oil, pin.radius, pin.length, modulus, surface.rq, scene.motion, pin.crown_radius)
-
-    @classmethod
-    def stored(cls, attributes: Mapping[str, Any]) -> Self | None:
-        """Take what the attributes of a stored sweep say; None if they say nothing of it."""
-        stored: Self | None = made((cls, type(None)), attributes.get("lubrication"))
-        return stored
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return plain data, which `stored` reads."""
-        return asdict(self)
 
     def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
         """Minimum film thickness at a load [N], a sliding velocity [m/s] and a temperature [K] [m].

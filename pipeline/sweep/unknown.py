@@ -6,14 +6,13 @@ A longer sequence begins with the shorter one, and no input depends on those aft
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.sweep.plain import made
 from tribo import InputError
 from tribo.types import Array
 
@@ -145,16 +144,6 @@ class Fixed:
 
     unknown: Unknown
     value: float  # [SI]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the distribution and the value as plain data."""
-        return self.unknown.as_dict() | {"value": self.value}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Fixed:
-        """Make one from what `as_dict` returned."""
-        unknown = {name: value for name, value in data.items() if name != "value"}
-        return cls(made(Unknown, unknown), data["value"])
 
     def __str__(self) -> str:
         unit = self.unknown.shown

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -76,6 +76,9 @@ class Variants:
 
     def __len__(self) -> int:
         return len(self.parts)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._rows
 
     def __mul__(self, other: Variants) -> Variants:
         """Every row of one table with every row of another, whose changes come later."""
@@ -163,17 +166,76 @@ class Variants:
         held = ", ".join(map(str, self.axes.get(key, ()))) or "none"
         raise InputError(f"{key} is {value}, which the sweep does not have; it has {held}")
 
-    def as_entries(self) -> dict[str, Any]:
-        """What the scene says of the rows, as plain data: seeds, and unknown inputs."""
-        entries: dict[str, Any] = {"realizations": list(self.axes.get("realization", ()))}
-        if along := [column.name for column in self.coordinates]:
-            entries["coordinates"] = " ".join(along)  # where readers of CF look for them
-        if self.draw:
-            entries["samples"] = len(self.axes[VARIANT])
-            entries["sample_seed"] = self.draw.design.seed
-            entries["unknown"] = [quantity.as_dict() for quantity in self.draw.unknown]
-            entries["fixed"] = [one.as_dict() for one in self.draw.fixed]
-        return entries
+    def below(self, name: Variant) -> Variants:
+        """Rows that are drawn for a combination of labels that are not; one if none is drawn."""
+        drawn = {column.name for column in self.columns if column.is_drawn and not column.along}
+        if not drawn:
+            return Variants()
+        numbers = [k for row, k in self._rows.items() if {*name} <= {*row}]
+        columns = (one.taken(numbers) for one in self.columns if (one.along or one.name) in drawn)
+        return Variants((*columns,), tuple(self.parts[k] for k in numbers), draw=self.draw)
+
+    def within(self, axes: Mapping[str, Collection[Label]]) -> Variants:
+        """Rows whose labels are among those of some axes."""
+
+        def is_within(name: Variant) -> bool:
+            return all(value in axes.get(label, ()) for label, value in name)
+
+        numbers = [k for name, k in self._rows.items() if is_within(name)]
+        return Variants(
+            tuple(column.taken(numbers) for column in self.columns),
+            tuple(self.parts[k] for k in numbers),
+            {name: part for name, part in self.given.items() if is_within(name)},
+            self.draw,
+        )
+
+    def union(self, other: Variants) -> Variants:
+        """Rows of both tables, which have the same dimensions; what both have is the other's.
+
+        Raises
+        ------
+        InputError
+            If neither has some combination of labels.
+        """
+        axes = {name: _joined(self.axes[name], values) for name, values in other.axes.items()}
+        names, parts = combinations(axes), {**self._by_name, **other._by_name}
+        if gap := next((dict(name) for name in names if name not in parts), None):
+            words = ", ".join(f"{label} {value}" for label, value in gap.items())
+            raise InputError(
+                f"neither has all combinations of values, such as {words} (in SI); give each entry "
+                "of sweep.over all of its values, those of the store included"
+            )
+        mine, columns = {column.name: column for column in self.columns}, list[Column]()
+        for column in other.columns:
+            along, both = column.along or column.name, (mine[column.name], column)
+            keys = [table._values(along) for table in (self, other)]
+            texts, values = dict[Label, Any](), dict[Label, Label]()
+            for labels, one in zip(keys, both, strict=True):
+                values |= zip(labels, one.values, strict=True)
+                texts |= zip(labels, one.texts or one.values, strict=True)
+            rows = [dict(name)[along] for name in names]
+            columns.append(
+                replace(
+                    column,
+                    values=tuple(values[label] for label in rows),
+                    texts=tuple(texts[label] for label in rows) if column.texts else (),
+                )
+            )
+        chosen = combinations({one.name: axes[one.name] for one in other.chosen})
+        given = {**self.given, **other.given}
+        return Variants(
+            tuple(columns),
+            tuple(parts[name] for name in names),
+            {name: given[name] for name in chosen if name in given},
+            other.draw,
+        )
+
+    @property
+    def _by_name(self) -> dict[Variant, Part]:
+        return dict(zip(self._rows, self.parts, strict=True))
+
+    def _values(self, name: str) -> tuple[Label, ...]:
+        return next(column.values for column in self.columns if column.name == name)
 
     def plane_of(
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
@@ -188,6 +250,13 @@ def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
     return tuple(
         tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
     )
+
+
+def _joined(some: Iterable[Label], others: Iterable[Label]) -> tuple[Label, ...]:
+    """Labels of both, numbers ascending."""
+    labels = dict.fromkeys([*some, *others])
+    is_text = any(isinstance(label, str) for label in labels)
+    return tuple(labels) if is_text else tuple(sorted(labels))
 
 
 def written_of(table: Variants, name: Variant) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import share_of
 from pipeline.store.place import PathLike, StoreMismatchError, require_writable
-from pipeline.store.root import read_attributes
+from pipeline.store.root import find_sweep
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial, preset_of
@@ -76,7 +76,7 @@ def at_accuracy(
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     selection = None if store is None else stored_selection(store)
     if selection is None:
-        if store is not None and read_attributes(store) is not None:
+        if store is not None and find_sweep(store) is not None:
             raise StoreMismatchError(
                 f"{store} was computed with the scene's own fidelity, not one picked for its "
                 "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
@@ -108,9 +108,9 @@ def with_own_error(
     conditions = sweep.conditions
     is_judged = conditions.friction > 0 and conditions.critical_temperature is not None
     moves = all(point.velocity for point in points) if points else max(sweep.plane.velocities) > 0
-    if preset_of(asdict(sweep.scene.fidelity)) or not (is_judged and moves):
+    if preset_of(sweep.scene.fidelity) or not (is_judged and moves):
         return sweep
-    if store is not None and read_attributes(store) is not None:
+    if store is not None and find_sweep(store) is not None:
         return sweep.changed(selection=stored_selection(store))
     if store is not None:
         require_writable(store)  # before the probe takes its time
@@ -124,8 +124,8 @@ def with_own_error(
 
 def stored_selection(path: PathLike) -> Selection | None:
     """Why a store has the fidelity that it has; None if it was not picked, or is not there."""
-    selection = (read_attributes(path) or {}).get("selection")
-    return None if selection is None else Selection.from_dict(selection)
+    sweep = find_sweep(path)
+    return sweep.about.selection if sweep else None
 
 
 def choose_fidelity(

@@ -16,7 +16,7 @@ from pipeline.scene.units import require_count
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.plan import record_at, step_count
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.station_choice import choose_stations
 from tribo import State
 from tribo.simulation import contacts, heat, leads_to
 
@@ -158,7 +158,7 @@ def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
 
 def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
     """Load of each step at one velocity, and whether it is given its temperature."""
-    stations, shared, trunk = Stations.of(sweep), 0.0, 0.0
+    stations, shared, trunk = choose_stations(sweep), 0.0, 0.0
     loads = {load for load in stations.loads if load < sweep.plane.loads[-1]}
     for load in sorted(loads.union(sweep.plane.loads)):
         if sweep.scene.trunk(load) != shared:
@@ -175,7 +175,7 @@ def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
-    stations = Stations.of(sweep)
+    stations = choose_stations(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep, state).values())
     fields = (3 + sweep.scene.unequal_bulks) * sweep.record.fields
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
@@ -203,7 +203,7 @@ def savings(sweep: Sweep) -> Iterator[str]:
     elif still := sum(velocity == 0 for velocity in plane.velocities):
         points = still * len(plane.loads) * len(sweep.variants.names)
         yield f"heat at {points} points, since nothing moves there"
-    stations = Stations.of(sweep)
+    stations = choose_stations(sweep)
     is_end = stations.interval is None and not stations.judges_hold
     if is_end and steps > 1 and scene.friction_heat and not scene.remembers_heat:
         yield f"temperatures before the last step (up to {steps - 1} a point)"

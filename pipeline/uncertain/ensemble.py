@@ -23,23 +23,25 @@ from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
 from pipeline.analysis.dataset import (
-    attributes_of,
+    asked,
     dataset_of,
     end_of_point,
     is_emulated,
     open_sweep,
     require_one_scene,
+    stored_sweep,
     values_of,
 )
 from pipeline.analysis.decisive import conditions_of, require_sound
 from pipeline.analysis.scenes import scenes, taken
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
-from pipeline.sweep.conditions import Conditions, with_corrections_of_row
-from pipeline.sweep.plain import made
+from pipeline.sweep.accuracy import velocity_error
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.samples import Design
-from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.unknown import Fixed, Unknown, without
+from pipeline.sweep.variants import VARIANT
 from pipeline.uncertain.emulator import (
     Emulator,
     Groups,
@@ -160,37 +162,38 @@ class Ensemble:
             )
         ds, at = taken(ds, at or {})
         require_one_scene(ds)
-        about = attributes_of(ds)
-        design = Design.from_dict(about["scene"]["samples"])
+        sweep = stored_sweep(ds)
+        draw = sweep.variants.draw
+        assert draw is not None  # for the type checker: is_emulated has asked
+        design = draw.design
         if isinstance(changed.get("friction"), tuple):
             raise InputError("samples are judged at one --friction at a time; give one")
         changed = with_conditions(at, changed)
         conditions = conditions_of(ds, **changed)
-        unknown = tuple(made(Unknown, quantity) for quantity in about["unknown"])
-        stored = tuple(map(Fixed.from_dict, about.get("fixed", ())))
+        unknown, stored = draw.unknown, draw.fixed
         paths = [quantity.path for quantity in design.inputs]
         movable = [one for one in stored if one.unknown.path in paths]
         fixed = fixed_at(unknown, movable, at, changed, conditions)
-        ds = ds.sortby("load").isel(variant=slice(0, about["samples"]))
+        ds = ds.sortby("load").isel(variant=asked(ds).any("load").values)
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
         is_drawn = SHARE in paths and "share" not in changed
         shares = inputs[:, paths.index(SHARE)].tolist() if is_drawn else None
-        of_rows = _conditions_of_rows(conditions, about, numbers.tolist(), shares)
+        of_rows = _row_conditions(conditions, sweep, ds["variant"].values.tolist(), shares)
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = decisive_rises(columns, loads, of_rows)
         require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
         done = np.isfinite(rises.sum(axis=1))
-        _require_enough(int(np.count_nonzero(done)), about["samples"])
-        hold = float(about["scene"]["loading"].get("hold", 0.0))
-        tests = (*about["measured"], *about["tested"])
+        _require_enough(int(np.count_nonzero(done)), len(numbers))
+        hold = float(getattr(sweep.scene.loading, "hold", 0.0))
+        tests = tuple(test.as_dict() for test in (*sweep.about.measured, *sweep.about.tested))
         by_hold = {
             other: decisive_rises(until, loads, of_rows)[done]
             for other in {float(test.get("hold", hold)) for test in tests}
             if other < hold and (until := columns_until(columns, loads, other, done)) is not None
         }
         return cls(
-            title=str(about["title"]),
+            title=sweep.about.title,
             unknown=without(unknown, [one.unknown.path for one in fixed]),
             design=design,
             conditions=conditions,
@@ -205,8 +208,8 @@ class Ensemble:
             rises_by_hold=by_hold,
             fixed=tuple({one.unknown.path: one for one in (*stored, *fixed)}.values()),
             missing=int(np.count_nonzero(~done)),
-            same_rig=bool(about.get("same_rig", True)),
-            velocity_error=velocity_error(about),
+            same_rig=sweep.about.same_rig,
+            velocity_error=velocity_error(sweep),
             keeper=ds["status"].encoding.get("reader"),
         )
 
@@ -372,16 +375,17 @@ def keep_fits(path: PathLike, **changed: Any) -> None:
             _ = ensemble._width
 
 
-def _conditions_of_rows(
+def _row_conditions(
     conditions: Conditions,
-    about: Mapping[str, Any],
-    numbers: Sequence[int],
+    sweep: Sweep,
+    rows: Sequence[int],
     shares: Sequence[float] | None,
 ) -> list[Conditions]:
-    """Conditions of samples by their numbers, with corrections and shares that each has drawn."""
-    of_rows = [conditions] * len(numbers)
-    if corrections := about.get("sample_corrections"):
-        of_rows = [with_corrections_of_row(conditions, corrections, number) for number in numbers]
+    """Conditions of samples by their rows, with corrections and shares that each has drawn."""
+    own = (dict(sweep.variants.part(((VARIANT, row),))).get("conditions") for row in rows)
+    of_rows = [
+        replace(conditions, corrections=one.corrections) if one else conditions for one in own
+    ]
     if shares is not None:
         pairs = zip(of_rows, shares, strict=True)
         of_rows = [replace(one, failing_share=share) for one, share in pairs]

@@ -15,7 +15,7 @@ from pathlib import Path
 import psutil
 
 import pipeline
-from pipeline.store.root import read_attributes
+from pipeline.store.root import read_sweep
 from tests.crash.loop import PATIENCE, code_of, job, started
 from tests.crash.sweeps import Expected
 
@@ -53,7 +53,7 @@ class _AsStored:
 
     def __call__(self, point):
         if self._expected is None:
-            stations = read_attributes(self._path)["stations"]
+            stations = read_sweep(self._path).record.stations
             self._expected = Expected(self._sweep.changed(stations=stations))
         return self._expected(point)
 

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.store.root import read_attributes
+from pipeline.store.root import find_sweep
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
@@ -289,7 +289,7 @@ class Trial:
         acknowledged = self.acknowledged
         self.run.report.counts["looks"] += 1
         try:
-            if read_attributes(self.path) is None:
+            if find_sweep(self.path) is None:
                 if acknowledged:
                     self.fault(f"{len(acknowledged)} were told as done, and there is no store")
                 return

@@ -6,7 +6,7 @@ told to open the store again, and no reader has another error.
 """
 
 import pipeline
-from pipeline.store.root import read_attributes
+from pipeline.store.root import find_sweep
 from tests.crash.loop import code_of, faults_of, faults_of_files
 from tests.crash.sweeps import FAILING, STAGES
 
@@ -43,7 +43,7 @@ def _may_have_failed(point, _):
 def _read(trial, driver):
     """Read a store in one of the ways, if there is one; faults of what is seen."""
     acknowledged, chance = trial.acknowledged, trial.run.chance
-    if read_attributes(trial.path) is None:
+    if find_sweep(trial.path) is None:
         return
     way = chance.choice(("status", "verify", "data", "data, later"))
     trial.run.report.counts[way] += 1

@@ -7,15 +7,20 @@ import numpy as np
 import xarray as xr
 from scipy import stats
 
+import tribo
 from pipeline.store.schema import DONE
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.samples import Design, samples_per_contact
+from pipeline.sweep.samples import Design, Draw, samples_per_contact
 from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.variants import drawn_rows
 from pipeline.uncertain import weigh
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import BULK, prior
 from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
+from tests.helpers import synthetic
+from tests.helpers.sweeps import attributes_of
 from tribo import QUANTILES
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)
@@ -110,16 +115,22 @@ def dataset(samples, growth=((0.0, 1.0),)):
     quantiles = np.array(QUANTILES)
     dims = ("variant", "load", "step")
     loads = np.broadcast_to(samples.loads[:, None], rise.shape[:3])
-    about = {
-        "title": samples.title,
-        "preset": "draft",
-        "scene": {"samples": samples.design.as_dict(), "loading": {"hold": samples.hold}},
-        "conditions": samples.conditions.as_dict(),
-        "unknown": [entry.as_dict() for entry in samples.unknown],
-        "samples": len(samples.rises),
-        "measured": [test for test in samples.tests if "outcome" not in test],
-        "tested": [test for test in samples.tests if "outcome" in test],
+    count, unknown = len(samples.rises), samples.unknown
+    draw = Draw(unknown, samples.design, samples.fixed)
+    tests = {
+        kind: tuple(Measurement(**test) for test in samples.tests if ("outcome" in test) == told)
+        for kind, told in (("measured", False), ("tested", True))
     }
+    about = synthetic.scene(
+        title=samples.title,
+        preset="draft",
+        conditions=samples.conditions,
+        loading=tribo.Ramp(150.0, 750.0, hold=samples.hold),
+        loads=tuple(samples.loads.tolist()),
+        velocities=tuple(VELOCITIES),
+        variants=replace(drawn_rows(draw, count), parts=((),) * count),
+        **tests,
+    )
     inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)
     return xr.Dataset(
         {
@@ -139,5 +150,5 @@ def dataset(samples, growth=((0.0, 1.0),)):
             "velocity": ("variant", samples.sample_velocities),
             **{entry.path: ("variant", column) for entry, column in inputs},
         },
-        about,
+        attributes_of(about),
     )

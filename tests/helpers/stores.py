@@ -13,10 +13,11 @@ import xarray as xr
 from pipeline.store import files
 from pipeline.store.create import writing
 from pipeline.store.place import place_of
-from pipeline.store.root import read_root
+from pipeline.store.root import read_root, read_sweep
 from pipeline.store.schema import DONE
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord, points, run_point
+from pipeline.sweep.stations import Stations
 from tests.helpers import tiny
 
 HOLDER = """if True:
@@ -50,14 +51,14 @@ class Killed(BaseException):
 @functools.cache
 def record(point, loads=tiny.LOADS):
     """Record of a point of the full tiny sweep, with these loads as stations."""
-    stations = {"steps": "loads", "loads": list(loads), "interval": None}
+    stations = Stations("loads", tuple(loads))
     with np.errstate(all="raise", under="ignore"):
         return run_point(tiny.full(stations=stations), *point).record(with_fields=True)
 
 
 def stations_of(path):
     """Loads that are stations of the points of a store."""
-    return tuple(read_root(place_of(path)).attributes["stations"]["loads"])
+    return tuple(read_sweep(path).record.stations.loads)
 
 
 def commit(path, sweep, chosen=None):

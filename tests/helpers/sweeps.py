@@ -4,7 +4,11 @@ from dataclasses import fields
 
 import numpy as np
 
+from pipeline.analysis.dataset import stored_sweep
+from pipeline.store.inputs import split_arrays
+from pipeline.store.schema import INPUTS
 from pipeline.sweep.about import About
+from pipeline.sweep.codec import sweep_text
 from pipeline.sweep.model import PART_OF, Plane, Record, Sweep
 from pipeline.sweep.variants import Variants
 from tribo import Scene
@@ -21,6 +25,23 @@ def sweep_of_fields(**values):
     }
     variants = values.get("variants", Variants())
     return Sweep(**parts, conditions=values["conditions"], variants=variants)
+
+
+def attributes_of(sweep, held=frozenset()):
+    """Attributes of the dataset of a sweep, as its store has them, but for words for people.
+
+    Arrays of the sweep lie beside its text, in the dataset, which must hold them by these digests.
+    """
+    arrays = {}
+    text = sweep_text(sweep, arrays)
+    assert arrays.keys() <= held, "arrays of a scene lie beside its text"
+    return {"title": sweep.about.title, "sweep": text}
+
+
+def with_fields(ds, **values):
+    """The dataset of a sweep with other values of fields of its parts, by their names."""
+    held = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
+    return ds.assign_attrs(attributes_of(stored_sweep(ds).changed(**values), held))
 
 
 def inputs_of(table):

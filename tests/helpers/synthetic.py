@@ -3,8 +3,13 @@
 import numpy as np
 import xarray as xr
 
+import tribo
 from pipeline.store.schema import COLUMNS, DONE, FAILED
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.selection import Selection
+from tests.helpers.scenes import STEEL
+from tests.helpers.sweeps import attributes_of, sweep_of_fields
 from tribo import QUANTILES
 
 FACTOR, LOAD_EXPONENT, VELOCITY_EXPONENT = 24.0, 0.58, 0.7
@@ -14,26 +19,13 @@ CONDITIONS = {
     "critical_temperature": 418.15,
     "failing_share": 0.1,
 }
-MEASURED = [
-    {"normal_load": 750.0, "velocity": 1.25, "friction": 0.103},
-    {"normal_load": 600.0, "velocity": 1.5, "friction": 0.1},
-    {"normal_load": 400.0, "velocity": 2.25, "friction": 0.091},
-    {"normal_load": 200.0, "velocity": 3.75, "friction": None},
-]
-OILED = {
-    "oil": {
-        "temperatures": [313.15, 373.15],
-        "viscosities": [32e-6, 5e-6],
-        "density": 866.0,
-        "pressure_coefficients": [20e-9, 20e-9],
-    },
-    "radius": 2e-3,
-    "length": 3.4e-3,
-    "contact_modulus": 115.385e9,
-    "rms_height": 0.338e-6,
-    "motion": None,
-}
-"""An attribute `lubrication`."""
+MEASURED = (
+    Measurement(750.0, 1.25, 0.103),
+    Measurement(600.0, 1.5, 0.1),
+    Measurement(400.0, 2.25, 0.091),
+    Measurement(200.0, 3.75),
+)
+OIL = tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
 LOADS = np.arange(200.0, 751.0, 50.0)
 VELOCITIES = np.arange(0.5, 4.01, 0.25)
 RATE, INCREMENT = 150.0, 37.5
@@ -84,7 +76,8 @@ def sweep(
     status=None,
     interval=0,
     fields=False,
-    **attributes,
+    conditions=CONDITIONS,
+    **told,
 ):
     """Build the dataset; `status` is {(load, velocity): 0 or 2} for points that are not done."""
     loads, velocities = np.asarray(loads, float), np.asarray(velocities, float)
@@ -128,16 +121,41 @@ def sweep(
     }
     if fields:
         data |= _fields(flags, loads, velocities, rise, coords)
-    attrs = {
-        "title": "White oil on ground steel",
-        "name": "synthetic",
-        "conditions": dict(CONDITIONS),
-        "friction_band": [0.09, 0.103],
-        "measured": [dict(point) for point in MEASURED],
-        "format": 3,
-        "preset": "fine",
-    }
-    return xr.Dataset(data, coords, attrs | attributes)
+    judged = Conditions(**conditions) if isinstance(conditions, dict) else conditions
+    plane = {"loads": tuple(loads.tolist()), "velocities": tuple(velocities.tolist())}
+    of = scene(conditions=judged, fields=fields, **plane | told)
+    return xr.Dataset(data, coords, attributes_of(of))
+
+
+def scene(**values):
+    """The sweep that such a dataset is of, with these values of fields of its parts."""
+    return sweep_of_fields(
+        **{
+            "pin": tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
+            "disk": STEEL,
+            "pixels": tribo.Grid((32, 16), (13e-6, 15e-6)),
+            "loading": tribo.Ramp(rate=RATE, reference_load=750.0),
+            "roughness": tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 9e-6), seed=1),
+            "wear": tribo.Wear(1.2e-15),
+            "fidelity": tribo.Fidelity(pixels_per_element=1, increments=20),
+            "title": "White oil on ground steel",
+            "name": "synthetic",
+            "friction_band": (0.09, 0.103),
+            "measured": MEASURED,
+            "preset": "fine",
+            "loads": tuple(LOADS.tolist()),
+            "velocities": tuple(VELOCITIES.tolist()),
+            "conditions": Conditions(**CONDITIONS),
+        }
+        | values
+    )
+
+
+def selection(**values):
+    """A fidelity that was picked, with these fields of `Selection`."""
+    usual = {"accuracy": 0.02, "name": "fine", "fidelity": tribo.PRESETS["fine"], "error": 0.02}
+    rest = {"coarser": None, "trials": (), "points": (), "saving": 2.0, "work": 1.0, "seconds": 1.0}
+    return Selection(**usual | rest | values)
 
 
 def _columns(ramp, velocity):

@@ -1,6 +1,5 @@
 """Physics beside the half-spaces: entries that cost no simulation, one for all answers."""
 
-import json
 import re
 from dataclasses import replace
 
@@ -10,11 +9,13 @@ import pytest
 import pipeline
 import tribo
 from pipeline.analysis.frames import compared
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import SPECIFIC_WEAR_RATE
 from pipeline.uncertain import direct
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
+from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
 
 STEEL = tiny.sweep().scene.disk
@@ -51,7 +52,7 @@ def test_all_answers_rest_on_the_same_corrected_rise(store):
     conditions = replace(CONDITIONS, corrections=ALL)
     sweep = tiny.full(conditions=conditions)
     plain = pipeline.open_sweep(store)
-    ds = plain.assign_attrs(conditions=conditions.as_dict())
+    ds = with_fields(plain, conditions=conditions)
     crossings = pipeline.boundary(ds)
     changed = np.abs(crossings["critical_velocity"] - pipeline.boundary(plain)["critical_velocity"])
     assert (changed > 1e-3).any()
@@ -92,10 +93,10 @@ def test_friction_by_velocity_is_that_friction_at_that_velocity(store):
     by_velocity = Conditions(
         0.1, 298.15, 345.0, corrections=tribo.Corrections(friction=ALL.friction)
     )
-    ds = ds.assign_attrs(conditions=by_velocity.as_dict())
+    ds = with_fields(ds, conditions=by_velocity)
     falling = pipeline.decisive_temperature(ds)
     for velocity, friction in ((0.5, 0.11), (1.5, 0.09)):
-        steady = ds.assign_attrs(conditions=CONDITIONS.as_dict())
+        steady = with_fields(ds, conditions=CONDITIONS)
         alone = pipeline.decisive_temperature(steady, friction=friction)
         np.testing.assert_allclose(falling.sel(velocity=velocity), alone.sel(velocity=velocity))
 
@@ -104,9 +105,9 @@ def test_a_friction_that_a_test_measured_stands_in_place_of_the_friction_by_velo
     by_velocity = Conditions(
         0.1, 298.15, 345.0, corrections=tribo.Corrections(friction=ALL.friction)
     )
-    test = {"normal_load": 600.0, "velocity": 1.5, "friction": 0.1, "outcome": "mild"}
+    test = Measurement(600.0, 1.5, friction=0.1, outcome="mild")
     plain = pipeline.open_sweep(store)
-    ds = plain.assign_attrs(conditions=by_velocity.as_dict(), measured=[], tested=[test])
+    ds = with_fields(plain, conditions=by_velocity, measured=(), tested=(test,))
     (margin,) = pipeline.margins(plain, 600.0, 1.5, friction=0.1, critical_temperature=345.0)
     (row,) = compared(ds).to_dict("records")
     assert row["decisive temperature [°C]"] + 273.15 == pytest.approx(margin.decisive_temperature)
@@ -123,7 +124,6 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
     assert corrections.pin_bulk == ALL.pin_bulk
     assert corrections.disk_bulk.loss == 2.0
     assert corrections.disk_bulk.capacity == pytest.approx(np.pi / 4 * 0.15**2 * 0.01 * 3.666e6)
-    assert tribo.Corrections.of_plain(json.loads(json.dumps(ALL.as_dict()))) == ALL
     assert pipeline.load_scene(tmp_path / "plain.toml").conditions.corrections is None
 
 
@@ -170,7 +170,6 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     assert corrections.pin_track.length == pytest.approx(np.pi * 0.1) == scene.scene.track_length
     assert corrections.track.length == 0.4
     assert corrections.motion == scene.scene.motion
-    assert tribo.Corrections.of_plain(json.loads(json.dumps(corrections.as_dict()))) == corrections
     for wrong, problem in (
         ({"pin.track_length": "314 mm"}, "pin.diameter: 100 mm stands beside a track_length"),
         ({"motion.track_length": "200 mm"}, "motion.track_length: 200 mm is not the 314.159 mm"),

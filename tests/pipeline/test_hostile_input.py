@@ -18,7 +18,7 @@ from pipeline.scene import surfaces
 from pipeline.scene.surfaces import read_surface
 from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
-from pipeline.store.root import read_attributes
+from pipeline.store.root import read_sweep
 from pipeline.store.verify import verify_store
 from tests.helpers import tiny
 from tests.helpers.processes import python
@@ -82,7 +82,7 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys):
     assert main(["status", str(path), "--json"]) == 0
     assert "\x9b" not in capsys.readouterr().out
     assert main(["plot", str(path), "--kind", "diagram", "-o", str(tmp_path / "a.png")]) in (0, 2)
-    assert read_attributes(path)["title"] == title
+    assert open_sweep(path).attrs["title"] == read_sweep(path).about.title == title
 
 
 def test_of_a_thousand_faults_some_are_shown(tmp_path, capsys):

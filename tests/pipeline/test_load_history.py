@@ -11,8 +11,9 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import momentary_rise
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.station_choice import choose_stations
 from tests.helpers import tiny
+from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
@@ -64,7 +65,7 @@ def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
     sweep = sweep.changed(conditions=replace(sweep.conditions, corrections=kept))
     commit_all(tmp_path / "a.zarr", sweep)
     warm = pipeline.open_sweep(tmp_path / "a.zarr")
-    plain = warm.assign_attrs(conditions=replace(sweep.conditions, corrections=None).as_dict())
+    plain = with_fields(warm, conditions=replace(sweep.conditions, corrections=None))
     at = {"load": LOAD, "velocity": VELOCITY, "step": 0}
     rise, cold = (pipeline.temperatures(ds)["mean_temperature"].sel(at) for ds in (warm, plain))
     share = 1 - warm["pin_heat_share"].sel(at).item()
@@ -113,5 +114,5 @@ def test_a_hold_that_warms_a_body_is_judged_inside():
     without = held.changed(conditions=replace(conditions, corrections=None))
     assert len(pipeline.run_point(without, 600.0, 1.0).columns["time"]) == 2
     coarse = held.changed(loading=tribo.Ramp(150.0, 750.0, hold=100.0, hold_steps=4000))
-    many = Stations.of(coarse).asked(coarse.scene, 600.0)
+    many = choose_stations(coarse).asked(coarse.scene, 600.0)
     assert 50 < len(many) <= 61

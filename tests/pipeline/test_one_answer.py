@@ -4,6 +4,7 @@ import functools
 import itertools
 import json
 import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from pipeline.cli.margins import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.severity import rise_limit
 from tests.helpers.scenes import SCENE
+from tests.helpers.sweeps import with_fields
 from tests.pipeline.figures.page import sweeps
 from tribo import Corrections
 
@@ -56,10 +58,10 @@ CASES = {
         several("realization", [interrupted(full(k)) for k in range(3)]),
         several("realization", [full(k) for k in range(3)]),
     ),
-    "one load": lambda: (interrupted(full()).isel(load=[3]), full().isel(load=[3])),
+    "one load": lambda: (one_load(interrupted(full())), one_load(full())),
     "one velocity": lambda: (
-        done_only(full(), full()["load"] < 500.0).isel(velocity=[3]),
-        full().isel(velocity=[3]),
+        one_velocity(done_only(full(), full()["load"] < 500.0)),
+        one_velocity(full()),
     ),
     "a warm pin": lambda: (interrupted(warm_pin()), warm_pin()),
     "friction by velocity": lambda: (interrupted(slippery()), slippery()),
@@ -67,16 +69,28 @@ CASES = {
 }
 
 
+def one_load(ds):
+    """The sweep of a scene with that load alone."""
+    one = ds.isel(load=[3])
+    return with_fields(one, loads=tuple(one["load"].values.tolist()))
+
+
+def one_velocity(ds):
+    """The sweep of a scene with that velocity alone."""
+    one = ds.isel(velocity=[3])
+    return with_fields(one, velocities=tuple(one["velocity"].values.tolist()))
+
+
 def slippery():
     """Friction that falls with velocity, and a film on the disk."""
     ds = full()
     falling = Corrections(friction=((1.0, 1.1), (3.0, 0.9)), film_resistance=1e-7)
-    return ds.assign_attrs(conditions=ds.attrs["conditions"] | {"corrections": falling.as_dict()})
+    return with_fields(ds, conditions=replace(conditions_of(ds), corrections=falling))
 
 
 def warm_pin():
     ds = sweeps.of_a_warm_pin()
-    return ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "share"})
+    return with_fields(ds, conditions=replace(conditions_of(ds), criterion="share"))
 
 
 MILD_OR_SEVERE = ({}, {"friction": 0.05}, {"friction": 0.3})

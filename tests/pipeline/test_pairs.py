@@ -8,6 +8,7 @@ import pytest
 import pipeline
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Column, placed_rows
+from tests.helpers.sweeps import with_fields
 from tests.helpers.tiny import sweep
 from tests.pipeline.conftest import commit_all
 
@@ -45,7 +46,7 @@ def stores(tmp_path_factory):
 
 def draft(path):
     """The store with the error that a preset promises, by which verdicts are decided."""
-    return pipeline.open_sweep(path).assign_attrs(preset="draft")
+    return with_fields(pipeline.open_sweep(path), preset="draft")
 
 
 def test_margins_are_those_of_points_and_factors_come_from_places_about(stores, irg):

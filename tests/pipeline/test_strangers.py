@@ -13,7 +13,7 @@ import tribo
 from pipeline.cli import main
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root, root_document
-from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws
+from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Reference
 from pipeline.tradeoff.choose import at_accuracy
 from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
@@ -98,12 +98,18 @@ def ran(tmp_path):
     return (tmp_path / "ran").exists
 
 
+def write(store, root):
+    """Let a store have another root."""
+    (store / "zarr.json").write_bytes(root_document(root))
+
+
 def forged(done, folder, store, criterion):
     """Copy a store into a folder, and let it say that it was judged by some criterion."""
     target = shutil.copytree(done / store, folder / store)
     root = read_root(place_of(target))
-    root.attributes["conditions"] |= {"criterion": criterion, "criterion_hash": "0" * 64}
-    (target / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    own = Reference(criterion, CRITERION, (), "0" * 64) if ":" in criterion else None
+    judged = replace(root.sweep.conditions, criterion=criterion, own_criterion=own)
+    write(target, root._replace(sweep=root.sweep.changed(conditions=judged)))
     shutil.copy(folder / "payload.py", target)
     return store
 
@@ -230,8 +236,8 @@ def test_a_store_runs_nothing_and_writes_no_empty_answer(
 def test_the_user_s_word_is_not_for_the_scene_that_a_store_names(strangers, done, ran, irg):
     store = forged(done, strangers, "samples.zarr", "share")
     root = read_root(place_of(strangers / store))
-    root.attributes["arguments"] = [str(strangers / "wear.toml"), "--own-laws"]
-    (strangers / store / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    words = str(strangers / "wear.toml"), "--own-laws"
+    write(strangers / store, root._replace(sweep=root.sweep.changed(arguments=words)))
     goal = ["--over", "temperature.critical", *AT, "--risk", "30%"]
     assert "code runs only if you say so" in irg("design", store, *goal, "--own-laws")
     assert not ran()
@@ -252,7 +258,7 @@ def test_a_store_whose_chunks_would_be_unpickled_is_refused(strangers, done, ran
         "filters": [{"id": "vlen-utf8"}],
         "compressor": {"id": "pickle", "protocol": 5},
     }
-    (strangers / store / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    write(strangers / store, root)
     for command in ("status", "verify", "boundary", "report", "explore"):
         assert "are not of Zarr 3" in irg(command, store, code=2)
     assert not ran()
@@ -262,10 +268,12 @@ def test_a_store_whose_chunks_would_be_unpickled_is_refused(strangers, done, ran
 def test_a_store_names_no_files_outside_it_and_no_codecs_of_others(strangers, done, irg, name):
     store = forged(done, strangers, "small.zarr", "share")
     root = read_root(place_of(strangers / store))
-    forged_array = {**root.arrays["message"], "codecs": [{"name": "numcodecs.json2"}]}
-    entry = {"message": forged_array}.get(name, root.arrays["load"])
-    root.arrays[name.format(folder=strangers)] = entry
-    (strangers / store / "zarr.json").write_bytes(root_document(root.attributes, root.arrays))
+    outside = name.format(folder=strangers)
+    if name == "message":
+        root.arrays[name] = {**root.arrays[name], "codecs": [{"name": "numcodecs.json2"}]}
+    else:
+        root.arrays[outside], root.axes[outside] = root.arrays["load"], root.axes["load"]
+    write(strangers / store, root)
     for words in (["status"], ["verify", "--repair"], ["boundary"]):
         assert "not those of a store" in irg(words[0], store, *words[1:], code=2)
     assert not (strangers / "outside").exists()

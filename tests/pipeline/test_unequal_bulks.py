@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
@@ -40,7 +41,8 @@ def equal(stores):
 def test_only_unequal_bulk_temperatures_are_stored_with_both_parts(unequal, equal):
     further = {"bulk_ratio", "mean_bulk_response", "bulk_rise_quantile", "bulk_response"}
     assert set(unequal.variables) - set(equal.variables) == further
-    assert "disk_temperature" not in equal.attrs["conditions"]
+    assert stored_sweep(equal).conditions.disk_temperature is None
+    assert stored_sweep(unequal).conditions == CONDITIONS
     for name in ("rise_quantile", "rise", "max_rise", "pressure"):
         assert np.array_equal(unequal[name], equal[name], equal_nan=True)
 

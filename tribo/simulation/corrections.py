@@ -148,18 +148,6 @@ class Corrections:
                 f"film_resistance is {self.film_resistance!r} m² K/W; it must be finite and ≥ 0"
             )
 
-    @classmethod
-    def of_plain(cls, plain: Mapping[str, Any]) -> Self:
-        """Corrections from the plain data that `as_dict` gives."""
-        parts = {name: kind(**plain[name]) for name, kind in _PARTS.items() if plain.get(name)}
-        return cls(
-            friction=tuple((v, factor) for v, factor in plain.get("friction", ())),
-            course=tuple((time, share) for time, share in plain.get("course", ())),
-            film_resistance=plain.get("film_resistance", 0.0),
-            rate=plain.get("rate"),
-            **parts,
-        )
-
     def under(self, loading: Ramp | MeasuredLoad) -> Self:
         """The corrections with what a load was before."""
         if isinstance(loading, MeasuredLoad):
@@ -268,14 +256,6 @@ class Corrections:
 
 
 _NOTHING = Corrections()
-_PARTS = {
-    "track": Track,
-    "pin_track": Track,
-    "stem": Stem,
-    "pin_bulk": Bulk,
-    "disk_bulk": Bulk,
-    "motion": Motion,
-}
 _RISES: dict[str, Any] = {
     "max_rise": ...,
     "mean_rise": ...,

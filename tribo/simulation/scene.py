@@ -110,7 +110,7 @@ class Scene:
                 f"the heat_kernel {self.fidelity.heat_kernel!r} needs a patch that is periodic "
                 "along y; use 'pin'"
             )
-        if not isinstance(self.roughness, SelfAffineRoughness):
+        if isinstance(self.roughness, MeasuredRoughness):
             self.heights()
         if self.motion and self.wears_by_law:
             raise InputError(

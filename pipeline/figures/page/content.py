@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -17,15 +17,15 @@ import xarray as xr
 
 from pipeline.analysis.dataset import (
     asked,
-    attributes_of,
     corrected_sweep,
     end_of_point,
     ordered,
     plane_of,
+    stored_sweep,
     values_of,
 )
 from pipeline.analysis.decisive import conditions_of, decisive_rise, require_all_sound
-from pipeline.analysis.difference import entries_of
+from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.frames import laboratory_tests
 from pipeline.analysis.margin_error import error_table
 from pipeline.analysis.transition import interpolated, outcomes, range_of
@@ -33,8 +33,10 @@ from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
+from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.codec import content_hash
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.selection import Selection, error_in_words
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import above_colder, rise_limit, worst_moment
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask
@@ -60,8 +62,7 @@ _NUMBERS = (
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
     ds = ordered(plane_of(ds))
-    attributes = attributes_of(ds)
-    conditions = conditions_of(ds, **criterion)
+    sweep, conditions = stored_sweep(ds), conditions_of(ds, **criterion)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     done = values_of(ds, "status") == DONE
@@ -75,19 +76,20 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     decisive = np.where(done[..., None, None], _at_step(deciding, worst), np.nan)
     # The step at which each point is shown is the one that decides.
     steps = worst[..., own[0], own[1]]
-    has_heat = attributes.get("scene", {}).get("friction_heat", True)
     has_fields = set(FIELDS) <= set(ds.data_vars)
     chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
     return {
-        **_about(ds, attributes),
+        **_about(ds, sweep),
         **_on_points(ds),
         "conditions": _conditions(ds, conditions),
         "controls": [
             asdict(control)
-            for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1)
+            for control in controls(
+                conditions, sweep.scene.friction_heat, len(ratios) > 1, len(shares) > 1
+            )
         ],
         "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
-        "accuracy": error_in_words(attributes),
+        "accuracy": error_in_words(sweep),
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
         "bulk_ratios": ratios,
@@ -99,22 +101,22 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
     }
 
 
-def _about(ds: xr.Dataset, attributes: Mapping[str, Any]) -> dict[str, Any]:
+def _about(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
     """What a page shows of the scene, its axes and its tests."""
     return {
-        "title": attributes.get("title"),
-        "name": attributes.get("name"),
+        "title": sweep.about.title,
+        "name": sweep.about.name,
         "measured": in_reach(ds, laboratory_tests(ds))[0],
         "regions": [MILD, SEVERE],
-        "friction_band": attributes.get("friction_band"),
-        "chosen": bool(attributes.get("boundary_only")),
+        "friction_band": sweep.about.friction_band,
+        "chosen": sweep.plane.chosen is not None,
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["cooler_share"].values.tolist(),
         "surfaces": ds.indexes.get("realization", pd.Index([])).tolist() or None,
-        "record": record(attributes),
+        "record": record(ds, sweep),
     }
 
 
@@ -149,7 +151,7 @@ def content_of_samples(
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.weigh import basis_of, posterior_if_given
 
-    attributes = attributes_of(ds)
+    sweep = stored_sweep(ds)
     ensemble = Ensemble.of(ds, **criterion)
     weighed = posterior_if_given(ensemble, given_measured, scatter)
     draws = weighed.draws if weighed else None
@@ -157,8 +159,8 @@ def content_of_samples(
     plane = probabilities(ensemble, draws, loads=single)
     shares, lines = risk_lines(plane)
     return {
-        "title": attributes.get("title"),
-        "name": attributes.get("name"),
+        "title": sweep.about.title,
+        "name": sweep.about.name,
         "evidence": f", given {weighed.evidence}" if weighed else "",
         "basis": [*basis_of(ensemble, weighed), MEAN_OF_RUNS],
         "measured": [*ensemble.tests],
@@ -172,7 +174,7 @@ def content_of_samples(
         "table": frame_of_lines(ensemble, draws),
         "samples": ds.sizes["variant"],
         "done": int((ds["status"] == DONE).sum()),
-        "record": record(attributes),
+        "record": record(ds, sweep),
     }
 
 
@@ -246,15 +248,14 @@ def _planes(
     }
 
 
-def record(attributes: Mapping[str, Any]) -> dict[str, str]:
+def record(ds: xr.Dataset, sweep: Sweep) -> dict[str, str]:
     """Entries of the scene but for its tests, with units, and what computed the sweep."""
-    selection = attributes.get("selection")
-    entries = entries_of(attributes)
+    selection, entries = sweep.about.selection, scene_entries(sweep)
     return (
         {k: v for k, v in entries.items() if not k.startswith(("measured", "tested"))}
-        | ({"accuracy": str(Selection.from_dict(selection))} if selection else {})
-        | {"history": str(attributes.get("history", ""))}
-        | {"scene hash": str(attributes.get("scene_hash", ""))}
+        | ({"accuracy": str(selection)} if selection else {})
+        | {"history": str(ds.attrs.get("history", ""))}
+        | {"scene hash": content_hash(sweep.scene)}
     )
 
 

@@ -16,12 +16,11 @@ from typing import Any
 import xarray as xr
 
 from pipeline.analysis.dataset import (
-    attributes_of,
     dataset_of,
     is_emulated,
-    opened,
     require_plane,
     require_samples,
+    stored_sweep,
 )
 from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
@@ -115,7 +114,7 @@ def explore(
     path = writable_path(out, _SUFFIXES)
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
-    ds = opened(ds)
+    ds = dataset_of(ds)
     parts, judged = [*scenes(ds)], {"criterion": criterion, "own_laws": own_laws}
     if is_emulated(ds):
         held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
@@ -125,9 +124,8 @@ def explore(
         require_plane(ds)
         held = [content(part, most_fields // len(parts), **judged) for part in parts]
         scripts, bodies = ["state", "page"], [_of_plane(one) for one in held]
-    about = attributes_of(ds)
-    names = [entries_in_words(dataset_of(part)) for part in parts]
-    write_text(_page(str(about.get("title") or about.get("name")), names, bodies, scripts), path)
+    names = [entries_in_words(part) for part in parts]
+    write_text(_page(stored_sweep(ds).about.title, names, bodies, scripts), path)
     done = sum(one["done"] for one in held)
     fields = [one["fields"] for one in held if "fields" in one]
     counts = (sum(len(one["points"]) for one in fields), sum(one["stored"] for one in fields))
@@ -183,7 +181,7 @@ def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:
     entries = html_of(frame_of(("entry", "value"), held["record"].items()))
     return {
         "operating": _text("operating.html"),
-        "title": html.escape(str(held["title"] or held["name"])),
+        "title": html.escape(str(held["title"])),
         "record": f'<details id="record" class="record"><summary>The scene as it was stored: '
         f"{sizes}, {held['done']} points done</summary>{entries}</details>",
         "data": _as_json({name: value for name, value in held.items() if name != "record"}),

@@ -5,6 +5,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, refined
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.transition import crossing
@@ -12,7 +13,7 @@ from pipeline.cli.margins import document_of
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
 from tests.helpers import synthetic
-from tests.helpers.synthetic import LOADS, OILED, VELOCITIES
+from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo import InputError, failed_share
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
@@ -185,14 +186,6 @@ def test_the_plane_ends_with_the_known_points():
     np.testing.assert_allclose(fine.where(fine.notnull(), expected), expected, rtol=1e-12)
 
 
-def test_conditions_that_the_sweep_lacks_must_be_given():
-    ds = synthetic.sweep(conditions=None)
-    with pytest.raises(InputError, match="no friction of its own"):
-        boundary(ds)
-    conditions = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
-    assert boundary(ds, share=0.1, **conditions).equals(boundary(synthetic.sweep()))
-
-
 def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
     crossings = boundary(sweep, friction=(0.09, 0.103), share=0.05)
     assert crossings["critical_velocity"].dims == ("friction", "load")
@@ -211,10 +204,10 @@ def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
-    plain, oiled = synthetic.sweep(), synthetic.sweep(lubrication=OILED)
+    plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
     assert not [name for name in boundary(plain) if name.startswith("film")]
     crossings = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
-    of = Lubrication.stored(oiled.attrs).film_parameter
+    of = Lubrication.of(stored_sweep(oiled)).film_parameter
     for friction in (0.09, 0.1):
         part = crossings.sel(friction=friction)
         expected = of(part["load"], part["critical_velocity"], 320.0)

@@ -9,7 +9,7 @@ import xarray as xr
 
 import tribo
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import attributes_of, end_of_point, open_sweep
+from pipeline.analysis.dataset import end_of_point, open_sweep, stored_sweep
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, temperatures
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing
@@ -18,7 +18,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
-from tests.helpers.stores import commit
+from tests.helpers.stores import commit, opened
 from tests.pipeline.conftest import commit_all
 from tribo.thermal import rise_exceeded
 
@@ -70,14 +70,14 @@ def test_a_station_is_the_end_of_the_lower_load_bit_for_bit(ds):
         assert lower.tobytes() == ds[name].sel(load=600.0, step=-1).values.tobytes(), name
 
 
-def test_a_sweep_is_written_to_netcdf_and_judged_as_before(ds, tmp_path):
+def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):
     if xr.__version__.startswith("2025.6"):
         pytest.skip("xarray 2025.6 writes no text of any length by h5netcdf")
     engine = "h5netcdf"
     ds.to_netcdf(tmp_path / "sweep.nc", engine=engine)
     with xr.open_dataset(tmp_path / "sweep.nc", engine=engine) as back:
         xr.testing.assert_identical(boundary(back), boundary(ds))
-        assert attributes_of(back) == attributes_of(ds)
+        assert stored_sweep(back) == stored_sweep(ds) == opened(alone).sweep
         assert back.attrs["history"].startswith("computed by irg-transition")
     boundary(ds).to_netcdf(tmp_path / "boundary.nc", engine=engine)
 

@@ -5,13 +5,15 @@ import pytest
 import pipeline
 from pipeline.analysis.frames import agreement, compared
 from pipeline.figures.diagram import diagram
+from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
+from tests.helpers.sweeps import with_fields
 
 
 def sweep(*tests):
-    transition = [test for test in tests if "outcome" not in test]
-    tested = [test for test in tests if "outcome" in test]
-    return synthetic.sweep().assign_attrs(measured=transition, tested=tested)
+    transition = tuple(Measurement(**test) for test in tests if "outcome" not in test)
+    tested = tuple(Measurement(**test) for test in tests if "outcome" in test)
+    return synthetic.sweep(measured=transition, tested=tested)
 
 
 def rig(outcome, velocity, load=600.0, **own):
@@ -40,7 +42,7 @@ def test_a_test_agrees_beyond_the_error_at_its_own_conditions(case, computed, ag
 
 @pytest.mark.parametrize("velocity", [0.6 * CRITICAL, CRITICAL, 1.46 * CRITICAL, 2.2 * CRITICAL])
 def test_nothing_agrees_where_the_error_is_not_known(velocity):
-    unknown = sweep(rig(None, velocity)).assign_attrs(preset=None)
+    unknown = with_fields(sweep(rig(None, velocity)), preset=None)
     (row,) = compared(unknown).to_dict("records")
     assert row["agrees"] == "not decided"
     assert agreement(compared(unknown)) == "Of 1 tests 1 is not decided."

@@ -12,7 +12,9 @@ from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.frames import own_conditions
 from pipeline.analysis.margins import rows_under
 from pipeline.figures.plot import plot
+from pipeline.sweep.about import Measurement
 from tests.helpers import javascript, synthetic
+from tests.helpers.sweeps import with_fields
 
 FALLING = tribo.Corrections(friction=((0.5, 1.6), (2.0, 0.9), (6.0, 0.55)))
 BACK = tribo.Corrections(friction=((0.5, 4.0), (2.0, 0.9), (6.0, 0.2)))
@@ -20,7 +22,7 @@ BACK = tribo.Corrections(friction=((0.5, 4.0), (2.0, 0.9), (6.0, 0.2)))
 
 def swept(corrections):
     conditions = replace(synthetic.conditions(), corrections=corrections)
-    return synthetic.sweep(velocities=[0.5, 2.0, 6.0], measured=[], conditions=conditions.as_dict())
+    return synthetic.sweep(velocities=[0.5, 2.0, 6.0], measured=(), conditions=conditions)
 
 
 def temperature(corrections, load, velocity):
@@ -59,7 +61,8 @@ def test_a_test_that_measured_its_friction_is_compared_alike_on_the_page():
         {"normal_load": 600.0, "velocity": 4.0, "friction": None},
         {"normal_load": 500.0, "velocity": 2.0, "friction": 0.11},
     ]
-    ds = swept(FALLING).assign_attrs(measured=tests)
+    measured = tuple(Measurement(**test) for test in tests)
+    ds = with_fields(swept(FALLING), measured=measured)
     ask = (
         "return content.measured.map((test) => [marginsOf(test)[0].rise, expectedVelocity(test)]);"
     )

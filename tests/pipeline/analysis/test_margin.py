@@ -85,7 +85,7 @@ def test_between_loads_the_error_of_a_preset_is_that_of_the_steeper_rise():
 def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
     here = margin(synthetic.sweep(preset=None), 400.0, 0.5)
     assert (here.temperature_error, here.verdict) == (None, "not decided")
-    picked = {"accuracy": 0.02, "error": 0.01, "coarser": 0.05}
+    picked = synthetic.selection(error=0.01, coarser=0.05)
     known = margin(synthetic.sweep(preset=None, selection=picked), 400.0, 0.5)
     rise = known.decisive_temperature - 298.15
     assert known.temperature_error == pytest.approx(rise * (1.05**0.7 - 1), rel=1e-9)

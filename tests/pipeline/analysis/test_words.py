@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from pipeline.analysis.difference import entries_of, in_usual_unit
+from pipeline.analysis.entries import scene_entries, shown
 from pipeline.analysis.margin import verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point, warned_error
 from pipeline.analysis.transition import Crossing, in_words, outcomes, range_of
 from tests.helpers import synthetic
+from tests.helpers.sweeps import with_fields
 from tribo import WarningKind
 
 
@@ -27,7 +28,7 @@ def test_where_nothing_crosses_it_is_said_how_far_was_computed(limit, ends, said
 
 
 def test_velocity_zero_belongs_to_the_range_of_a_scene_only_where_it_is_computed():
-    ds = synthetic.sweep().assign_attrs(velocities=[0.0, 1.0, 4.0])
+    ds = with_fields(synthetic.sweep(), velocities=(0.0, 1.0, 4.0))
     assert range_of(ds, "velocity") == (1.0, 4.0)
 
 
@@ -49,11 +50,19 @@ def test_present_heat_errs_less_in_longer_tests_and_unsized_warnings_are_not_kno
 
 
 def test_entries_of_a_store_are_those_of_its_scene_in_usual_units():
-    scene = {"pin": {"type": "Ball", "radius": 0.005}, "pixels": {"spacing": [1e-6, 2e-6]}}
-    assert entries_of({"scene": scene, "conditions": {"critical_temperature": 418.15}}) == {
-        "pin.shape": "Ball",
-        "pin.radius": "5 mm",
-        "window.pixel_size": "1, 2 µm",
+    entries = scene_entries(synthetic.scene(oil=synthetic.OIL, wear=None))
+    expected = {
+        "pin.shape": "Cylinder",
+        "pin.radius": "2 mm",
+        "pin.material.hardness": "6.6 GPa",
+        "window.pixel_size": "13, 15 µm",
+        "window.periodic": "along y",
+        "loading.rate": "150 N/s",
+        "disk.roughness.ra": "0.27 µm",
         "temperature.critical": "145 °C",
+        "oil.viscosities": "32, 5 mm²/s",
+        "measured.1.load": "750 N",
     }
-    assert in_usual_unit("pin.radius", [0.002, 0.003]) == "2, 3 mm"
+    assert entries | expected == entries
+    assert not [path for path in entries if path.startswith("wear")]
+    assert shown("pin.radius", [0.002, 0.003]) == "2, 3 mm"

@@ -5,19 +5,18 @@ import json
 import numpy as np
 
 import pipeline
+import tribo
 from pipeline.cli import main
 from tests.helpers import synthetic
-from tests.helpers.scenes import SCENE
+from tests.helpers.scenes import SCENE, STEEL
 
 
 def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(monkeypatch):
     def hotter(*place):
         return 1.1 * synthetic.rise(*place)
 
-    scene = {"scene": {"pin": {"type": "Ball", "radius": 2e-3}}}
-    a = synthetic.sweep().assign_attrs(scene)
-    b = synthetic.sweep(rise=hotter, loads=synthetic.LOADS[1:])
-    b = b.assign_attrs({"scene": {"pin": {"type": "Ball", "radius": 3e-3}}})
+    a, thicker = synthetic.sweep(), tribo.Cylinder(3e-3, 3.4e-3, STEEL)
+    b = synthetic.sweep(rise=hotter, loads=synthetic.LOADS[1:], pin=thicker)
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: {"a": a, "b": b}[str(path)])
     difference = pipeline.diff(a, b)
     assert ["pin.radius", "2 mm", "3 mm"] in difference.entries.to_numpy().tolist()

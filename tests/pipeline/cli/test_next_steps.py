@@ -4,6 +4,7 @@ import shlex
 
 import pytest
 
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.margins import margins
 from pipeline.cli.next_steps import (
@@ -18,7 +19,7 @@ from tests.helpers import synthetic
 
 DRAFT = {
     "preset": "draft",
-    "arguments": ["my scene.toml", "--preset=draft", "--set=sweep.fields=1"],
+    "arguments": ("my scene.toml", "--preset=draft", "--set=sweep.fields=1"),
 }
 
 
@@ -27,16 +28,16 @@ def commands(lines):
 
 
 def test_a_boundary_at_draft_is_followed_by_one_of_known_accuracy():
-    (command,) = commands(after_boundary(DRAFT, "out/look.zarr"))
+    draft = stored_sweep(synthetic.sweep(**DRAFT))
+    (command,) = commands(after_boundary(draft, "out/look.zarr"))
     options = parse(command)
     assert str(options.scene) == "my scene.toml"
     assert options.preset is None
     assert options.accuracy == 0.02
     assert str(options.output) == "out/look_accurate.zarr"
-    assert not list(after_boundary({"preset": "standard"}, "look.zarr"))
-    assert not list(
-        after_boundary(DRAFT | {"selection": {"accuracy": 0.02, "error": 0.07}}, "look.zarr")
-    )
+    picked = synthetic.selection(accuracy=0.02, error=0.07)
+    for changes in ({"preset": "standard"}, {"selection": picked}):
+        assert not list(after_boundary(draft.changed(**changes), "look.zarr"))
 
 
 def deciding(ds, load, velocity, **conditions):
@@ -58,14 +59,14 @@ def test_a_margin_within_the_error_of_its_preset_is_decided_by_a_better_one(velo
 @pytest.mark.parametrize(("status", "retry"), [(PENDING, False), (FAILED, True)])
 def test_a_margin_at_a_point_that_is_not_done_is_decided_by_running_it(status, retry):
     jagged = synthetic.jagged(0.1)
-    ds = synthetic.sweep(rise=jagged, status={(400.0, 2.25): status}, arguments=["edge.toml"])
+    ds = synthetic.sweep(rise=jagged, status={(400.0, 2.25): status}, arguments=("edge.toml",))
     (command,) = deciding(ds, 400.0, 2.25)
     options = parse(command)
     assert (str(options.output), options.retry_failed) == ("look.zarr", retry)
 
 
 def test_a_margin_between_coarse_points_is_decided_by_computing_the_place():
-    ds = synthetic.sweep(rise=synthetic.jagged(0.1), arguments=["edge.toml"], preset="standard")
+    ds = synthetic.sweep(rise=synthetic.jagged(0.1), arguments=("edge.toml",), preset="standard")
     (command,) = deciding(ds, 410.0, 2.2, friction=0.099)
     options = parse(command)
     assert (command[0], options.load, options.velocity) == ("point", 410.0, 2.2)
@@ -81,7 +82,7 @@ def test_a_margin_between_coarse_points_is_decided_by_computing_the_place():
     ],
 )
 def test_missing_points_come_before_those_of_other_conditions(status, friction, words):
-    ds = synthetic.sweep(status={(600.0, 2.0): status}, arguments=["edge.toml", "--preset=draft"])
+    ds = synthetic.sweep(status={(600.0, 2.0): status}, arguments=("edge.toml", "--preset=draft"))
     command = more_of_boundary(ds, "edge.zarr", synthetic.CONDITIONS | {"friction": friction})
     assert shlex.split(command) == [
         *["irg", "run", "edge.toml", "--preset=draft", "-o", "edge.zarr"],

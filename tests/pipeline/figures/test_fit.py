@@ -9,7 +9,9 @@ from matplotlib.text import Text
 
 from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import KINDS, plot
+from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
+from tests.helpers.sweeps import with_fields
 from tests.pipeline.figures.test_plot import contour, lines
 
 
@@ -21,7 +23,7 @@ def sweep():
 @pytest.mark.parametrize("kind", KINDS)
 def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
     figure = plot(
-        sweep.assign_attrs(title=r"worn by $\frac$" + chr(27) + 100 * "words "),
+        with_fields(sweep, title=r"worn by $\frac$" + chr(27) + 100 * "words "),
         kind,
         width="8.5 cm",
     )
@@ -42,7 +44,7 @@ def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
 
 
 def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
-    sweep = sweep.assign_attrs(friction_band=None)
+    sweep = with_fields(sweep, friction_band=None)
     plain, log = diagram(sweep).axes[0], diagram(sweep, log=True).axes[0]
     assert (log.get_xscale(), log.get_yscale()) == ("log", "log")
     np.testing.assert_allclose(contour(log, "boundary")[0], contour(plain, "boundary")[0])
@@ -56,8 +58,8 @@ def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
 
 
 def test_a_measured_transition_is_joined_with_that_at_its_own_friction(sweep):
-    transition = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.08}
-    joint = lines(diagram(sweep.assign_attrs(measured=[transition])).axes[0])["at own conditions"]
+    transition = Measurement(400.0, 2.2, friction=0.08)
+    joint = lines(diagram(with_fields(sweep, measured=(transition,))).axes[0])["at own conditions"]
     line = contour(diagram(sweep, friction=0.08).axes[0], "boundary")[0]
     expected = (
         np.interp(-400.0, -line[::-1, 1], line[::-1, 0])

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.figures import plot as live
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
@@ -20,7 +21,8 @@ from pipeline.sweep.surface import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
 from pipeline.uncertain.weigh import posterior
 from tests.helpers import samples, synthetic
-from tests.helpers.synthetic import LOADS, MEASURED, OILED, VELOCITIES
+from tests.helpers.sweeps import with_fields
+from tests.helpers.synthetic import LOADS, MEASURED, VELOCITIES
 from tribo import InputError
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
@@ -51,6 +53,13 @@ def lines(axes):
 
 def labels(legend):
     return [text.get_text() for text in legend.get_texts()]
+
+
+def of_height(rms):
+    """A rough disk of the synthetic scene with this root mean square of its heights [m]."""
+    rough = synthetic.scene(conditions=synthetic.conditions()).scene
+    heights = rough.roughness.heights(rough.pixels)
+    return replace(rough.roughness, ra=rough.roughness.ra * rms / heights.std())
 
 
 def contour(axes, gid):
@@ -118,8 +127,8 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
 
 
 def test_a_band_that_is_cut_at_what_was_computed_says_so():
-    whole = synthetic.sweep(velocities=[0.5, 1.0, 1.5, 2.0, 4.0], friction_band=[0.099, 0.103])
-    searched = whole.assign_attrs(velocities=[0.5, 4.0]).sel(velocity=slice(1.0, 2.0))
+    whole = synthetic.sweep(velocities=[0.5, 1.0, 1.5, 2.0, 4.0], friction_band=(0.099, 0.103))
+    searched = with_fields(whole, velocities=(0.5, 4.0)).sel(velocity=slice(1.0, 2.0))
     searched = searched.sel(load=slice(400, 700))  # severe from 2.07 m/s at 400 N, 1.88 at 450 N
     cut = [label for label in labels(diagram(searched).legends[0]) if "friction 0.099" in label]
     assert len(cut) == 1
@@ -148,7 +157,7 @@ def test_names_stand_inside_their_regions(sweep, friction):
     ("axes", "options"),
     [
         (([200.0, 600.0], [0.0, 2.0]), {}),
-        (([200.0, 600.0], [0.0]), {"measured": []}),
+        (([200.0, 600.0], [0.0]), {"measured": ()}),
         (([200.0], [0.5, 1.0]), {"status": {(200.0, V): PENDING for V in (0.5, 1.0)}}),
     ],
     ids=["velocity 0", "nothing moves", "nothing done"],
@@ -258,13 +267,13 @@ def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
 
 def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     assert not [line for line in drawn.collections if "Λ" in str(line.get_gid())]
-    ds = synthetic.sweep(lubrication=OILED | {"rms_height": 0.2e-6})
+    ds = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.2e-6))
     axes = diagram(ds).axes[0]
     (line,) = contour(axes, "Λ = 1, mixed beyond")
-    film = Lubrication.stored(ds.attrs).film_parameter(line[:, 1], line[:, 0], 298.15)
+    film = Lubrication.of(stored_sweep(ds)).film_parameter(line[:, 1], line[:, 0], 298.15)
     assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
-    oil = OILED | {"rms_height": 2e-6}
-    thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], lubrication=oil))
+    rough = {"oil": synthetic.OIL, "roughness": of_height(2e-6)}
+    thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
 

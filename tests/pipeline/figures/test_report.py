@@ -8,9 +8,12 @@ import pytest
 import xarray as xr
 
 import pipeline
+import tribo
 from pipeline.figures.report import citation, sections_of_samples
 from pipeline.scene.along import OperatingPoints
+from pipeline.sweep.about import FromLibrary
 from tests.helpers import samples, synthetic
+from tests.helpers.scenes import STEEL
 from tests.pipeline.figures.page import sweeps
 from tribo import InputError
 
@@ -25,10 +28,13 @@ HEADINGS = (
 @pytest.fixture
 def sweep():
     velocities = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)
-    return synthetic.sweep((200.0, 400.0, 600.0, 750.0), velocities).assign_attrs(
-        scene={"pin": {"type": "Ball", "radius": 5e-3}, "fidelity": {"increments": 5}},
+    return synthetic.sweep(
+        (200.0, 400.0, 600.0, 750.0),
+        velocities,
+        pin=tribo.Cylinder(5e-3, 3.4e-3, STEEL),
+        fidelity=tribo.Fidelity(pixels_per_element=1, increments=5),
         preset="draft",
-        library=[{"key": "disk.density", "value": "7800 kg/m^3", "source": "a <handbook>"}],
+        sources=(FromLibrary("disk.density", "7800 kg/m^3", "a <handbook>"),),
     )
 
 
@@ -65,9 +71,9 @@ def test_a_report_cites_what_the_citation_file_has():
 
 def test_a_report_says_what_it_lacks(tmp_path):
     status = {(load, 3.0): 0 for load in (200.0, 400.0)}
-    ds = synthetic.sweep((200.0, 400.0), (1.0, 3.0), status=status)
-    conditions = ds.attrs["conditions"] | {"critical_temperature": None}
-    page = pipeline.report(ds.assign_attrs(conditions=conditions), tmp_path / "report.html")
+    conditions = synthetic.CONDITIONS | {"critical_temperature": None}
+    ds = synthetic.sweep((200.0, 400.0), (1.0, 3.0), status=status, conditions=conditions)
+    page = pipeline.report(ds, tmp_path / "report.html")
     assert "The sweep is not finished" in page.read_text()
     assert "Not in this report" in page.read_text()
 

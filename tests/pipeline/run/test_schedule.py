@@ -14,7 +14,6 @@ from distributed.scheduler import KilledWorker
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import attributes_of
 from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection, unheard
 from pipeline.run.schedule import STARTS, TRIALS, compute
@@ -169,8 +168,8 @@ def test_the_packages_of_workers_that_differ_are_told_once_and_stored(compute_sw
     (said,) = messages
     assert "has numpy 1.0 (here " in said
     with pipeline.open_sweep(store.place.path) as ds:
-        (noted,) = attributes_of(ds)["worker_versions"]
-        assert noted["versions"] == {name: other[name] for name in ("python", "numpy", "scipy")}
+        (noted,) = store.root.facts.worker_versions.values()
+        assert noted == {name: other[name] for name in ("python", "numpy", "scipy")}
         assert "some points computed by workers with python" in ds.attrs["history"]
 
 

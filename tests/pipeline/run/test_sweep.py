@@ -1,7 +1,6 @@
 """Sweeps on a cluster (pipeline/run/sweep.py and cluster.py)."""
 
 import errno
-import json
 import multiprocessing
 import os
 import shutil
@@ -21,7 +20,7 @@ import tribo
 from pipeline.run import cluster as of_run
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
-from pipeline.store import attributes, files
+from pipeline.store import create, files, root, versions
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.progress import FailedPoint, summary
@@ -31,6 +30,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, run_point
 from tests.helpers import tiny
 from tests.helpers.processes import python
+from tests.helpers.stores import opened
 
 OWN_WORKERS = True
 ROOT = Path(__file__).parents[3]
@@ -104,17 +104,17 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
 
 def test_other_versions_are_told_and_noted(copy, monkeypatch):
     monkeypatch.setattr(of_run, "LocalCluster", None)
-    other = attributes.package_versions() | {"numpy": "99.0"}
-    for module in (attributes, execute):
+    other = versions.package_versions() | {"numpy": "99.0"}
+    for module in (create, root, execute):
         monkeypatch.setattr(module, "package_versions", lambda: other)
     messages = []
     for _ in range(2):
         run_sweep(SWEEP, copy, tell=messages.append)
     assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in messages[1]
-    about = json.loads((copy / "zarr.json").read_text())["attributes"]
-    assert about["versions"]["numpy"] == np.__version__
-    (later,) = about["later_versions"]
-    assert later["versions"]["numpy"] == "99.0"
+    facts = opened(copy).root.facts
+    assert facts.versions["numpy"] == np.__version__
+    (later,) = facts.later_versions.values()
+    assert later["numpy"] == "99.0"
 
 
 def test_other_conditions_of_the_scene_are_told(copy):
@@ -220,7 +220,7 @@ SCRIPT = """
 import sys
 from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
-
+from tests.helpers.stores import opened
 if __name__ == "__main__":
     endless = tiny.EndlessRamp(150.0, 750.0, faulty_load=max(tiny.LOADS))
     sweep = tiny.full(loading=endless, independent=True)
@@ -290,7 +290,7 @@ UNGUARDED = """
 import sys
 from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
-
+from tests.helpers.stores import opened
 run_sweep(tiny.sweep(), sys.argv[1], workers=2)
 """
 

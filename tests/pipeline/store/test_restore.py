@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import tribo
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.scenefile import load_scene
-from pipeline.store import attributes
+from pipeline.store import root
 from pipeline.store.create import restore_root, writing
 from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.schema import DONE
@@ -59,25 +60,23 @@ def test_a_root_is_made_again_by_the_scene_that_made_it(copy, harm, place):
     assert messages[0] == f"the root of {copy} was lost or damaged, and is made again"
     after = opened(copy).root
     assert after.arrays == before.arrays
-    changed = {"generation", "later_versions"}
-    assert {k: v for k, v in after.attributes.items() if k not in changed} == {
-        k: v for k, v in before.attributes.items() if k not in changed
-    }
+    assert after.sweep == before.sweep
+    assert replace(after.facts, generation=before.facts.generation) == before.facts
     assert verify_store(copy).is_clean
     assert_is_as_computed(copy, points(SWEEP))
 
 
 def test_conditions_that_were_changed_in_the_root_are_named_and_made_right(copy):
-    root = copy / "zarr.json"
-    before = root.read_bytes()
+    file = copy / "zarr.json"
+    before = file.read_bytes()
     friction = SWEEP.conditions.friction
-    root.write_bytes(
-        before.replace(b'"friction": %g' % friction, b'"friction": %g' % (2 * friction))
-    )
-    with pytest.raises(StoreError, match="friction, temperatures or criterion in it are not what"):
+    changed = before.replace(rb"\"friction\": %g" % friction, rb"\"friction\": %g" % (2 * friction))
+    assert changed != before
+    file.write_bytes(changed)
+    with pytest.raises(StoreError, match="is damaged: it is not what was written"):
         opened(copy)
     run_sweep(SWEEP, copy, workers=1)
-    assert opened(copy).attributes["conditions"] == SWEEP.conditions.as_dict()
+    assert opened(copy).sweep.conditions == SWEEP.conditions
 
 
 def test_another_scene_on_the_same_axes_is_refused_and_nothing_written(copy):
@@ -108,10 +107,10 @@ def test_a_scene_with_one_other_row_makes_no_root_again(path, tmp_path):
 def test_a_root_of_a_store_that_has_grown_keeps_its_stations(copy):
     larger = tiny.full(loads=(200.0, 600.0), velocities=(0.75,))
     make(copy, larger)
-    stations = opened(copy).attributes["stations"]
+    stations = opened(copy).sweep.record.stations
     (copy / "zarr.json").unlink()
     assert restore_root(copy, larger)
-    assert opened(copy).attributes["stations"] == stations
+    assert opened(copy).sweep.record.stations == stations
     assert set(np.argwhere(opened(copy).flags == DONE).shape) == {9, 2}
 
 
@@ -133,9 +132,9 @@ def resumed(path, sweep, tell=None):
 def test_a_root_older_than_its_arrays_is_made_again_with_all_points(copy, irg, added, monkeypatch):
     old, larger = (copy / "zarr.json").read_bytes(), tiny.full(**ADDED[added])
     commit(copy, larger)
-    done, versions = set(done_points(copy)), opened(copy).attributes["versions"]
+    done, versions = set(done_points(copy)), opened(copy).root.facts.versions
     assert len(done) > 9
-    monkeypatch.setattr(attributes, "package_versions", lambda: dict.fromkeys(versions, "later"))
+    monkeypatch.setattr(root, "package_versions", lambda: dict.fromkeys(versions, "later"))
     (copy / "zarr.json").write_bytes(old)
     before = contents(copy)
     for options in ((), ("--repair",)):
@@ -146,7 +145,7 @@ def test_a_root_older_than_its_arrays_is_made_again_with_all_points(copy, irg, a
     assert resumed(copy, SWEEP, messages.append) == 0
     assert "is made again" in messages[0]
     assert set(done_points(copy)) == done
-    assert opened(copy).attributes["versions"] == versions
+    assert opened(copy).root.facts.versions == versions
     assert [kept.read_bytes() for kept in copy.glob("damaged/*/zarr.json")] == [old]
     assert verify_store(copy).is_clean
 

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 
 import pipeline
 from pipeline.store.place import ROOT, StoreError
-from pipeline.store.root import root_document
+from pipeline.store.root import sealed
+from pipeline.sweep.codec import sweep_text
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.stores import commit, contents
 
@@ -89,7 +91,7 @@ def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, d
 
 @pytest.mark.parametrize(
     ("path", "new"),
-    [(("attributes", "axes", "load", 0), 152.0), (("consolidated_metadata", "must_understand"), 0)],
+    [(("attributes", "title"), "Another"), (("consolidated_metadata", "must_understand"), 0)],
 )
 def test_a_change_of_the_root_is_named(forged, alone, irg, path, new):
     document = edited((alone / ROOT).read_text(), path, new)
@@ -118,21 +120,23 @@ def forge(forged, alone, change):
     """Let the root be another one whose hash is right."""
     document = json.loads((alone / ROOT).read_text())
     attributes, arrays = document["attributes"], document["consolidated_metadata"]["metadata"]
-    del attributes["root_hash"], attributes["conditions_hash"]
-    change(attributes, arrays)
-    (forged / ROOT).write_bytes(root_document(attributes, arrays))
+    texts = {name: json.loads(attributes[name]) for name in ("sweep", "store")}
+    change(texts, arrays)
+    attributes |= {name: json.dumps(text) for name, text in texts.items()}
+    (forged / ROOT).write_bytes(sealed(document))
 
 
-def with_a_billion_loads(attributes, arrays):
+def with_a_billion_loads(_, arrays):
     for array in arrays.values():
         for axis, dim in enumerate(array["dimension_names"]):
             array["shape"][axis] = 10**9 if dim == "load" else array["shape"][axis]
 
 
-def with_axes_of_a_hundred_million_points(attributes, arrays):
-    attributes["axes"] |= {name: list(range(10_000)) for name in ("load", "velocity")}
+def with_axes_of_a_hundred_million_points(texts, arrays):
+    axes = texts["store"]["axes"]
+    axes |= {name: [*map(float, range(10_000))] for name in ("load", "velocity")}
     for array in arrays.values():
-        array["shape"] = [len(attributes["axes"][dim]) for dim in array["dimension_names"]]
+        array["shape"] = [len(axes[dim]) for dim in array["dimension_names"]]
 
 
 @pytest.mark.parametrize("size", [with_a_billion_loads, with_axes_of_a_hundred_million_points])
@@ -146,35 +150,45 @@ def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone, siz
 
 
 @pytest.mark.parametrize(
-    ("path", "new"),
+    ("path", "new", "named"),
     [
-        (("loads",), {"a": [1.0]}),
-        (("loads", 0), []),
-        (("library",), [{"key": "disk.material"}]),
-        (("measured", 0, "velocity"), ""),
-        (("measured", 0, "colour"), 1.0),
-        (("scene", "fidelity", "increments"), True),
-        (("stations", "loads"), None),
-        (("later_versions",), [[1, 2]]),
-        (("axes", "step", 1), -1.5),
-        (("same_rig",), None),
+        (("sweep", "plane", "loads"), {"a": [1.0]}, "the type None is unknown"),
+        (("sweep", "plane", "loads", 0), [], "Plane.loads"),
+        (("sweep", "about", "measured", 0, "velocity"), "", "Measurement.velocity"),
+        (("sweep", "about", "measured", 0, "colour"), 1.0, "Measurement.colour"),
+        (("sweep", "scene", "fidelity", "increments"), True, "Fidelity.increments"),
+        (("sweep", "record", "stations", "loads"), None, "Stations.loads"),
+        (("sweep", "about", "same_rig"), None, "About.same_rig"),
+        (("sweep", "scene", "wear"), {"type": "Own"}, "'Own' is unknown"),
+        (("store", "later_versions"), [[1, 2]], "Facts.later_versions"),
+        (("store", "axes", "step", 1), -1.5, "its axis step"),
+        (("store", "colour"), 1, "Facts.colour"),
     ],
 )
-def test_a_forged_attribute_of_another_kind_is_named(forged, alone, path, new):
-    def change(attributes, arrays):
+def test_a_forged_value_of_another_kind_is_named(forged, alone, path, new, named):
+    def change(texts, _):
+        inner = texts
         for key in path[:-1]:
-            attributes = attributes[key]
-        attributes[path[-1]] = new
+            inner = inner[key]
+        inner[path[-1]] = new
 
     forge(forged, alone, change)
-    with pytest.raises(StoreError, match=rf"attribute {path[0]}.* is missing, or not of the kind"):
+    with pytest.raises(StoreError, match=named):
         pipeline.summary(forged)
 
 
-def test_a_forged_root_with_a_scene_of_no_value_is_refused(forged, alone):
-    row = {"values": [0.008], "written": ["8 mm"], "scene": {}, "attributes": {}}
-    forge(forged, alone, lambda attributes, _: attributes.update(over=["load"], scenes=[row]))
-    with pytest.raises(StoreError, match="over and scenes are not those of its axes"):
+def test_a_forged_root_with_other_rows_than_its_axes_is_refused(forged, alone):
+    variants = json.loads(sweep_text(tiny.full(variants=surfaces((1, 2))), {}))["variants"]
+    forge(forged, alone, lambda texts, _: texts["sweep"].update(variants=variants))
+    with pytest.raises(StoreError, match="axes are not those of its sweep"):
+        pipeline.summary(forged)
+
+
+def test_a_store_of_an_older_format_says_how_to_make_it_anew(forged, alone):
+    document = json.loads((alone / ROOT).read_text())
+    document["attributes"] = {"format": 3, "scene": {}, "root_hash": "0" * 64}
+    (forged / ROOT).write_text(json.dumps(document))
+    with pytest.raises(StoreError, match=r"has format 3, .* make it anew: irg run its scene into"):
         pipeline.summary(forged)
 
 

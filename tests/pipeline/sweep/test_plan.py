@@ -11,7 +11,7 @@ import tribo
 from pipeline.store.schema import COLUMNS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point, run_points
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.station_choice import choose_stations
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tribo.simulation import disk_positions
@@ -46,7 +46,7 @@ def test_independent_points_are_chains_of_their_own():
 @pytest.mark.parametrize(("load", "count"), [(150.0, 1), (400.0, 3)])
 def test_a_point_has_a_row_for_each_of_its_stations(load, count):
     result = run_point(SWEEP, load, 1.0)
-    assert Stations.of(SWEEP).count(SWEEP.scene, load) == count
+    assert choose_stations(SWEEP).count(SWEEP.scene, load) == count
     assert {name: len(values) for name, values in result.columns.items()} == dict.fromkeys(
         COLUMNS, count
     )
@@ -106,7 +106,7 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
     for load in (150.0, 250.0, 600.0):
         result = run_point(sweep, load, 1.0, trunk=trunk)
         assert same(result, run_point(sweep, load, 1.0))
-        assert len(result.columns["time"]) == Stations.of(sweep).count(sweep.scene, load)
+        assert len(result.columns["time"]) == choose_stations(sweep).count(sweep.scene, load)
         assert all(np.isfinite(values).all() for values in result.columns.values())
         trunk = pickle.loads(pickle.dumps(result.trunk))
     assert same(highest, run_point(sweep, 625.0, 1.0, trunk=trunk))

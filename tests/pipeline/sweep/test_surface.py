@@ -82,7 +82,6 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     assert crowned.film_thickness(*conditions) == pytest.approx(
         thicker * ball.film_thickness(*conditions)
     )
-    assert Lubrication.stored({"lubrication": crowned.as_dict()}) == crowned
 
 
 @pytest.mark.parametrize(
@@ -96,12 +95,6 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
 )
 def test_nothing_is_said_without_what_it_takes(sweep, change):
     assert Lubrication.of(sweep.changed(**change)) is None
-
-
-def test_a_stored_sweep_says_the_same(sweep):
-    lubrication = Lubrication.of(sweep.changed(motion=Motion(entrainment_velocity=2.0)))
-    assert Lubrication.stored({"lubrication": lubrication.as_dict()}) == lubrication
-    assert Lubrication.stored({}) is None
 
 
 def test_regimes_change_at_one_and_three():

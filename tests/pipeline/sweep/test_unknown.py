@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.sweep.plain import made
 from pipeline.sweep.unknown import Unit, Unknown, drawn
 from tests.helpers.samples import distribution_of
 from tribo import InputError
@@ -53,15 +52,9 @@ def test_what_is_not_a_distribution_is_refused(kind, parameters, message):
         Unknown("friction.coefficient", kind, parameters)
 
 
-def test_an_input_survives_being_written_as_plain_data():
-    assert [made(Unknown, entry.as_dict()) for entry in ALL] == list(ALL)
-
-
 CELSIUS = replace(NORMAL, written=Unit("°C", zero=273.15))
 
 
 def test_the_unit_in_which_it_was_written_makes_no_other_input():
     assert CELSIUS == NORMAL
-    older = {"path": NORMAL.path, "kind": "normal", "parameters": [418.15, 8.0], "unit": "K"}
-    assert NORMAL.as_dict() == older
-    assert made(Unknown, older).shown == Unit("K")
+    assert NORMAL.shown == Unit("K")

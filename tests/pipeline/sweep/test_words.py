@@ -1,13 +1,14 @@
 """What is said of points, inputs, surfaces and durations, in the words that users read."""
 
-from dataclasses import asdict
+from dataclasses import replace
 
 import pytest
 
+from pipeline.sweep.accuracy import error_in_words, velocity_error
 from pipeline.sweep.model import Point
-from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.sweep.stages import duration
 from pipeline.sweep.unknown import Fixed, Unit, Unknown
+from tests.helpers import synthetic
 from tribo import PRESETS
 
 
@@ -43,12 +44,13 @@ def test_a_duration_is_said_in_the_unit_that_suits_it(seconds, words):
 
 
 def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured():
-    draft = {"preset": "draft"}
-    changed = {"heat_model": "history", "history_coarsening": 1}
+    draft, unnamed = synthetic.scene(preset="draft"), synthetic.scene(preset=None)
+    history = replace(PRESETS["draft"], heat_model="history", history_coarsening=1)
+    picked = synthetic.selection(error=0.02, coarser=0.03)
     assert velocity_error(draft) == 0.08
-    assert velocity_error({"scene": {"fidelity": asdict(PRESETS["draft"]) | changed}}) == 0.08
-    assert velocity_error({"preset": None}) is None
-    assert velocity_error(draft | {"selection": {"error": 0.02, "coarser": 0.03}}) == 0.03
+    assert velocity_error(unnamed) is None
+    assert velocity_error(unnamed.changed(fidelity=history)) == 0.08
+    assert velocity_error(draft.changed(selection=picked)) == 0.03
     assert error_in_words(draft) == (
         "boundary velocities may err by up to 8 %, which preset draft keeps to on most scenes"
     )

@@ -111,9 +111,9 @@ def test_an_input_is_fixed_without_a_new_run_as_if_it_had_been_drawn_so():
 
 def test_an_input_of_the_samples_that_their_scene_fixed_takes_another_value():
     of_samples = ensemble()
-    stored = {"fixed": [Fixed(RATE, 1.2e-15).as_dict()]}
-    known = [entry.as_dict() for entry in ALL if entry != RATE]
-    ds = dataset(of_samples).assign_attrs(stored, unknown=known)
+    known = tuple(entry for entry in ALL if entry != RATE)
+    fixed = (Fixed(RATE, 1.2e-15),)
+    ds = dataset(dataclasses.replace(of_samples, unknown=known, fixed=fixed))
     at = {RATE.path: 2.4e-15}
     assert [one.value for one in pipeline.Ensemble.of(ds).fixed] == [1.2e-15]
     moved, drawn_so = pipeline.Ensemble.of(ds, at), pipeline.Ensemble.of(dataset(of_samples), at)

@@ -37,7 +37,7 @@ def with_zero_velocity():
 
 def over_surfaces(axis="realization"):
     """Five surfaces, some points of which are not done."""
-    parts = [one(rise=uneven(seed), scene={"friction_heat": True}) for seed in range(5)]
+    parts = [one(rise=uneven(seed)) for seed in range(5)]
     return xr.concat(parts, xr.Variable(axis, np.arange(5)), combine_attrs="override")
 
 
@@ -97,24 +97,21 @@ def searched_surfaces():
 
 def of_a_warm_pin():
     """Bodies of unequal bulk temperatures, the pin the warmer one, judged by the mean."""
-    conditions = synthetic.CONDITIONS | {"bulk_temperature": 378.15, "disk_temperature": 298.15}
-    return of_two_bulks().assign_attrs(
-        one().attrs | {"conditions": conditions | {"criterion": "mean"}}
-    )
+    bulks = {"bulk_temperature": 378.15, "disk_temperature": 298.15}
+    return of_two_bulks(**bulks, criterion="mean")
 
 
-def of_two_bulks():
-    """Bodies of unequal bulk temperatures, the disk the warmer one."""
-    ds = one()
+def of_two_bulks(**conditions):
+    """Bodies of unequal bulk temperatures, the disk the warmer one unless conditions differ."""
+    changed = {"disk_temperature": 318.15} | conditions
+    ds = one(conditions=synthetic.CONDITIONS | changed, unequal_bulks=True)
     ratio = xr.DataArray(np.array(BULK_RATIOS), dims="bulk_ratio")
     quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
     response = xr.where(ratio > 0, 0.3 + 0.4 * quantile, 0.7 - 0.4 * quantile**2)
     at_ratio = (ds["rise_quantile"] + ratio * response).transpose(..., "bulk_ratio", "cooler_share")
-    ds = ds.assign_coords(bulk_ratio=ratio).assign(
+    return ds.assign_coords(bulk_ratio=ratio).assign(
         bulk_rise_quantile=at_ratio, mean_bulk_response=0.5 + 0 * ds["mean_rise"]
     )
-    conditions = synthetic.CONDITIONS | {"disk_temperature": 318.15}
-    return ds.assign_attrs(one().attrs | {"conditions": conditions})
 
 
 KINDS = {

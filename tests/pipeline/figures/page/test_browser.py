@@ -14,6 +14,7 @@ from selenium.webdriver.support.select import Select
 
 import pipeline
 from pipeline.analysis.transition import ABOVE, MILD
+from pipeline.sweep.variants import Column, Variants
 from pipeline.uncertain.answers import risk_lines
 from tests.helpers import samples, synthetic
 from tests.helpers.browser import chromium
@@ -200,16 +201,14 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
 
 def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
     radii = [1e-3, 2e-3]
-    about = synthetic.sweep().attrs
-    scenes = [
-        {"values": [radius], "written": [f"{1e3 * radius:g} mm"], "attributes": {}, "scene": {}}
-        for radius in radii
-    ]
+    texts = tuple(f"{1e3 * radius:g} mm" for radius in radii)
+    parts = tuple((("pin.radius", radius),) for radius in radii)
+    table = Variants((Column("pin.radius", tuple(radii), "m", texts=texts),), parts)
     ds = xr.concat(
-        [synthetic.sweep(rise=sweeps.uneven(seed)) for seed in range(2)],
+        [synthetic.sweep(rise=sweeps.uneven(seed), variants=table) for seed in range(2)],
         xr.DataArray(radii, dims="pin.radius", name="pin.radius", attrs={"units": "m"}),
         combine_attrs="override",
-    ).assign_attrs(about | {"over": ["pin.radius"], "scenes": scenes, "scene": {}})
+    )
     driver = page(ds)
     for number, radius in enumerate(radii):
         there = pipeline.at_entries(ds, {"pin.radius": radius})
@@ -247,8 +246,8 @@ def test_an_operating_point_gets_its_margin_and_each_test_is_judged_at_its_own_f
     driver.execute_script("chosen.conditions.friction = 0.14; update();")
     rows = [row.text for row in driver.find_elements(By.CSS_SELECTOR, "#measured tbody tr")]
     for text, transition in zip(rows, synthetic.MEASURED, strict=True):
-        limit = synthetic.limit(friction=transition["friction"] or 0.1)
-        velocity = synthetic.critical_velocity(transition["normal_load"], limit)
+        limit = synthetic.limit(friction=transition.friction or 0.1)
+        velocity = synthetic.critical_velocity(transition.normal_load, limit)
         assert f" {velocity:.4g} " in f" {text} "
 
 

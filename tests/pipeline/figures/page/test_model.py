@@ -7,7 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.dataset import variant_of
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, crossing, interpolated
 from pipeline.figures.page.content import content
 from tests.helpers import synthetic
@@ -42,7 +42,7 @@ def random_conditions(ds, count=4):
         }
         if "bulk_ratio" in ds.coords:
             conditions["disk_temperature"] = bulk + 12.0 * math.sin(conditions["friction"] * 300)
-        if "criterion" not in ds.attrs["conditions"]:
+        if conditions_of(ds).criterion == "share":
             conditions["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
         yield conditions
 

@@ -1,0 +1,54 @@
+"""Checksums of points, and records as they are sent and written."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+import zlib
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numcodecs.zstd import Zstd
+
+from pipeline.store.schema import AT_END, COMPRESSION, VARIABLES
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.stored import Simulated
+
+_LONGEST = 2000  # characters of a message, which somebody is to read
+_ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
+
+
+def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> str:
+    """Hash of what was simulated, of a point's place, and of the CRC of each variable there."""
+    digest = hashlib.blake2b(simulated.encode(), digest_size=8)
+    digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
+    for name in sorted(data):
+        digest.update(name.encode())
+        content = data[name]
+        if not isinstance(content, bytes):
+            content = np.ascontiguousarray(content).data
+        digest.update(struct.pack("<L", zlib.crc32(content)))
+    return digest.hexdigest()
+
+
+def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
+    """A record with its checksum, and with fields encoded, which are a third as large to send."""
+    if record.checksum is not None:
+        return record
+    data = {
+        name: np.ascontiguousarray(values, VARIABLES[name].dtype)
+        for name, values in (record.data or {}).items()
+    }
+    data |= {name: _ENCODER.encode(data[name]) for name in data.keys() & AT_END.keys()}
+    # Names of files in a message may be no text.
+    message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
+    about = {"warning_flags": np.int32(record.warning_flags)}
+    return replace(
+        record,
+        data=None if record.data is None else data,
+        message=message,
+        checksum=checksum(simulated.at(record.point), record.point, data | about),
+    )

@@ -1,0 +1,31 @@
+"""Error of the boundary velocity of a sweep, by its fidelity."""
+
+from __future__ import annotations
+
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.selection import PRESET_BOUNDS, preset_of
+
+
+def velocity_error(sweep: Sweep) -> float | None:
+    """Largest known relative error of the boundary velocity: measured, or of the preset."""
+    if selection := sweep.about.selection:
+        return selection.largest_error
+    return PRESET_BOUNDS.get(str(_preset(sweep)))
+
+
+def error_in_words(sweep: Sweep) -> str:
+    """The one error of a sweep: the largest known of its boundary velocity, and its origin."""
+    if selection := sweep.about.selection:
+        return str(selection)
+    error = velocity_error(sweep)
+    if error is None:
+        return "how far boundary velocities err is not known: --accuracy measures it"
+    return (
+        f"boundary velocities may err by up to {100 * error:g} %, which preset {_preset(sweep)} "
+        "keeps to on most scenes"
+    )
+
+
+def _preset(sweep: Sweep) -> str | None:
+    """Preset of a sweep, or that its fidelity is but for the fields that a scene keeps."""
+    return sweep.about.preset or preset_of(sweep.scene.fidelity)

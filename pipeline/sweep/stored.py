@@ -1,0 +1,105 @@
+"""The sweep that a store keeps: what has been run into it, and how it goes on with another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from pipeline.sweep.codec import content_hash, differences, encode
+from pipeline.sweep.model import Point, Sweep, named
+from pipeline.sweep.samples import Design
+from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.variants import Variant, Variants
+from tribo import InputError
+
+
+def join(before: Sweep | None, sweep: Sweep) -> Sweep:
+    """The sweep of a store after another run: rows of both, else as the present scene says.
+
+    What is kept of each point, and the reasons for a fidelity, stay those of the first run. Of
+    points that were chosen it says that they were, and the store which.
+    """
+    first = before or sweep
+    about, plane = sweep.about, sweep.plane
+    record = first.record
+    return replace(
+        sweep,
+        plane=plane if plane.chosen is None else replace(plane, chosen=()),
+        variants=first.variants.union(sweep.variants),
+        record=replace(record, stations=choose_stations(first)),
+        about=replace(about, selection=about.selection or first.about.selection),
+    )
+
+
+def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
+    """Say why a sweep cannot go on with the store of another one; nothing where it can."""
+    old, new = stored.variants, sweep.variants
+    if [*old.axes] != [*new.axes]:
+        have, gives = (", ".join(table.axes) or "none" for table in (old, new))
+        by = "by sweep.over, realizations or samples"
+        yield f"axes {by}: {have} in the store, {gives} in the scene"
+        return
+    if different := [*differences(_design(old), _design(new), "scene.samples")]:
+        yield from different
+        return
+    yield from _different_scenes(stored, sweep)
+    labels = {column.name: values for column, values in old.coordinates.items()}
+    for column, values in new.coordinates.items():
+        held = labels.get(column.name, {})
+        for label in (label for label in values if label in held):
+            yield from differences(held[label], values[label], f"{column.name}.{label}")
+    if sweep.record.steps is not None:
+        steps = choose_stations(stored).steps
+        yield from differences(steps, sweep.record.steps, "sweep.steps")
+    fields = stored.record.fields
+    yield from differences(fields, fields or sweep.record.fields, "sweep.fields")
+    try:
+        old.union(new)
+    except InputError as error:
+        yield str(error)
+
+
+def _design(table: Variants) -> Design | None:
+    """The rule by which samples of a table were drawn, without what decides no sample."""
+    if table.draw is None:
+        return None
+    inputs = (replace(one, written=None, correlated=()) for one in table.draw.design.inputs)
+    return replace(table.draw.design, inputs=tuple(inputs))
+
+
+def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
+    """Fields in which the first row differs that both have, but not with the same scene."""
+    old, new = stored.variants, sweep.variants
+    shared = [name for name in new.names if name in old]
+    plain = [
+        encode((one.scene, tuple(one.variants.part(name) for name in shared)), {})
+        for one in (stored, sweep)
+    ]
+    if plain[0] == plain[1]:
+        return
+    for name in shared:
+        scenes = stored.variant(name).scene, sweep.variant(name).scene
+        key = f"scene with {', '.join(named(name))}: scene" if name else "scene"
+        if different := [*differences(*scenes, key)]:
+            yield from different
+            return
+
+
+class Simulated:
+    """Hash of what is simulated at each point of a sweep."""
+
+    def __init__(self, sweep: Sweep) -> None:
+        self._sweep = sweep
+        self._hashes: dict[Variant, str] = {}
+
+    def at(self, point: Point) -> str:
+        """Hash of what is simulated at a point."""
+        name = point.variant
+        if name not in self._hashes:
+            self._hashes[name] = content_hash(self._sweep.variant(name).scene)
+        return self._hashes[name]
+
+    def group(self, point: Point) -> Variant:
+        """Labels of a point that are not drawn."""
+        chosen = {column.name for column in self._sweep.variants.chosen}
+        return tuple(label for label in point.variant if label[0] in chosen)

@@ -1,0 +1,180 @@
+"""A sweep comes back from plain data as it was, and nothing else does."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pipeline
+import tribo
+from pipeline.analysis.dataset import stored_sweep
+from pipeline.scene.shipped import shipped_scenes
+from pipeline.sweep.codec import CodecError, content_hash, decode, encode, sweep_text, text_sweep
+from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.variants import rows, surfaces
+from tests.helpers import synthetic, tiny
+from tests.helpers.samples import ALL, dataset, ensemble
+from tests.helpers.scenes import STEEL
+
+
+def back(sweep):
+    """The sweep after a way through text."""
+    arrays = {}
+    text = sweep_text(sweep, arrays)
+    assert json.loads(text)["type"] == "Sweep"
+    return text_sweep(text, arrays)
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_shipped_scene_comes_back_equal(name):
+    sweep = pipeline.load_scene(name)
+    again = back(sweep)
+    assert again == sweep
+    assert hash(again.scene) == hash(sweep.scene)
+    assert again.about.arguments == sweep.about.arguments
+
+
+RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
+SCANNED = tribo.MeasuredRoughness(1e-7 * np.random.default_rng(0).standard_normal((32, 16)))
+
+
+@pytest.mark.parametrize(
+    "sweep",
+    [
+        tiny.full(roughness=SCANNED),
+        tiny.sweep(loading=RECORD),
+        tiny.sweep(variants=surfaces((7, 1))),
+        tiny.sweep(
+            variants=rows("pin", {"a": {"pin": tribo.Cylinder(1e-3, 3e-3, STEEL)}, "b": {}})
+        ),
+        tiny.sweep(disk=replace(STEEL, hardness=math.inf)),
+        synthetic.scene(selection=synthetic.selection(), oil=synthetic.OIL),
+        stored_sweep(dataset(ensemble(ALL, 32))),
+    ],
+    ids=["scan", "record", "surfaces", "rows by hand", "elastic", "picked", "samples"],
+)
+def test_a_sweep_of_any_kind_comes_back_equal(sweep):
+    again = back(sweep)
+    assert again == sweep
+    assert again.variants.names == sweep.variants.names
+
+
+PARTS = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**63) + 1, 2**63 - 1)
+    | st.floats()
+    | st.text(st.characters(codec="utf-8"))
+    | st.sampled_from(["nan", "inf", "-inf", "type"]),
+    lambda inner: (
+        st.lists(inner, max_size=3).map(tuple)
+        | st.dictionaries(st.text(max_size=4) | st.integers(), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+
+
+def same(one, other):
+    """True for equal values of equal types, NaN included."""
+    if isinstance(one, float) and math.isnan(one):
+        return isinstance(other, float) and math.isnan(other)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    return type(one) is type(other) and one == other
+
+
+@settings(max_examples=100, deadline=None)
+@given(part=PARTS)
+def test_any_part_comes_back_with_its_type(part):
+    assert same(decode(json.loads(json.dumps(encode(part, {}))), {}), part)
+
+
+def test_kinds_of_numbers_of_numpy_are_those_of_python():
+    assert decode(encode((np.int64(3), np.float64(0.5), np.bool_(True)), {}), {}) == (3, 0.5, True)
+
+
+def test_a_pin_or_a_part_that_is_new_needs_nothing_else(monkeypatch):
+    class Barrel(tribo.Cylinder):
+        """A pin that the package does not have."""
+
+    monkeypatch.setitem(tribo.PINS, "barrel", Barrel)
+    sweep = tiny.sweep(pin=Barrel(2e-3, 3.4e-3, STEEL))
+    assert type(back(sweep).scene.pin) is Barrel
+
+
+def places(data, path=()):
+    """Paths of all values within plain data."""
+    yield path
+    if isinstance(data, dict | list):
+        for key, inner in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from places(inner, (*path, key))
+
+
+FORGED = st.sampled_from(
+    [
+        *(None, True, -1, 10**400, 1e300, "text", [], {}, [1.0, 2.0]),
+        *({"type": name} for name in ("Own", "Sweep", "os", 3)),
+        {"type": "float", "value": "1"},
+        {"type": "Cylinder", "radius": 1.0, "length": "x", "material": None},
+    ]
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_a_forged_text_is_an_error_or_another_sweep_of_the_same_types(data):
+    text = sweep_text(tiny.sweep(variants=surfaces((1, 2))), {})
+    document = [json.loads(text)]
+    path = (0, *data.draw(st.sampled_from([*places(document[0])])))
+    inner = document
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = data.draw(FORGED)
+    try:
+        sweep = text_sweep(json.dumps(document[0]), {})
+    except CodecError:
+        return
+    assert sweep_text(sweep, {})
+    assert repr(sweep)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("[" * 10_000 + "]" * 10_000, "not the text of a sweep"),
+        ('{"type": "Material"}', "is unknown or missing"),
+        ('{"type": "Own", "reference": "os:system", "is_allowed": true}', "type 'Own' is unknown"),
+        ("3", "text of a int"),
+    ],
+)
+def test_what_is_no_sweep_is_named(text, reason):
+    with pytest.raises(CodecError, match=reason):
+        text_sweep(text, {})
+
+
+def test_an_array_that_is_missing_or_another_is_named():
+    arrays = {}
+    text = sweep_text(tiny.full(roughness=SCANNED), arrays)
+    with pytest.raises(CodecError, match="is missing"):
+        text_sweep(text, {})
+    (digest,) = arrays
+    with pytest.raises(CodecError, match="is another one"):
+        text_sweep(text, {digest: arrays[digest] + 1e-12})
+
+
+def test_a_law_comes_back_as_its_name_and_hash_and_never_runs():
+    law = tribo.RunningIn(initial_rate=2e-15, final_rate=1e-15, distance=2.0)
+    again = back(tiny.sweep(wear=law)).scene
+    assert again.wear.reference.endswith(":RunningIn")
+    assert again.wears_by_law
+    assert again.contact_pattern == "swept"
+    assert content_hash(again) == content_hash(tiny.sweep(wear=law).scene)
+    assert content_hash(again) != content_hash(tiny.sweep(wear=replace(law, distance=3.0)).scene)
+    with pytest.raises(OwnLawError, match="nothing that a store names is run"):
+        again.wear.over(0.0, 1.0)
