@@ -6,14 +6,16 @@ import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipeline.scene.compounds import Entry, Optional, Table, flat
-from pipeline.scene.distributions import Make, differing_inputs
+from pipeline.scene.distributions import differing_inputs
 from pipeline.scene.document import Document
+from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
@@ -135,7 +137,7 @@ class OperatingPoints:
         return cls(places, others, given, unused, sheet.of_several)
 
 
-def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
+def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
     """Rows of ``sweep.along``, places in SI and else as written; none if not asked or if faulty."""
     entries, before = document.entries(), len(faults)
     asked = entry_at(entries, "sweep.along")
@@ -160,24 +162,27 @@ def pairs_of(document: Document, faults: Faults) -> list[dict[str, Any]]:
     return rows if len(faults) == before else []
 
 
-def with_first_row(document: Document, pairs: list[dict[str, Any]]) -> Document:
-    """The document with the first row's values and all places as its lowest layer."""
+def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
+    """The document with the first row's values and all places as its lowest layer, and the rest."""
+    pairs = _pairs(document, faults)
     if not pairs:
-        return document
+        return document, None
     places = {
         f"sweep.{axis}": [f"{one!r} {UNITS[name]}" for one in sorted({row[name] for row in pairs})]
         for axis, name in (("loads", "load"), ("velocities", "velocity"))
     }
-    return document.above(places | {path: pairs[0][path] for path in pairs[0] if _is_path(path)})
+    first = {path: pairs[0][path] for path in pairs[0] if _is_path(path)}
+    return document.above(places | first), partial(_extend, pairs)
 
 
-def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make: Make) -> Sweep:
+def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
     if sweep.variants.velocities:
         raise InputError(
             "sweep.along: its rows have places of their own, as samples have; leave out one or the "
             "other"
         )
+    around = reading.tables["sweep"]["around"]
     steps = np.geomspace(1 / _REACH, _REACH, around) if around else ()
     factors = [float(f"{f:.4g}") for f in steps if f != 1.0]
     about = [(1.0, 1.0), *((1.0, f) for f in factors), *((f, 1.0) for f in factors)]
@@ -185,7 +190,7 @@ def along_of(pairs: list[dict[str, Any]], around: int | None, sweep: Sweep, make
         raise InputError(f"sweep.along: {count} places are too many; give {_MOST} at most")
     paths = [head for head in pairs[0] if _is_path(head)]
     written = [{path: row[path] for path in paths} for row in pairs]
-    scenes = [scene_with(values, sweep, make, "sweep.along") for values in written]
+    scenes = [scene_with(values, sweep, reading.make, "sweep.along") for values in written]
     if CONDITIONS["friction"] in paths:  # measured at the place, and not by velocity
         scenes = [
             scene.changed(conditions=scene.conditions.at_friction(scene.conditions.friction))

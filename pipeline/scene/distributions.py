@@ -15,6 +15,7 @@ import scipy  # its special functions take 0.2 s to load
 
 from pipeline.scene.compounds import Shape, flat
 from pipeline.scene.document import Document
+from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
@@ -71,7 +72,7 @@ def _entry(one: Unknown, value: float) -> Rounded | float:
     return Rounded(written, value) if isinstance(written, str) else written
 
 
-def fixed_paths(document: Document) -> frozenset[str]:
+def _fixed_paths(document: Document) -> frozenset[str]:
     """Paths of unknown inputs whose value is given above their distribution, as by ``--set``."""
     fixed, above, seen = set[str](), set[str](), set[str]()
     for layer in document.layers:
@@ -83,23 +84,22 @@ def fixed_paths(document: Document) -> frozenset[str]:
     return frozenset(fixed)
 
 
-def samples_of(
-    tables: dict[str, Any],
-    sweep: Sweep,
-    over: Variants,
-    make: Make,
-    faults: Faults,
-    fixed: Collection[str] = (),
-) -> Variants | None:
-    """Table of samples of a scene and each combination in `over`; None if not asked, or faulty."""
-    count, table = tables["sweep"]["samples"], tables["unknown"] or {}
-    if count is not None and not set(table) - set(fixed):
+def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
+    """The document as it is, and what makes the table of samples."""
+    return document, _extend
+
+
+def _extend(sweep: Sweep, reading: Reading) -> Sweep:
+    """The sweep with samples of each of its rows; as it is if none are asked for, or faulty."""
+    tables, faults, fixed = reading.tables, reading.faults, _fixed_paths(reading.document)
+    count, unknown = tables["sweep"]["samples"], tables["unknown"] or {}
+    if count is not None and not set(unknown) - set(fixed):
         raise InputError(
             f"sweep.samples: {count} does not fit a scene in which all is known; give [unknown], "
             "too, or leave it out"
         )
-    if not table:
-        return None
+    if not unknown:
+        return sweep
     before, notes = len(faults), faults.notes
     if sweep.scene.unequal_bulks:
         raise InputError(
@@ -111,15 +111,15 @@ def samples_of(
     notes.extend(f"unknown: {one}, as it is given beside its distribution" for one in known)
     if len(inputs) > MOST:
         faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST} at most")
-    layers = [_layer(one, sweep, make, faults) for one in inputs]
+    layers = [_layer(one, sweep, reading.make, faults) for one in inputs]
     if len(faults) > before:
-        return None
+        return sweep
     if count is None:
         number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
         notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
-        return None
+        return sweep
     design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep)
-    if sweep.variants.columns:
+    if any(column.is_drawn for column in sweep.variants.columns):
         raise InputError(
             "sweep.realizations: sweep.samples excludes them; make the surface an unknown input: "
             '"disk.roughness.seed" = [0, 1, 2, 3]'
@@ -127,7 +127,8 @@ def samples_of(
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         notes.append(f"sweep.samples: {count} are computed, as more would share their contacts")
-    return _drawn(Draw(inputs, design, known), count, sweep, over, make)
+    table = _drawn(Draw(inputs, design, known), count, sweep, reading.make)
+    return sweep.changed(variants=table)
 
 
 def _inputs(
@@ -209,8 +210,9 @@ def _design(
     return Design(unknown, kinds, ends, seed, group)
 
 
-def _drawn(draw: Draw, count: int, sweep: Sweep, over: Variants, make: Make) -> Variants:
-    """Table of samples, of each combination in `over`; raises if one is not a sound scene."""
+def _drawn(draw: Draw, count: int, sweep: Sweep, make: Make) -> Variants:
+    """Table of samples of each row of a sweep; raises if one is not a sound scene."""
+    over = sweep.variants
     table = over * drawn_rows(draw, count)
     values, _ = draw.design.draw(count)
     parts = list[Part]()

@@ -58,6 +58,17 @@ class Document(NamedTuple):
             tables = with_value(tables, path, value)
         return Document((*self.layers, FileEntries(self.file, tables)))
 
+    def replaced(self, key: str, value: Any) -> Document:
+        """The document with another value of a key wherever it stands, or without it if None."""
+        new = {} if value is None else {key: value}
+        layers = (
+            FileEntries(layer.file, {k: v for k, v in layer.entries.items() if k != key} | new)
+            if key in layer.entries
+            else layer
+            for layer in self.layers
+        )
+        return Document(tuple(layers))
+
     def file_of(self, key: str) -> Path:
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")

@@ -172,23 +172,21 @@ def _hinted(fault: CellFault) -> CellFault:
     )
 
 
-def with_rows(entries: dict[str, Any], document: Document, faults: Faults) -> dict[str, Any]:
-    """Entries with the rows of log files in the place of the tests that name them."""
+def begin(document: Document, faults: Faults) -> tuple[Document, None]:
+    """The document with the rows of log files in the place of the tests that name them."""
     for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
-        listed = entries.get(key)
+        listed, folder = document.entries().get(key), document.file_of(key).parent
         if not isinstance(listed, list) or not listed:
             continue
         rows: list[Any] = []
         for number, entry in enumerate(listed):
             if isinstance(entry, dict) and isinstance(entry.get("file"), str):
-                place, folder = f"{key}[{number}]", document.file_of(key).parent
-                rows += _of_file(entry, place, folder, row_of, faults)
+                rows += _of_file(entry, f"{key}[{number}]", folder, row_of, faults)
             else:
                 rows.append(entry)
-        entries = {name: value for name, value in entries.items() if name != key}
-        if rows:  # otherwise all are faulty, which is said already
-            entries[key] = rows
-    return entries
+        # Without any row all are faulty, which is said already.
+        document = document.replaced(key, rows or None)
+    return document, None
 
 
 def _of_file(

@@ -13,7 +13,8 @@ from typing import Any
 from pipeline.scene.compounds import flat
 from pipeline.scene.distributions import Make, differing_inputs
 from pipeline.scene.document import Document
-from pipeline.scene.faults import entry_at, quoted
+from pipeline.scene.extensions import Extend, Reading
+from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
@@ -24,10 +25,18 @@ _SAME = ("loads", "velocities", "variants", "unequal_bulks", "independent", "ste
 _MOST = 10_000  # combinations, each of which is read as a scene
 
 
-def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Make) -> Variants:
-    """Table of every combination of entries' values; `InputError` at the first that is unfit."""
+def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
+    """The document with the first values as its lowest layer, and what makes their table."""
+    over = entry_at(document.entries(), "sweep.over")
+    listed = flat(over) if isinstance(over, dict) else ()
+    return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v}), _extend
+
+
+def _extend(sweep: Sweep, reading: Reading) -> Sweep:
+    """The sweep with a row for every combination; `InputError` at the first that is unfit."""
+    asked = reading.tables["sweep"]["over"]
     if not asked:
-        return Variants()
+        return sweep
     axes = {path: _axis(path, values) for path, values in asked.items()}
     names = combinations({path: axis.values for path, axis in axes.items()})
     if len(names) > _MOST:
@@ -36,7 +45,7 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
         )
     texts = {path: axis.text_of for path, axis in axes.items()}
     written = [{path: texts[path][value] for path, value in name} for name in names]
-    scenes = [scene_with(values, sweep, make, "sweep.over") for values in written]
+    scenes = [scene_with(values, sweep, reading.make, "sweep.over") for values in written]
     parts = tuple(tuple(differing_inputs(sweep, scene)) for scene in scenes)
     if len(parts) > 1 and all(part == parts[0] for part in parts):
         raise InputError(
@@ -46,7 +55,7 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
         axis.taken([axis.values.index(dict(name)[path]) for name in names])
         for path, axis in axes.items()
     )
-    return Variants(columns, parts)
+    return sweep.changed(variants=Variants(columns, parts) * sweep.variants)
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:
@@ -62,13 +71,6 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
                 f"note: sweep.over is ignored here; {column.name} is the scene's own or the first "
                 f'listed: --set "{column.name}=..." takes another'
             )
-
-
-def with_first_values(document: Document) -> Document:
-    """The document with the first values of ``over`` as its lowest layer."""
-    over = entry_at(document.entries(), "sweep.over")
-    listed = flat(over) if isinstance(over, dict) else ()
-    return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v})
 
 
 def column_of(path: str, values: Sequence[Any], owner: str) -> Column:

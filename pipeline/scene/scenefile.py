@@ -8,16 +8,13 @@ from os import PathLike, fspath
 from typing import Any
 
 import tribo
-from pipeline.scene.along import along_of, pairs_of, with_first_row
 from pipeline.scene.consistency import check_tables
-from pipeline.scene.distributions import fixed_paths, samples_of
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
+from pipeline.scene.extensions import Reading, begin
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library
-from pipeline.scene.logs import with_rows
-from pipeline.scene.over import over_of, with_first_values
 from pipeline.scene.parts import (
     corrections_of,
     criterion_of,
@@ -84,13 +81,10 @@ def load_scene(
     faults = Faults()
     replaced = _by_path(overrides or {}, preset, faults)
     document = with_entries(read_document(path, faults), replaced, faults)
-    document = with_first_values(document)
-    pairs = pairs_of(document, faults)
-    document = with_first_row(document, pairs)
+    document, extensions = begin(document, faults)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
-    entries = with_rows(entries, document, faults)
     reader = _Reader(document, arguments, Laws(path.parent, own_laws))
 
     def variant(values: Mapping[str, Any]) -> Sweep:
@@ -106,12 +100,8 @@ def load_scene(
     try:
         sweep, tables = reader.sweep(entries, faults)
         if sweep is not None:
-            asked = tables["sweep"]
-            over = over_of(asked["over"], sweep, variant)
-            samples = samples_of(tables, sweep, over, variant, faults, fixed_paths(document))
-            sweep = sweep.changed(variants=samples or over * sweep.variants)
-            if pairs:
-                sweep = along_of(pairs, asked["around"], sweep, variant)
+            for extend in extensions:
+                sweep = extend(sweep, Reading(document, tables, variant, faults))
             sweep = sweep.changed(notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
