@@ -45,6 +45,18 @@ def test_help_waits_for_no_heavy_library(arguments):
     assert loaded_by(code) <= {"numpy", "scipy"}  # which cost 0.2 s
 
 
+def test_a_scene_loads_only_the_readers_of_what_it_names():
+    readers = {f"pipeline.scene.{name}" for name in ("along", "distributions", "logs", "over")}
+    code = f"""if True:
+        import sys, pipeline
+        for scene in ("irg_transition", "uncertain"):
+            pipeline.load_scene(scene)
+            print(*({readers!r} & set(sys.modules)))
+    """
+    plain, named = python("-c", code, check=True).stdout.splitlines()[-2:]
+    assert (plain, named) == ("", "pipeline.scene.distributions")
+
+
 def test_every_public_name_is_there():
     for name in pipeline.__all__:
         assert getattr(pipeline, name) is not None

@@ -139,8 +139,11 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     if not isinstance(source, xr.Dataset):
         return open_sweep(source)
     _text(source)
-    lazy = [name for name in source.data_vars if source[name].chunks and name not in AT_END]
-    return ordered(source.assign({name: source[name].compute() for name in lazy}))
+    lazy = {
+        n: source[n].compute() for n in source.variables if source[n].chunks and n not in AT_END
+    }
+    coords = {name: lazy.pop(name) for name in [*lazy] if name in source.coords}
+    return ordered(source.assign_coords(coords).assign(lazy))
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:

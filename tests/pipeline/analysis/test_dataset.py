@@ -11,6 +11,8 @@ import tribo
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import end_of_point, open_sweep, stored_sweep
 from pipeline.analysis.decisive import decisive_rise, decisive_temperature, temperatures
+from pipeline.analysis.margins import margins
+from pipeline.analysis.warned_points import warned
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing
 from pipeline.store.schema import STEPPED
@@ -80,6 +82,51 @@ def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):
         assert stored_sweep(back) == stored_sweep(ds) == opened(alone).sweep
         assert back.attrs["history"].startswith("computed by irg-transition")
     boundary(ds).to_netcdf(tmp_path / "boundary.nc", engine=engine)
+
+
+@pytest.mark.parametrize(("engine", "form"), [("scipy", "NETCDF3_64BIT"), ("h5netcdf", None)])
+def test_plain_xarray_writes_a_store_to_netcdf_and_it_answers(alone, ds, tmp_path, engine, form):
+    with xr.open_zarr(alone) as plain:
+        plain.to_netcdf(tmp_path / "a.nc", engine=engine, format=form)
+    with xr.open_dataset(tmp_path / "a.nc", engine=engine) as back:
+        xr.testing.assert_equal(boundary(back), boundary(ds))
+
+
+@pytest.mark.parametrize(
+    "cut",
+    [
+        lambda ds: ds.sel(step=0),
+        lambda ds: ds.sel(step=0, drop=True),
+        lambda ds: ds.chunk(),
+        lambda ds: ds.isel(velocity=slice(None, None, -1)),
+    ],
+)
+def test_a_dataset_that_xarray_cut_or_chunked_answers_as_before(ds, cut):
+    expected = boundary(ds)["critical_velocity"]
+    found = boundary(cut(ds))["critical_velocity"].drop_vars("step", errors="ignore")
+    xr.testing.assert_equal(found, expected)
+    assert warned(cut(ds)) == warned(ds)
+
+
+def test_a_dataset_that_xarray_opened_or_interpolated_answers(alone, ds):
+    with xr.open_zarr(alone) as plain:
+        assert warned(plain) == warned(ds)
+        assert margins(plain, 300.0, 1.2) == margins(ds, 300.0, 1.2)
+    between = boundary(ds.interp(velocity=[0.6, 1.0, 1.4]))["critical_velocity"]
+    assert between["load"].values.tolist() == ds["load"].values.tolist()
+
+
+@pytest.mark.parametrize(
+    ("cut", "reason"),
+    [
+        (lambda ds: ds[["max_rise"]], "has no status, normal_load, rise_quantile, cooler_share"),
+        (lambda ds: ds.drop_attrs(), "has no attribute sweep"),
+        (lambda ds: ds.isel(load=0), "at a single load"),
+    ],
+)
+def test_a_dataset_that_lacks_what_an_answer_needs_is_refused_in_a_line(ds, cut, reason):
+    with pytest.raises(tribo.InputError, match=reason):
+        boundary(cut(ds))
 
 
 def test_units_are_such_as_other_programs_read(ds):
