@@ -165,6 +165,6 @@ def _quantity(kind: Kind) -> Quantity | None:
             return kind
         case List(of) | Range(of):
             return _quantity(of)
-        case Either(usual, other):
-            return _quantity(usual) or _quantity(other)
+        case Either():
+            return next(filter(None, map(_quantity, kind.kinds)), None)
     return None

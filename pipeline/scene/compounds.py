@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import itertools
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -105,39 +106,43 @@ class Range(Kind):
         return tuple(float(first + i * step) for i in range(round(steps) + 1))
 
 
-@dataclass(frozen=True)
 class Either(Kind):
-    """Kind `other` for values that satisfy `when` or have its form; `usual` for the rest.
+    """One of several kinds: the first, unless a value satisfies `when` or has another one's form.
 
-    Of two tables, a value has the form of `other` if it has any key that only `other` has.
+    Of tables a value has the form of that one which has most of the keys that the first lacks.
     """
 
-    usual: Kind
-    other: Kind
-    when: Callable[[Any], bool] | None = None
+    def __init__(
+        self, usual: Kind, *others: Kind, when: Callable[[Any], bool] | None = None
+    ) -> None:
+        self.kinds, self._when = (usual, *others), when
 
     def __str__(self) -> str:
-        return f"{self.usual}; or {self.other}"
+        return "; or ".join(map(str, self.kinds))
 
-    def is_other(self, value: Any) -> bool:
-        """True if a value is to be read as `other`."""
-        if self.when:
-            return self.when(value)
-        if isinstance(self.usual, Table) and isinstance(self.other, Table):
-            return isinstance(value, dict) and bool(
-                value.keys() & (self.other.keys.keys() - self.usual.keys.keys())
-            )
-        return isinstance(value, list if isinstance(self.other, List) else dict)
+    def kind_for(self, value: Any) -> Kind:
+        """The kind that a value is to be read as."""
+        usual, *others = self.kinds
+        if self._when:
+            return others[0] if self._when(value) else usual
+        if not isinstance(usual, Table):
+            fits = (isinstance(value, list if isinstance(x, List) else dict) for x in others)
+            return next(itertools.compress(others, fits), usual)
+        tables = [other for other in others if isinstance(other, Table)]
+        keys = value.keys() - usual.keys.keys() if isinstance(value, dict) else set[str]()
+        best = max(tables, key=lambda table: len(keys & table.keys.keys()))
+        return best if keys & best.keys.keys() else usual
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        if self.is_other(value):
-            return self.other.read(value, place, faults)  # a fault asks for this form alone
-        return self.usual._read(value, place, faults)
+        kind = self.kind_for(value)
+        if kind is not self.kinds[0]:
+            return kind.read(value, place, faults)  # a fault asks for this form alone
+        return kind._read(value, place, faults)
 
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A table of fixed keys, read as a dict of all, None where faulty; `form` names one of two."""
+    """A table of fixed keys, read as a dict, None where faulty; `form` names one of several."""
 
     keys: Mapping[str, Entry]
     form: str = ""

@@ -305,7 +305,7 @@ TEMPERATURES = Table({
         "Share of the contact area above the critical temperature beyond which wear is severe; 0 "
         "for the highest temperature alone.", default=0.1),
     "criterion": Optional(
-        Either(OneOf(tuple(tribo.CRITERIA)), Text(), lambda word: ":" in str(word)),
+        Either(OneOf(tuple(tribo.CRITERIA)), Text(), when=lambda word: ":" in str(word)),
         "Temperature that decides: the one that the failing share of the contact area exceeds, the "
         "highest, or the mean of the contact; or a [criterion of your own](OWN_LAWS.md), such as "
         '"laws:hottest_tenth", which runs only with `--own-laws`.', default="share"),

@@ -43,13 +43,11 @@ class Section:
     def form_of(self, values: Mapping[str, Any]) -> str:
         """Name of the form that a table of these values has; empty if it has but one."""
         kind = self.entry.kind.of if isinstance(self.entry.kind, List) else self.entry.kind
-        usual, *others = forms_of(kind)
-        if isinstance(kind, Either) and kind.is_other(values):
-            return others[0].form
-        return usual.form
+        table = kind.kind_for(values) if isinstance(kind, Either) else kind
+        return forms_of(table)[0].form
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Keys that hold a value, each with the form that it belongs to, if to one of two."""
+        """Keys that hold a value, each with the form that it belongs to, if to one of several."""
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:
@@ -83,8 +81,8 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
             return (kind,)
         case Tables(of) | List(of):
             return forms_of(of)
-        case Either(Table() as usual, Table() as other):
-            return (usual, other)
+        case Either() if all(isinstance(one, Table) for one in kind.kinds):
+            return tuple(one for one in kind.kinds if isinstance(one, Table))
     return ()
 
 
@@ -269,7 +267,7 @@ def _allowed(kind: Kind, default: Any) -> Any:
         case List():
             return [_allowed(kind.of, None)] * (kind.length or 1)
         case Either():
-            return _allowed(kind.usual, default)
+            return _allowed(kind.kinds[0], default)
         case _ if default is not None:
             return default
         case OneOf():

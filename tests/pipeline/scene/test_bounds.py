@@ -14,8 +14,8 @@ def numbers(kind, path=""):
     """Kinds of all quantities and numbers of the format, by their paths."""
     match kind:
         case Either():
-            yield from numbers(kind.usual, path)
-            yield from numbers(kind.other, path)
+            for one in kind.kinds:
+                yield from numbers(one, path)
         case List() | Range() | Tables():
             yield from numbers(kind.of, path)
         case Table():

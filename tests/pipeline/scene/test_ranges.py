@@ -26,7 +26,7 @@ CONDITIONS = Conditions(0.1, 298.15, None)
 
 def kind_of(entry):
     """The usual kind of an entry, of one of its values where it is a list."""
-    kind = entry.kind.usual if isinstance(entry.kind, Either) else entry.kind
+    kind = entry.kind.kinds[0] if isinstance(entry.kind, Either) else entry.kind
     return kind.of if isinstance(kind, List) else kind
 
 

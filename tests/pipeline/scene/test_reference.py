@@ -5,8 +5,10 @@ import tomllib
 
 import pytest
 
+from pipeline.scene.compounds import Either, Entry, Optional, Table
 from pipeline.scene.faults import Faults
-from pipeline.scene.reference import example, new_scene, page, sections
+from pipeline.scene.kinds import Number
+from pipeline.scene.reference import Section, example, new_scene, page, sections
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tribo import InputError
@@ -88,3 +90,21 @@ def test_the_command_writes_and_lists(tmp_path, irg):
     assert load_scene(tmp_path / "mine.toml").about.preset == "standard"
     assert set(shipped_scenes()) <= set(irg("new", "--list").split())
     assert "irg new scene.toml" in irg("new", code=2)
+
+
+def test_a_table_may_have_a_third_form_and_the_others_are_read_as_before():
+    first, second, third = (
+        Table({"rate": Optional(Number(), default=1.0), name: Entry(Number())}, form=name)
+        for name in ("mean", "start", "final")
+    )
+    kind = Either(first, second, third)
+    for name in ("mean", "start", "final"):
+        faults = Faults()
+        assert kind.read({name: 2.0}, "wear", faults) == {"rate": 1.0, name: 2.0}
+        assert not faults
+        assert Section("wear", Entry(kind)).form_of({name: 2.0}) == name
+    keys = Section("wear", Entry(kind)).keys()
+    assert {name: form for name, (_, form) in keys.items()} == {
+        "rate": "", "mean": "mean", "start": "start", "final": "final"
+    }  # fmt: skip
+    assert str(kind).count("; or a table with") == 2
