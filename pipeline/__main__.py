@@ -1,7 +1,37 @@
-"""``python -m pipeline``: the command ``irg``."""
+"""``python -m pipeline``: the process of ``irg``, which signals end without a traceback."""
 
+from __future__ import annotations
+
+import os
 import sys
+from typing import Any
 
-from pipeline.cli import main
+from pipeline import interrupts
 
-sys.exit(main())
+
+def run() -> None:
+    """Run the command of this process, and exit."""
+    sys.unraisablehook = _report
+    interrupts.handle(lambda number, frame: _leave(130, "irg: interrupted\n"))
+    from pipeline.cli import main  # takes 0.3 s
+
+    code = main()
+    interrupts.handle(lambda number, frame: _leave(code))
+    sys.exit(code)
+
+
+def _leave(code: int, line: str = "") -> None:
+    """End at once: nothing that is to be kept is under way."""
+    os.write(2, line.encode())
+    os._exit(code)
+
+
+def _report(dropped: Any) -> None:
+    if issubclass(dropped.exc_type, KeyboardInterrupt):  # as in the import of a module
+        interrupts.again()
+    else:
+        sys.__unraisablehook__(dropped)
+
+
+if __name__ == "__main__":
+    run()

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline import interrupts
 from pipeline.cli.parser import function_of, parse
 from pipeline.run import forkserver
 
@@ -52,7 +53,9 @@ def _begun(options: argparse.Namespace) -> Any:
     """Result of a command, whose module is imported only now."""
     if options.command == "sweeps:run" and not (options.scheduler or options.scheduler_file):
         forkserver.start()  # imports for the workers what is imported here meanwhile
-    return function_of(options)(options)
+    function = function_of(options)
+    with interrupts.raised():
+        return function(options)
 
 
 def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
@@ -75,7 +78,8 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
                 sys.stdout.flush()  # here, where it can be said that it fails
             return int(result.code)
     except KeyboardInterrupt:
-        output.complain(f"interrupted{safe}{safe and ': run the same command again to go on'}")
+        with suppress(OSError):  # of a terminal that was closed
+            output.complain(f"interrupted{safe}{safe and ': run the same command again to go on'}")
         return output.INTERRUPTED
     except TriboError as error:
         output.complain(str(error))

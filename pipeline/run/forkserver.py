@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, resource_tracker
 
+from pipeline.interrupts import SIGNALS
+
 WORKER_ENVIRONMENT = {
     # Dask's own thresholds return the memory of each FFT to the kernel, which takes longer than
     # the FFT. These settings replace all of Dask's, so the threads are stated again.
@@ -50,23 +52,26 @@ def start() -> None:
 
 @contextmanager
 def interrupts_put_off() -> Iterator[None]:
-    """Put off Ctrl-C until the end of the block; threads and processes begun in it never see it."""
+    """Put off interrupts until the end; threads and processes begun in it never see Ctrl-C."""
     waiting: list[int] = []
     in_main_thread = threading.current_thread() is threading.main_thread()
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
     # Inherited by what begins in here: a Ctrl-C in a terminal, which reaches every process of the
     # foreground, stops the driver alone, and no worker that may be just starting.
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    if in_main_thread:
-        handler = signal.signal(signal.SIGINT, lambda number, _: waiting.append(number))
+    handlers = {number: signal.getsignal(number) for number in SIGNALS if in_main_thread}
+    # One that is ignored stays so, and one that kills kills: nothing here is worse for it.
+    handlers = {number: handler for number, handler in handlers.items() if callable(handler)}
+    for number in handlers:
+        signal.signal(number, lambda number, _: waiting.append(number))
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        if in_main_thread:
-            signal.signal(signal.SIGINT, handler)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         if waiting:
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(waiting[0])
 
 
 def end_if_imported() -> None:

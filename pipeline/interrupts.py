@@ -1,0 +1,54 @@
+"""Signals that end a command as Ctrl-C does: SIGTERM, as of Slurm and Docker, and SIGHUP."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
+
+
+def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
+    """Let a function handle the signals that are not ignored, as by nohup; the handlers before."""
+    if threading.current_thread() is not threading.main_thread():
+        return {}
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    before = {n: old for n, old in before.items() if old not in (signal.SIG_IGN, None)}
+    for number in before:
+        signal.signal(number, handler)
+    return before
+
+
+@contextmanager
+def raised() -> Iterator[None]:
+    """Raise `KeyboardInterrupt` at a signal within the block, whatever error follows from it."""
+    came: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        if number != signal.SIGINT:  # systemd and terminals send two, one after the other
+            signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    before = handle(interrupt)
+    try:
+        yield
+    except Exception as error:
+        if came:  # as of a module whose import was interrupted
+            raise KeyboardInterrupt from error
+        raise
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def again() -> None:
+    """Interrupt once more, soon, where Python has dropped the exception."""
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

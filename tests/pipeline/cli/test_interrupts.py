@@ -1,0 +1,42 @@
+"""Signals that end a command as Ctrl-C does, in a process of its own."""
+
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from pipeline.store.progress import summary
+from pipeline.store.verify import verify_store
+from tests.helpers.scenes import SCENE
+
+MANY = 'velocities = { from = "1 m/s", to = "4 m/s", count = 400 }'
+
+
+@pytest.fixture
+def running(tmp_path):
+    """A run of very many points that has begun to compute them."""
+    scene, out = tmp_path / "many.toml", tmp_path / "many.zarr"
+    scene.write_text(re.sub("^velocities = .*$", MANY, SCENE, flags=re.MULTILINE))
+    command = [sys.executable, "-m", "pipeline", "run", scene, "-o", out, "--workers", "1"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    said = []
+    while not any(" points done" in line for line in said):
+        said.append(process.stderr.readline())
+        assert said[-1], said
+    yield process, out
+    process.kill()
+    process.communicate()
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_run_that_is_told_to_end_keeps_its_points_and_says_so(running, name):
+    process, out = running
+    process.send_signal(getattr(signal, name))
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert "irg: interrupted; finished points are safe: run the same command again" in said
+    assert "Traceback" not in said
+    assert verify_store(out).is_clean
+    assert summary(out).running is None
