@@ -139,8 +139,6 @@ class _Reader:
         if faults or loading is None:
             return None, tables
         made = _scene_of(tables, loading=loading, roughness=roughness, wear=wear, fidelity=fidelity)
-        if isinstance(roughness, Own):
-            made.heights()  # its first use, which may fail
         asked, name = tables["sweep"], self.document.file.stem
         sweep = Sweep(
             scene=made,

@@ -24,6 +24,7 @@ from types import ModuleType
 from typing import Any, Final, NamedTuple
 
 from tribo import InputError, MeasuredRoughness, Rule, Scene, SelfAffineRoughness, Surface, WearLaw
+from tribo.surface import UnknownHeights
 
 GROUP: Final = "irg_transition.laws"
 """Entry points by which an installed package registers its laws."""
@@ -141,7 +142,7 @@ class Own:
 
 
 @dataclass(frozen=True)
-class Reference:
+class Reference(UnknownHeights):
     """A law, surface or criterion that a store names: no code, and none runs by its name."""
 
     reference: str

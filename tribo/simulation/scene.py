@@ -18,6 +18,7 @@ from tribo.surface import (
     MeasuredRoughness,
     SelfAffineRoughness,
     Surface,
+    UnknownHeights,
     block_average,
     block_sample,
     heights_of,
@@ -110,7 +111,7 @@ class Scene:
                 f"the heat_kernel {self.fidelity.heat_kernel!r} needs a patch that is periodic "
                 "along y; use 'pin'"
             )
-        if isinstance(self.roughness, MeasuredRoughness):
+        if not isinstance(self.roughness, SelfAffineRoughness | UnknownHeights):
             self.heights()
         if self.motion and self.wears_by_law:
             raise InputError(

@@ -6,6 +6,7 @@ from tribo.surface.heights import read_heights as read_heights
 from tribo.surface.roughness import MeasuredRoughness as MeasuredRoughness
 from tribo.surface.roughness import SelfAffineRoughness as SelfAffineRoughness
 from tribo.surface.roughness import Surface as Surface
+from tribo.surface.roughness import UnknownHeights as UnknownHeights
 from tribo.surface.roughness import heights_of as heights_of
 from tribo.surface.spectrum import SelfAffineFit as SelfAffineFit
 from tribo.surface.spectrum import fit_self_affine as fit_self_affine

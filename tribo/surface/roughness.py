@@ -110,6 +110,10 @@ class MeasuredRoughness:
         return level
 
 
+class UnknownHeights:
+    """A surface that is known by its name alone: its scene may be read, and not simulated."""
+
+
 def heights_of(surface: Any, pixels: Grid) -> Array:
     """Heights of a surface [m], shape ``pixels.shape``; `InvariantError` if they are not."""
     with of_law(f"surface {surface!r}"):

@@ -55,7 +55,7 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
 def test_a_transition_across_a_missing_point_names_the_command_that_computes_it(
     monkeypatch, irg, missing, axis
 ):
-    ds = synthetic.sweep(status={missing: 0}, arguments=["scene.toml"])
+    ds = synthetic.sweep(status={missing: 0}, arguments=("scene.toml",))
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
     friction = 120.0 / synthetic.rise(*missing, 0.9)
     place = ("--load", "400 N", "--velocity", "2 m/s", "--friction", friction)
