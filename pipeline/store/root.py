@@ -323,7 +323,7 @@ def _fault(facts: Facts, arrays: Mapping[str, Any]) -> str:
             for name, array in arrays.items()
         )
         points = math.prod(arrays["status"]["shape"])
-        unfit = [k for k in axes if not fits(axes[k], _AXES.get(str(arrays[k]["data_type"]), Any))]
+        unfit = [k for k in axes if not _are_labels(axes[k], str(arrays[k]["data_type"]))]
     except (KeyError, TypeError, AttributeError):
         fits_axes, points, unfit = False, 0, []
     if not fits_axes:
@@ -336,6 +336,11 @@ def _fault(facts: Facts, arrays: Mapping[str, Any]) -> str:
     if points > MOST_POINTS:
         return f"tells of {points:.4g} points, and a store has at most {MOST_POINTS:.0e}"
     return ""
+
+
+def _are_labels(values: list[Any], kind: str) -> bool:
+    """True for values of an axis of a type; NaN are those of a chunk that is lost."""
+    return fits(values, _AXES.get(kind, list[Any])) and all(value == value for value in values)
 
 
 def _is_axis(name: str, array: Mapping[str, Any], axes: Mapping[str, list[Any]]) -> bool:

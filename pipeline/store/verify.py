@@ -153,11 +153,12 @@ def _found(
     store: Store,
     progress: Callable[[int, int], None] | None = None,
     chunks: Container[_Index] | None = None,
+    root_may_be_wrong: bool = True,
 ) -> _Found:
     """Read all of an open store, or only these chunks of points, and write nothing.
 
-    Raise an `UnreadableError` if anything cannot be read now, a `LostRootError` if the root is not
-    that of the arrays.
+    Raise an `UnreadableError` if anything cannot be read now, a `LostRootError` if all was read and
+    the root is not that of the arrays.
     """
     with reaches(store.place):
         keys = store.place.keys()
@@ -183,7 +184,7 @@ def _found(
             count += int(np.count_nonzero(store.flags[block] == DONE))
             if progress:
                 progress(count, total)
-        if chunks is None:
+        if chunks is None and root_may_be_wrong:
             _require_right_root(store, found)
         return found
 
@@ -239,7 +240,7 @@ def _require_right_root(store: Store, found: _Found) -> None:
         root = Root(store.sweep, facts, arrays)
         if root.axes != store.axes and is_likely(facts, arrays):
             other = Store(place, root, is_damaged=True)
-            if _found(other).sound(other) > found.sound(store):
+            if _found(other, root_may_be_wrong=False).sound(other) > found.sound(store):
                 raise LostRootError(
                     f"{place}: {ROOT} is older than its arrays, or newer; nothing was changed; "
                     f"{ELSEWHERE}"

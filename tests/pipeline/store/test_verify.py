@@ -284,3 +284,11 @@ def test_what_a_disk_refuses_is_an_error_of_the_store(copy, monkeypatch, method)
     expected = {"read": set(calls), "keys": {"open", "verify", "repair"}, "put": {"repair"}}
     assert said.keys() >= expected[method]
     assert all("Permission denied" in words for words in said.values())
+
+
+def test_a_coordinate_whose_chunk_is_lost_is_named_and_written_again(copy):
+    (copy / "load" / "c.0").unlink()
+    found = verify_store(copy)
+    assert (found.done, found.shared) == (9, ("the coordinate load is damaged",))
+    verify_store(copy, repair=True)
+    assert verify_store(copy).is_clean
