@@ -89,7 +89,13 @@ def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
 
 def _harmless(cell: Any) -> Any:
     """A cell that a spreadsheet takes for text where it would compute it, as ``=1+1``."""
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(("=", "@")) else cell
+    if not isinstance(cell, str) or not cell.startswith(("=", "@", "+", "-", "\t", "\r")):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
 
 
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:

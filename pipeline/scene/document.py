@@ -205,7 +205,8 @@ def _toml(path: Path) -> dict[str, Any]:
     except (OSError, ValueError) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
-            reason += did_you_mean(path.stem, shipped_scenes())
+            near = did_you_mean(path.stem, shipped_scenes())
+            reason += near or "; give a scene file, or a shipped scene that irg new --list names"
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
     if len(content) > _LARGEST_FILE:
         raise SceneFileError(

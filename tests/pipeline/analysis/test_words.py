@@ -1,11 +1,15 @@
 """Outcomes, errors, entries and tables, as they are said and written."""
 
+import csv
+
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.analysis.entries import scene_entries, shown
 from pipeline.analysis.margin import verdict_on
 from pipeline.analysis.margin_error import RiseError, error_of_point, warned_error
+from pipeline.analysis.tables import write_frames
 from pipeline.analysis.transition import Crossing, in_words, outcomes, range_of
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
@@ -66,3 +70,23 @@ def test_entries_of_a_store_are_those_of_its_scene_in_usual_units():
     assert entries | expected == entries
     assert not [path for path in entries if path.startswith("wear")]
     assert shown("pin.radius", [0.002, 0.003]) == "2, 3 mm"
+
+
+@pytest.mark.parametrize(
+    ("cell", "written"),
+    [
+        ("=1+1", "'=1+1"),
+        ("@SUM(A1)", "'@SUM(A1)"),
+        ("+49 30 1", "'+49 30 1"),
+        ("-x", "'-x"),
+        ("\t=1", "'\t=1"),
+        ("-1.5e-3", "-1.5e-3"),
+        ("+2", "+2"),
+        ("gear 1", "gear 1"),
+    ],
+)
+def test_a_cell_that_a_spreadsheet_would_compute_is_written_as_text(tmp_path, cell, written):
+    frame = pd.DataFrame({"label": [cell], "=load": [1.0]})
+    path = write_frames([frame], tmp_path / "table.csv")
+    with path.open(newline="") as file:
+        assert [*csv.reader(file)] == [["label", "'=load"], [written, "1"]]
