@@ -20,6 +20,7 @@ from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
+from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
@@ -42,7 +43,6 @@ _ROW = Table(
 _BEFORE = tuple(f"{name}." for name in FORMAT.keys if name not in ("friction", "temperature"))
 """Beginnings of paths that a simulation needs."""
 _REACH = 2.0  # factor of load and velocity to which places about a row go
-_MOST = 10_000  # places, each of which is read as a scene
 
 
 class Place(NamedTuple):
@@ -186,8 +186,8 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     steps = np.geomspace(1 / _REACH, _REACH, around) if around else ()
     factors = [float(f"{f:.4g}") for f in steps if f != 1.0]
     about = [(1.0, 1.0), *((1.0, f) for f in factors), *((f, 1.0) for f in factors)]
-    if (count := len(pairs) * len(about)) > _MOST:
-        raise InputError(f"sweep.along: {count} places are too many; give {_MOST} at most")
+    if (count := len(pairs) * len(about)) > MOST_SCENES:
+        raise InputError(f"sweep.along: {count} places are too many; give {MOST_SCENES} at most")
     paths = [head for head in pairs[0] if _is_path(head)]
     written = [{path: row[path] for path in paths} for row in pairs]
     scenes = [scene_with(values, sweep, reading.make, "sweep.along") for values in written]

@@ -20,6 +20,7 @@ from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
+from pipeline.sweep.limits import MOST_INPUTS
 from pipeline.sweep.model import PART_OF, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import (
@@ -31,7 +32,6 @@ from pipeline.sweep.samples import (
     samples_per_contact,
 )
 from pipeline.sweep.unknown import (
-    MOST,
     Fixed,
     Form,
     Unit,
@@ -109,8 +109,8 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
         )
     inputs, known = _inputs(tables, fixed, faults)
     notes.extend(f"unknown: {one}, as it is given beside its distribution" for one in known)
-    if len(inputs) > MOST:
-        faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST} at most")
+    if len(inputs) > MOST_INPUTS:
+        faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
     layers = [_layer(one, sweep, reading.make, faults) for one in inputs]
     if len(faults) > before:
         return sweep

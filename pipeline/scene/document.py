@@ -13,12 +13,20 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted, with_value
+from pipeline.scene.faults import (
+    Fault,
+    Faults,
+    SceneFileError,
+    did_you_mean,
+    joined,
+    quoted,
+    with_value,
+)
 from pipeline.scene.format import FORMAT
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
+from pipeline.sweep.limits import MOST_BYTES_OF_SCENE, MOST_IN_LIST, MOST_KEYS, MOST_LAYERS
 from tribo.errors import reason_of
 
-_LARGEST_FILE = 10_000_000
 _REPLACED = {"count": ("step",), "step": ("count", "spacing")}
 """Keys of a range that are left out where one is given that says the same."""
 _LEVELS = 10  # of tables in tables, more than the format has
@@ -97,6 +105,10 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
         if without is not None:
             faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
         return document
+    if len(above) >= MOST_LAYERS:
+        raise SceneFileError(
+            path, [f"extends: more than {MOST_LAYERS} scenes extend each other; join some of them"]
+        )
     name = FORMAT.keys["extends"].kind.read(extends, "extends", wrong := Faults())
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
@@ -201,21 +213,22 @@ def _toml(path: Path) -> dict[str, Any]:
             what = "a store" if (path / "zarr.json").exists() else "not a file"
             raise SceneFileError(path, [f"cannot be read: {what}; give a scene file (TOML)"])
         with path.open("rb") as file:
-            content = file.read(_LARGEST_FILE + 1)
+            content = file.read(MOST_BYTES_OF_SCENE + 1)
     except (OSError, ValueError) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
             near = did_you_mean(path.stem, shipped_scenes())
             reason += near or "; give a scene file, or a shipped scene that irg new --list names"
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
-    if len(content) > _LARGEST_FILE:
+    if len(content) > MOST_BYTES_OF_SCENE:
         raise SceneFileError(
-            path, [f"is larger than {_LARGEST_FILE // 10**6} MB; give a scene file, which is text"]
+            path,
+            [f"is larger than {MOST_BYTES_OF_SCENE // 10**6} MB; give a scene file, which is text"],
         )
     try:
         text = content.decode("utf-8-sig")
         _require_short_keys(path, text)
-        return tomllib.loads(text)
+        tables = tomllib.loads(text)
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         fault = f"line {line} is not UTF-8; save the file in that encoding"
@@ -224,6 +237,22 @@ def _toml(path: Path) -> dict[str, Any]:
         reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
         hint = _hint(text.splitlines(), reason)
         raise SceneFileError(path, [f"is not valid TOML: {reason}{hint}"]) from error
+    _require_few(path, tables, "")
+    return tables
+
+
+def _require_few(path: Path, value: Any, place: str) -> None:
+    """Refuse a table or list of more entries than are worth checking one by one."""
+    most = MOST_KEYS if isinstance(value, dict) else MOST_IN_LIST
+    if not isinstance(value, dict | list):
+        return
+    if len(value) > most:
+        fault = f"{len(value)} entries are too many; give {most} at most"
+        raise SceneFileError(path, [f"{place}: {fault}" if place else f"has {fault}"])
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, inner in items:
+        inner_place = joined(place, key) if isinstance(key, str) else f"{place}[{key}]"
+        _require_few(path, inner, inner_place)
 
 
 def _require_short_keys(path: Path, text: str) -> None:

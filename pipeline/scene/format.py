@@ -30,7 +30,7 @@ from pipeline.scene.kinds import (
     Whole,
     kind_of,
 )
-from pipeline.sweep.unknown import MOST_SAMPLES
+from pipeline.sweep.limits import MOST_SAMPLES
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of
 

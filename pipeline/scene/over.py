@@ -6,6 +6,7 @@ Every combination is read as if its values stood in the file, or were given by `
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -16,13 +17,13 @@ from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
 from tribo import InputError
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
 _SAME = ("loads", "velocities", "variants", "unequal_bulks", "independent", "steps")
-_MOST = 10_000  # combinations, each of which is read as a scene
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
@@ -38,11 +39,11 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     if not asked:
         return sweep
     axes = {path: _axis(path, values) for path, values in asked.items()}
-    names = combinations({path: axis.values for path, axis in axes.items()})
-    if len(names) > _MOST:
+    if (count := math.prod(len(axis.values) for axis in axes.values())) > MOST_SCENES:
         raise InputError(
-            f"sweep.over: {len(names)} combinations are too many; give {_MOST} at most"
+            f"sweep.over: {count} combinations are too many; give {MOST_SCENES} at most"
         )
+    names = combinations({path: axis.values for path, axis in axes.items()})
     texts = {path: axis.text_of for path, axis in axes.items()}
     written = [{path: texts[path][value] for path, value in name} for name in names]
     scenes = [scene_with(values, sweep, reading.make, "sweep.over") for values in written]

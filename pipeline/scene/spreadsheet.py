@@ -6,10 +6,12 @@ import csv
 import itertools
 import re
 import statistics
+import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from pipeline.sweep.limits import MOST_BYTES_OF_BOOK
 from tribo import InputError
 from tribo.errors import reason_of, require_file
 
@@ -133,6 +135,7 @@ def _of_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str
     import pandas as pd  # here, since few scenes have rows in a sheet
 
     try:
+        _require_few_cells(path)
         with pd.ExcelFile(path, engine="openpyxl") as book:
             names = [str(name) for name in book.sheet_names]
             name = names[0] if wanted is None else wanted
@@ -153,6 +156,17 @@ def _of_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str
     others = [other for other in names if other != name]
     more = f" (not read: {', '.join(others)})" if others else ""
     return rows, [f'sheet "{name}"{more}'], ""
+
+
+def _require_few_cells(path: Path) -> None:
+    """Refuse a workbook that unpacks to more text than its cells may have."""
+    with zipfile.ZipFile(path) as archive:
+        size = sum(entry.file_size for entry in archive.infolist())
+    if size > MOST_BYTES_OF_BOOK:
+        raise InputError(
+            f"{path}: unpacks to {size / 1e6:.4g} MB; at most {MOST_BYTES_OF_BOOK // 10**6} MB are "
+            "read of a workbook; keep the sheet and rows that are needed, or save it as CSV"
+        )
 
 
 def _uncommented(cells: list[str]) -> list[str]:

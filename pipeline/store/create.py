@@ -49,7 +49,6 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.root import (
-    MOST_POINTS,
     Facts,
     LostRootError,
     Root,
@@ -66,6 +65,7 @@ from pipeline.store.verify import agrees, repaired, require_right_root
 from pipeline.store.versions import package_versions
 from pipeline.store.write import Store
 from pipeline.sweep.codec import Arrays, sweep_text
+from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stored import join, misfits

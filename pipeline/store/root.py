@@ -33,15 +33,13 @@ from pipeline.store.place import (
 from pipeline.store.schema import FORMAT, INPUTS, PLANE, VARIABLES, is_coordinate
 from pipeline.store.versions import package_versions, provenance
 from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
+from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import Stations
 from tribo.errors import near_path
 
 _AXES = {"float64": list[float], "int64": list[int], "string": list[str]}
 """Values along an axis, by the type of its array."""
-MOST_POINTS = 10_000_000
-"""Points that a store may have."""
-_LARGEST = 2**28  # bytes of a root
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = {"bytes", "vlen-utf8", "zstd"}
 ELSEWHERE = (
@@ -174,6 +172,11 @@ def _with_hash(document: dict[str, Any], digest: str) -> dict[str, Any]:
 
 
 def _parsed(place: StorePlace, content: bytes) -> Root:
+    if (parts := content.count(b"[") + content.count(b"{")) > MOST_PARTS_OF_ROOT:
+        raise StoreError(
+            f"{place}: {ROOT} is damaged: it has {parts} lists and tables, and that of a store has "
+            f"at most {MOST_PARTS_OF_ROOT}; {ELSEWHERE}"
+        )
     try:
         document = json.loads(content)
         attributes, arrays = document["attributes"], document[_CONSOLIDATED]["metadata"]
@@ -224,7 +227,7 @@ def _require_small_file(folder: Path) -> None:
     if folder.is_file():
         raise StoreError(f"{folder} is a file, not a store; give a folder that irg run made")
     file = folder / ROOT
-    if file.is_file() and (size := file.stat().st_size) > _LARGEST:
+    if file.is_file() and (size := file.stat().st_size) > MOST_BYTES_OF_ROOT:
         raise StoreError(
             f"{folder} is not the store of a sweep, or its {ROOT} is damaged: it has {size:.2g} "
             f"bytes; {ELSEWHERE}"

@@ -13,15 +13,12 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
+from pipeline.sweep.limits import MOST_INPUTS
 from tribo import InputError
 from tribo.types import Array
 
 Form = Literal["normal", "log-normal", "uniform", "list"]
 
-MOST = 32
-"""Number of inputs that may be unknown."""
-MOST_SAMPLES = 1_000_000
-"""Number of samples that may be drawn."""
 OF_90 = 1.645
 """Normal score within which 90 % lie, on either side."""
 _LEAST = 1e-6  # of the variance of an input's score that the others must leave open
@@ -198,9 +195,9 @@ def first_unfit(correlations: Array) -> int | None:
 
 
 def sequence(seed: int, count: int) -> Array:
-    """Points of a scrambled Sobol' sequence off the cube's faces, shape (count, `MOST` + 1)."""
+    """Points of a scrambled Sobol' sequence off faces, shape (count, `MOST_INPUTS` + 1)."""
     from scipy.stats import qmc  # takes 0.5 s, and few scenes need it
 
-    sobol = qmc.Sobol(MOST + 1, scramble=True, rng=np.random.default_rng(seed))
+    sobol = qmc.Sobol(MOST_INPUTS + 1, scramble=True, rng=np.random.default_rng(seed))
     points: Array = sobol.random_base2(max(count - 1, 1).bit_length())[:count]
     return np.clip(points, _OFF_FACES, 1 - _OFF_FACES)

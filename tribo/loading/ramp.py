@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from tribo.errors import InputError, require_integer, require_positive
 
-MOST_STEPS = 1_000_000
+MOST_STEPS = 100_000
 """Steps that a load or a hold may take; more are an oversight."""
 
 

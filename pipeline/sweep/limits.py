@@ -1,0 +1,24 @@
+"""What a scene, a workbook or a store may ask for, so that a small file cannot take the memory."""
+
+MOST_BYTES_OF_SCENE = 1_000_000
+"""Bytes of a scene file: 10 000 places of a table, written out, need less."""
+MOST_KEYS = 1000
+"""Keys of one table of a scene; each that is unknown is compared with all that are known."""
+MOST_IN_LIST = 10_000
+"""Entries of a list in a scene file, each of which is checked by itself."""
+MOST_LAYERS = 20
+"""Scenes that extend each other, each of which is read and merged with those below."""
+MOST_SCENES = 10_000
+"""Combinations of `over`, or places of `along`, each of which is read as a scene."""
+MOST_SAMPLES = 100_000
+"""Samples that may be drawn: 35 MB of a Sobol' sequence in 33 dimensions."""
+MOST_INPUTS = 32
+"""Inputs that may be unknown."""
+MOST_POINTS = 10_000_000
+"""Points that a store may have."""
+MOST_BYTES_OF_BOOK = 10_000_000
+"""Bytes that a workbook may unpack to: some 300 000 cells, each an object of 100 bytes and more."""
+MOST_BYTES_OF_ROOT = 2**27
+"""Bytes of a store's root: twice the numbers of all samples of all inputs."""
+MOST_PARTS_OF_ROOT = 1_500_000
+"""Lists and tables in a root, at 64 bytes when empty; a store of 10 000 rows has 150 a row."""
