@@ -247,8 +247,8 @@ def _require_few(path: Path, value: Any, place: str) -> None:
     if not isinstance(value, dict | list):
         return
     if len(value) > most:
-        fault = f"{len(value)} entries are too many; give {most} at most"
-        raise SceneFileError(path, [f"{place}: {fault}" if place else f"has {fault}"])
+        fault = f"has {len(value)} entries; give {most} at most"
+        raise SceneFileError(path, [f"{place}: {fault}" if place else fault])
     items = value.items() if isinstance(value, dict) else enumerate(value)
     for key, inner in items:
         inner_place = joined(place, key) if isinstance(key, str) else f"{place}[{key}]"

@@ -1,6 +1,7 @@
 """Input on which no reader may hang, run out of memory or end with a traceback."""
 
 import io
+import json
 import os
 import resource
 import subprocess
@@ -169,3 +170,54 @@ def test_where_memory_is_short_a_line_says_so(alone, tmp_path, command, megabyte
     if done.returncode:
         assert "of memory" in done.stderr
         assert done.stderr.count("\n") == 1
+
+
+_VALUES = {"pin.radius": "mm", "pin.length": "mm", "loading.rate": "N/s"}
+_FIRST = 'extends = "first_try"\n'
+SCENES = {
+    "combinations are too many": "[sweep.over]\n"
+    + "".join(
+        f'"{key}" = {json.dumps([f"{5 + number / 100} {unit}" for number in range(149)])}\n'
+        for key, unit in _VALUES.items()
+    ),
+    "samples: 1000000 is out of range": "sweep.samples = 1000000",
+    "at most 100000 are allowed": 'loading.hold = "100 h"',
+    "has 10001 entries": "".join(f"k{number} = 1\n" for number in range(10_000)),
+    "loads: has 20000 entries": f"sweep.loads = {['1 N'] * 20_000}",
+    "larger than 1 MB": f"pin.radius = {'9' * 4_000_000}",
+    "not valid TOML": f"a = {'[' * 100_000}",
+}
+_ASKED = """
+import resource, sys
+from pathlib import Path
+from pipeline.cli import main
+from pipeline.scene.spreadsheet import read_rows
+from tribo import InputError
+codes = [main(["check", path]) for path in sys.argv[3:]] + [main(["status", sys.argv[1]])]
+try:
+    read_rows(Path(sys.argv[2]), lambda cells: True)
+except InputError as error:
+    print("irg:", error, file=sys.stderr)
+print(*{*codes}, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is counted in kB on Linux")
+def test_small_files_that_ask_for_much_are_refused_in_a_line_and_take_no_memory(tmp_path):
+    for number, text in enumerate(SCENES.values()):
+        (tmp_path / f"{number}.toml").write_text(_FIRST + text + "\n")
+    for number in range(30):
+        (tmp_path / f"{number}.of.toml").write_text(f'extends = "{number + 1}.of.toml"\n')
+    (tmp_path / "a.zarr").mkdir()
+    (tmp_path / "a.zarr" / "zarr.json").write_text(f'{{"a": [{"[]," * 3_300_000}[]]}}')
+    with zipfile.ZipFile(tmp_path / "a.xlsx", "w", zipfile.ZIP_DEFLATED) as book:
+        book.writestr("xl/worksheets/sheet1.xml", bytes(11_000_000))
+    scenes = [*(f"{number}.toml" for number in range(len(SCENES))), "0.of.toml"]
+    done = python("-c", _ASKED, "a.zarr", "a.xlsx", *scenes, cwd=tmp_path)
+    said = done.stderr.splitlines()
+    wanted = [*SCENES, "more than 20 scenes", "lists and tables", "unpacks to 11 MB"]
+    assert len(said) == len(wanted), done.stderr[-2000:]
+    assert [words for words, line in zip(wanted, said, strict=True) if words not in line] == []
+    code, megabytes = done.stdout.split()[-2:]
+    assert code == "2"
+    assert int(megabytes) < 300

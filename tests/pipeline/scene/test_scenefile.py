@@ -310,7 +310,7 @@ def test_all_faults_are_named_at_once(read, faults):
         (b'a = 1\ntitle = "no end\n', "line 2"),
         (b"a = 1\nb = 2\na = 3\n", "A key is given twice (at line 3"),
         (TEXT.encode("utf-16"), "not UTF-8"),
-        (b"#" * 10_000_001, "larger than 10 MB"),
+        (b"#" * 10_000_001, "larger than 1 MB"),
         (b"a = " + b"[" * 100_000, "not valid TOML"),
         (b'[disk]\nfile = "C:\\scans\\disk.npy"', "write / in place of \\ in a path"),
         ("title = “Disk”".encode(), "write straight quotes"),
