@@ -30,6 +30,7 @@ from pipeline.analysis.transition import (
     range_of,
     spread,
 )
+from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.surface import Lubrication
@@ -38,7 +39,7 @@ from tribo.types import Array, Mask
 
 
 def boundary(
-    ds: xr.Dataset,
+    ds: xr.Dataset | PathLike,
     friction: float | Sequence[float] | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,

@@ -259,7 +259,7 @@ def decisive_temperature(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dat
 
 
 def temperatures(
-    ds: xr.Dataset,
+    ds: xr.Dataset | PathLike,
     friction: float | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
