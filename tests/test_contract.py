@@ -1,4 +1,4 @@
-"""The import rules of pyproject.toml, each broken on purpose in a copy."""
+"""The import rules of pyproject.toml, each broken on purpose in a copy, and types of calls."""
 
 import re
 import shutil
@@ -35,3 +35,20 @@ def test_each_contract_is_broken_by_its_violation(tmp_path):
     assert done.returncode == 1
     assert {contract["name"] for contract in settings["contracts"]} == set(VIOLATIONS)
     assert set(re.findall("^(.*) BROKEN$", done.stdout, re.MULTILINE)) == set(VIOLATIONS)
+
+
+CALLS = """
+from pathlib import Path
+import numpy as np
+import pipeline
+pipeline.boundary("a.zarr", [0.1, 0.12], {"pin": "60 degC", "disk": 300.0}, "150 degC", "10%")
+pipeline.boundary(Path("a.zarr"), np.linspace(0.1, 0.2, 3))
+pipeline.temperatures(Path("a.zarr"), 0.12, "60 degC", 420.0)
+"""
+
+
+def test_a_type_checker_accepts_the_calls_that_the_pages_describe(tmp_path):
+    (tmp_path / "calls.py").write_text(CALLS)
+    command = [sys.executable, "-m", "mypy", str(tmp_path / "calls.py")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout

@@ -40,7 +40,7 @@ from tribo.types import Array, Mask
 
 def boundary(
     ds: xr.Dataset | PathLike,
-    friction: float | Sequence[float] | None = None,
+    friction: float | Sequence[float] | Array | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
