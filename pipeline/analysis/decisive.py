@@ -272,7 +272,7 @@ def temperatures(
         Dataset of `pipeline.open_sweep`, a part of it, or the path of a store. The whole of a large
         sweep takes much memory: select loads and velocities first.
     friction, bulk_temperature, critical_temperature
-        See `boundary`.
+        See `boundary`; one friction.
 
     Returns
     -------
