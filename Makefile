@@ -75,8 +75,7 @@ samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its n
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans --minutes 30
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 
-mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
-	$(BIN)/python -m pip install --quiet --editable '.[mutants]'
+mutants: .venv/test   ## change the code at random, and see whether a test notices, in an hour or two
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants
 
 crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside them, for 25 minutes

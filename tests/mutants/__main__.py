@@ -1,168 +1,241 @@
-"""Change one operator, number or condition at a time, and see whether a test turns red.
+"""Change one operator, number, condition or statement at a time, and see whether a test turns red.
 
-Places are drawn at random, room by room in turn, until the time is up. What was found is kept in a
-file, a line for each mutant, and the next run goes on from there. The code is changed in a copy.
-Survivors that `harmless.txt` lists, with the reason, are not reported.
+A mutant is compiled in memory, in a process that is forked from one with all libraries imported.
+Its tests are those of the room (`tests/ROOM` and the examples) that run the changed line; of a line
+outside functions all. Programs that a test starts run the code as it is; Dask's workers do not.
+What no test notices in `--seconds` counts as not noticed. The exit code is 1 if a test fails on the
+code as it is, or a room notices too few.
 """
 
 import argparse
-import difflib
-import itertools
+import ast
+import importlib
 import json
 import os
+import pickle
 import random
 import shutil
 import signal
-import subprocess
 import sys
+import tempfile
+import threading
 import time
-from collections import Counter, defaultdict
+import traceback
+from collections import defaultdict
+from contextlib import contextmanager, suppress
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 
-from cosmic_ray.ast import ast_nodes, get_ast
-from cosmic_ray.mutating import mutate_code
-from cosmic_ray.plugins import get_operator, operator_names
+import pytest
+
+from tests.helpers.campaigns import write_table
+from tests.mutants.changes import changes
 
 ROOT = Path(__file__).parents[2]
-HARMLESS = Path(__file__).parent / "harmless.txt"
-# Folders of modules to change; their examples and the tests that mirror them are run then.
 ROOMS = [
-    *(
-        f"tribo/{room}"
-        for room in ("contact", "loading", "simulation", "surface", "thermal", "wear")
-    ),
-    *(f"pipeline/{room}" for room in ("analysis", "scene", "store", "sweep", "tradeoff")),
-    "pipeline/uncertain",
+    str(init.parent.relative_to(ROOT))
+    for package in ("tribo", "pipeline")
+    for init in sorted((ROOT / package).glob("*/__init__.py"))
 ]
-# Annotations are the only place where most modules write `|`; decorators and the like keep results.
-_LEFT_OUT = ("core/RemoveDecorator", "core/Variable", "core/ReplaceBinaryOperator_BitOr")
+LIBRARIES = ("dask", "distributed", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray")
+LIBRARIES += ("bokeh", "fsspec", "numcodecs", "PIL", "psutil", "tqdm", "zarr")
+MUTANT = "MUTANT_OF_IRG"  # variable of the environment: module and number of the change
+MEMORY = Path("/dev/shm")
+QUIETLY = ["-q", "-p", "no:cacheprovider", "--tb", "no", "--timeout", "0"]
+QUIETLY += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # libraries are imported already
 
 
-def mutants(module, rng):
-    """One change at each place of a module where there is any, in random order."""
-    source = (ROOT / module).read_text()
-    tree = get_ast(source)
-    places = defaultdict(list)
-    for name in operator_names():
-        if name.startswith(_LEFT_OUT) or get_operator(name).arguments():
-            continue
-        operator = get_operator(name)()
-        positions = (
-            position for node in ast_nodes(tree) for position in operator.mutation_positions(node)
-        )
-        for occurrence, (begin, _) in enumerate(positions):
-            places[begin].append((name, occurrence))
-    chosen = [rng.choice(changes) for _, changes in sorted(places.items())]
-    rng.shuffle(chosen)
-    for name, occurrence in chosen:
-        changed = mutate_code(source, get_operator(name)(), occurrence)
-        if changed and changed != source and not change_of(source, changed)[-1].startswith("+@"):
-            yield source, changed
+def install(module, number):
+    """Have the import system compile the mutant where it would read the module."""
+    tree = ast.parse((ROOT / module).read_text())
+    list(changes(tree))[number].make()
+    usual = SourceFileLoader.get_code
+
+    def get_code(loader, name):
+        if loader.path == str(ROOT / module):
+            return compile(tree, loader.path, "exec")
+        return usual(loader, name)
+
+    SourceFileLoader.get_code = get_code
 
 
-def in_turn(seed, rooms):
-    """Room, module and change; each room as often as the others, as long as it has any."""
-    rng = random.Random(seed)
-    queues = []
-    for room in rooms:
-        files = [file.relative_to(ROOT) for file in sorted((ROOT / room).rglob("*.py"))]
-        rng.shuffle(files)
-        queues.append(alternating([in_module(room, file, rng) for file in files]))
-    return alternating(queues)
+if MUTANT in os.environ:  # here, or in a worker, which runs this file before all else
+    install(*json.loads(os.environ[MUTANT]))
 
 
-def in_module(room, file, rng):
-    for change in mutants(file, rng):
-        yield room, file, change
+class Lines:
+    """Plugin of pytest: the lines of a room that each test runs, and those of its fixtures."""
+
+    def __init__(self, room):
+        self.folder, self.now = str(ROOT / room), None
+        self.lines, self.uses = defaultdict(set), defaultdict(set)
+        self.seconds, self.red, self.places = {}, set(), {}
+        usual = pytest.FixtureDef.execute
+
+        def execute(fixture, request):
+            self.uses[self.now].add(fixture)
+            with self.noted(fixture):
+                return usual(fixture, request)
+
+        pytest.FixtureDef.execute = execute  # asked for a value that is there already, too
+        sys.settrace(self.follow)
+        threading.settrace(self.follow)
+
+    @contextmanager
+    def noted(self, key):
+        before, self.now = self.now, key
+        try:
+            yield
+        finally:
+            self.now = before
+
+    def follow(self, frame, event, argument):
+        return self.note if frame.f_code.co_filename.startswith(self.folder) else None
+
+    def note(self, frame, event, argument):
+        place = frame.f_code.co_filename, frame.f_lineno
+        self.lines[self.now].add(self.places.setdefault(place, place))
+        return self.note
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item):
+        began = time.monotonic()
+        with self.noted(item.nodeid):
+            result = yield
+        self.seconds[item.nodeid] = time.monotonic() - began
+        return result
+
+    def pytest_runtest_logreport(self, report):
+        if report.failed:
+            self.red.add(report.nodeid)
+
+    def tests(self):
+        """The lines of each test that passes, and its time [s]."""
+        for test in [test for test in self.seconds if test not in self.red]:
+            keys, found = [test], {test}
+            for key in keys:
+                keys += self.uses[key] - found
+                found |= self.uses[key]
+            yield test, set().union(*(self.lines[key] for key in keys)), self.seconds[test]
 
 
-def alternating(iterables):
-    """The first of each, the second of each, and so on until all have ended."""
-    rows = itertools.zip_longest(*iterables)
-    return (entry for row in rows for entry in row if entry is not None)
+class Chosen:
+    """Plugin of pytest: these tests alone, in this order."""
+
+    def __init__(self, tests):
+        self.rank = {test: number for number, test in enumerate(tests)}
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items):
+        items[:] = [item for item in items if item.nodeid in self.rank]
+        items.sort(key=lambda item: self.rank[item.nodeid])
 
 
-def is_red(copy, room, seconds=None):
-    """True if a test of a room fails on the code in the copy."""
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
-    command += [f"tests/{room}", room]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
-    process = subprocess.Popen(command, cwd=copy, env=environment, start_new_session=True, **quiet)
-    try:
-        return process.wait(timeout=seconds) != 0
-    except subprocess.TimeoutExpired:
-        return True  # a loop without an end is noticed, too
-    finally:
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+def forked(function, *arguments, seconds=None):
+    """What a function returns in a child, which ends with all that it started; None if late."""
+    folder = tempfile.mkdtemp(dir=MEMORY if MEMORY.is_dir() else None)
+    result, error = Path(folder, "result"), Path(folder, "error")
+    pid = os.fork()
+    if pid == 0:
+        os.setsid()
+        os.environ["PYTEST_DEBUG_TEMPROOT"] = folder
+        for descriptor in (1, 2):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+        try:
+            result.write_bytes(pickle.dumps(function(*arguments)))
+        except Exception:
+            error.write_text(traceback.format_exc())
+        finally:
+            os._exit(0)
+    end = time.monotonic() + (seconds or 3600.0)
+    while not (ended := os.waitpid(pid, os.WNOHANG)[0]) and time.monotonic() < end:
+        time.sleep(0.01)
+    with suppress(ProcessLookupError):
+        os.killpg(pid, signal.SIGKILL)
+    if not ended:
+        os.waitpid(pid, 0)
+    if error.exists():
+        sys.exit(error.read_text())
+    found = pickle.loads(result.read_bytes()) if ended and result.exists() else None
+    shutil.rmtree(folder, ignore_errors=True)
+    return found
 
 
-def is_noticed(copy, room, module, changed, seconds):
-    """True if a test fails on the change; the code is put back."""
-    file = copy / module
-    source = file.read_text()
-    try:
-        file.write_text(changed)
-        return is_red(copy, room, seconds)
-    finally:
-        file.write_text(source)
+def mapped(room):
+    """Tests of a room with their lines and times, those that fail, and the libraries they need."""
+    lines = Lines(room)
+    code = pytest.main([*QUIETLY, f"tests/{room}", room], plugins=[lines])
+    sys.settrace(None)
+    assert code in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED), code
+    needed = [name for name in sys.modules if name.split(".")[0] in LIBRARIES]
+    return list(lines.tests()), lines.red, needed
 
 
-def change_of(source, changed):
-    """The lines that differ, as the report and the list of harmless ones have them."""
-    lines = difflib.unified_diff(source.splitlines(), changed.splitlines(), n=0, lineterm="")
-    return [line for line in lines if line[:1] in "+-" and line[:3] not in ("+++", "---")]
+def is_noticed(module, number, tests):
+    """True if one of the tests fails on a mutant, or cannot be collected."""
+    os.environ[MUTANT] = json.dumps([module, number])
+    install(module, number)
+    files = [Path(test.split("::")[0]) for test in tests]
+    # A module that is named itself would be read by pytest, which would know of no mutant.
+    paths = dict.fromkeys(file if "tests" in file.parts else file.parent for file in files)
+    return pytest.main([*QUIETLY, "-x", *map(str, paths)], plugins=[Chosen(tests)]) != 0
 
 
-def report(rows):
-    """Print the number of changes that were noticed, and those that were not."""
-    harmless = HARMLESS.read_text()
-    for room in ROOMS:
-        outcomes = Counter(row["noticed"] for row in rows if row["room"] == room)
-        print(f"{room:18} {outcomes[True]} of {outcomes.total()} noticed")
-    for row in rows:
-        if not row["noticed"] and row["change"][-1] not in harmless:
-            print("", f"not noticed: {row['module']}", *row["change"], sep="\n  ")
+def judge(room, count, seed, seconds):
+    """How many mutants of a room its tests notice, the changes that none does, and red tests."""
+    tests, red, needed = forked(mapped, room)
+    for name in needed:
+        with suppress(Exception):
+            importlib.import_module(name)
+    by_file = defaultdict(float)
+    for test, _, took in tests:
+        by_file[test.split("::")[0]] += took
+    tests.sort(key=lambda test: by_file[test[0].split("::")[0]])
+    choice = [
+        (file, number, change)
+        for file in sorted((ROOT / room).rglob("*.py"))
+        for number, change in enumerate(changes(ast.parse(file.read_text())))
+    ]
+    drawn = random.Random(f"{seed} {room}").sample(choice, min(count, len(choice)))
+    missed = []
+    for file, number, change in drawn:
+        module, lines = str(file.relative_to(ROOT)), {(str(file), line) for line in change.lines}
+        nearest = [test for test in tests if lines & test[1]]
+        if not change.is_in_function:
+            nearest += [test for test in tests if test not in nearest]
+        affordable, total = [], 0.0
+        for test, _, took in nearest:
+            if total <= seconds:
+                affordable.append(test)
+                total += took
+        arguments = module, number, affordable
+        if not affordable or forked(is_noticed, *arguments, seconds=20.0 + 5.0 * total) is False:
+            missed.append(f"{module}:{change.lines[0]} {change}")
+    return len(drawn), missed, red
 
 
 def main():
-    """Go on with the campaign, then report."""
+    """Judge the rooms, and write their table."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
-    parser.add_argument("--minutes", type=float, default=60.0, help="begin no mutant later")
-    parser.add_argument("--seconds", type=float, default=300.0, help="longest that tests may take")
+    parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=ROOMS, metavar="ROOM")
+    parser.add_argument("--mutants", type=int, default=60, help="number of each room")
+    parser.add_argument("--seconds", type=float, default=30.0, help="of tests for each mutant")
+    parser.add_argument("--least", type=float, default=0.7, help="share that each room notices")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=ROOMS)
-    parser.add_argument("--file", type=Path, default=ROOT / "results" / "mutants.jsonl")
     options = parser.parse_args()
-    options.file.parent.mkdir(parents=True, exist_ok=True)
-    copy = options.file.with_suffix(".copy")
-    shutil.rmtree(copy, ignore_errors=True)
-    leave_out = shutil.ignore_patterns(".*", "results", "__pycache__")
-    shutil.copytree(ROOT, copy, ignore=leave_out)
-    rows = []
-    if options.file.exists():
-        rows = [json.loads(line) for line in options.file.read_text().splitlines()]
-    changes = {(row["module"], *row["change"]) for row in rows}
+    rows, notes, is_right = [], [], True
     for room in options.rooms:
-        if is_red(copy, room):
-            sys.exit(f"the tests of {room} fail on the code as it is")
-    began = time.monotonic()
-    for room, module, (source, changed) in in_turn(options.seed, options.rooms):
-        change = change_of(source, changed)
-        if (str(module), *change) in changes:
-            continue
-        if time.monotonic() - began > 60 * options.minutes:
-            break
-        noticed = is_noticed(copy, room, module, changed, options.seconds)
-        row = {"room": room, "module": str(module), "change": change, "noticed": noticed}
-        rows.append(row)
-        with options.file.open("a") as file:
-            file.write(json.dumps(row) + "\n")
-    shutil.rmtree(copy)
-    report(rows)
+        began = time.monotonic()
+        count, missed, red = judge(room, options.mutants, options.seed, options.seconds)
+        share = 1 - len(missed) / count
+        rows.append((f"`{room}`", count, count - len(missed), f"{share:.0%}"))
+        print(*rows[-1], f"{time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+        notes += [f"- fails on the code as it is: {test}" for test in sorted(red)]
+        notes += [f"- not noticed: {change}" for change in missed]
+        is_right &= not red and share >= options.least
+    write_table("mutants", ("room", "mutants", "noticed", "share"), rows, notes)
+    return 0 if is_right else 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
