@@ -2,7 +2,8 @@
 
 import ast
 import math
-from dataclasses import replace
+from collections import defaultdict
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +28,11 @@ from tribo import (
     Ramp,
     RunningIn,
     Stem,
+    Track,
     TriboError,
     Wear,
+    minimum_line_film,
+    minimum_point_film,
     partition_heat,
     simulate,
     solve_contact,
@@ -37,6 +41,7 @@ from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
 from tribo.contact import elastic_influence
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
+from tribo.surface import autocorrelation_lengths
 from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
@@ -53,6 +58,13 @@ ZERO, ON = np.zeros(GRID.shape), np.ones(GRID.shape, bool)
 WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 15e-9))
 RIG = tribo.critical_temperature_rig()
 INFINITE = math.inf
+
+
+OVAL = {"normal_load": 1.0, "radius_x": 1.0, "radius_y": 1.0, "contact_modulus": 1e9}
+BAND = {"position": 0.0, "heat_flux": 1.0, "half_width": 1.0, "velocity": 1.0,
+        "thermal_conductivity": 45.0, "thermal_diffusivity": 1e-5}  # fmt: skip
+OILED = {"speed": 1.0, "viscosity": 1e-2, "pressure_coefficient": 1e-8, "contact_modulus": 1e11}
+TRACK = Track(0.3, 3e-3, 1.0, 1e-5, 4e6, 1e-2)
 
 
 def scene(**parts):
@@ -119,20 +131,56 @@ REFUSALS = {
     "oil thin": (lambda: replace(WHITE, viscosities=(1e-6, 1e-7)), "at least 3.1e-07"),
     "oil alpha": (lambda: Oil((313.0, 373.0), (3e-5, 5e-6), 866.0).pressure_coefficient(300.0),
                   "no pressure-viscosity coefficient"),
+    "oil cold": (lambda: replace(WHITE, temperatures=(0.0, 373.0)), "temperature is 0.0"),
+    "oil solid": (lambda: replace(WHITE, viscosities=(32e-6, 0.0)), "viscosity is 0.0"),
+    "oil density": (lambda: replace(WHITE, density=0.0), "density is 0.0"),
+    "oil coefficient": (lambda: replace(WHITE, pressure_coefficients=(2e-8, 0.0)),
+                        "pressure_coefficient is 0.0"),
+    "oil at 0 K": (lambda: WHITE.viscosity(0.0), "temperature is 0.0"),
     "film": (lambda: tribo.lubrication_regime(math.nan), "film_parameter is nan"),
     "two axes": (lambda: Grid((4, 4, 4), (1.0, 1.0)), "it must hold two values"),
     "no pixels": (lambda: Grid((0, 4), (1.0, 1.0)), "nx is 0; it must be an integer of at least 1"),
     "no side": (lambda: Grid((4, 4), (1.0, -1.0)), "dy is -1.0"),
+    "tiny": (lambda: Grid((4, 4), (1e-200, 1e-200)), "element_area is 0.0"),
+    "vast": (lambda: Grid((2**600, 2**600), (1.0, 1.0)), "area is inf"),
     "elongated": (lambda: Grid((4, 4), (2.1, 2e-6)), "one side must be at most"),
     "spectrum": (lambda: Convolution(GRID, np.ones((4, 4))), "the spectrum has shape (4, 4)"),
     "backwards": (lambda: rolling_sliding_rise(0.1, 1e5, 2e-4, (-1.0, 2.0), 1e4),
                   "both must be at least 0"),
-    "ellipse": (lambda: hertz_ellipse(1.0, 0.0, 1.0, 1e9), "radius_x is 0.0"),
-    "band": (lambda: moving_band_rise(0.0, 1.0, 1.0, 0.0, 45.0, 1e-5), "velocity is 0.0"),
+    **{
+        f"ellipse {name}": (lambda name=name: hertz_ellipse(**OVAL | {name: 0.0}), f"{name} is 0.0")
+        for name in ("normal_load", "radius_x", "radius_y")
+    },
+    **{
+        f"band {name}": (lambda name=name: moving_band_rise(**BAND | {name: 0.0}), f"{name} is 0.0")
+        for name in ("half_width", "velocity")
+    },
+    **{
+        f"{film.__name__} {name}": (
+            lambda film=film, loads={load: 1.0, "radius": 1.0, name: 0.0}: film(**OILED, **loads),
+            f"{name} is 0.0",
+        )
+        for film, load in (
+            (minimum_line_film, "load_per_length"),
+            (minimum_point_film, "normal_load"),
+        )
+        for name in (load, "radius")
+    },
     # surfaces, wear, loading
     "hurst": (lambda: tribo.self_affine(GRID, 1e-7, 1.2, 1e-6, 0), "hurst_exponent is 1.2"),
     "single": (lambda: tribo.self_affine(Grid((1, 1), (1.0, 1.0)), 1e-7, 0.8, 1e-6, 0),
                "a single element has no roughness"),
+    "ra": (lambda: tribo.self_affine(GRID, 0.0, 0.8, 1e-6, 0), "ra is 0.0"),
+    **{
+        f"length {axis}": (
+            lambda lengths=lengths: tribo.self_affine(GRID, 1e-7, 0.8, lengths, 0),
+            f"correlation_length_{axis} is 0.0",
+        )
+        for axis, lengths in (("x", (0.0, 1e-6)), ("y", (1e-6, 0.0)))
+    },
+    "flat": (lambda: tribo.fit_self_affine(np.zeros((99, 99)), (1.0, 1.0)), "rms_height is 0.0"),
+    "uncorrelated": (lambda: autocorrelation_lengths(ZERO, (1.0, 1.0)), "rms_height is 0.0"),
+    "unit": (lambda: tribo.read_heights("heights.csv", unit=0.0), "unit is 0.0"),
     "seed": (lambda: tribo.self_affine(GRID, 1e-7, 0.8, 1e-6, -1), "seed is -1"),
     "blocks": (lambda: block_average(ZERO, 4), "6 × 5 pixels cannot be averaged 4 × 4"),
     "few heights": (lambda: tribo.fit_self_affine(ZERO, (1.0, 1.0)), "6 × 5 heights are too few"),
@@ -153,6 +201,10 @@ REFUSALS = {
     "no distance": (lambda: RunningIn(1.0, 0.0, 0.0), "distance is 0.0"),
     "own wear": (lambda: wear_over(Law(), 0.0, 1.0), "it must be a tribo.Wear"),
     "no law": (lambda: require_wear(1.0), "has no pattern, over; see tribo.WearLaw"),
+    "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
+    "reference": (lambda: Ramp(1.0, 0.0), "reference_load is 0.0"),
+    "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),
+    "no hold steps": (lambda: Ramp(1.0, 1.0, 1.0, 0), "hold_steps is 0"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
     "hold steps": (lambda: Ramp(1.0, 1.0, 1.0, 10**7), "hold_steps is 10000000"),
     "steps": (lambda: list(Ramp(150.0, 750.0, hold=1e6).stations(600.0, 100)),
@@ -162,12 +214,16 @@ REFUSALS = {
     "columns": (lambda: MeasuredLoad([0.0, 1.0], [1.0]), "two columns of equal length"),
     "row": (lambda: MeasuredLoad([0.0, 0.0], [0.0, 1.0]), "row 1 (counted from 0): time 0 s"),
     "no rise": (lambda: MeasuredLoad([0.0, 1.0], [5.0, 5.0]), "begins at 5 N and reaches 5 N"),
+    "record load": (lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).stations(0.0, 9)),
+                    "normal_load is 0.0"),
     "record": (lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).stations(1.0, 9, 0.5)),
                "points of a record share no trunk"),
     # contact
     "load": (lambda: solved(normal_load=1.0), "the most at a hardness of 1e+09 Pa"),
     "no hardness": (lambda: solved(hardness=0.0), "hardness is 0.0"),
     "beyond doubles": (lambda: solved(normal_load=1e300, hardness=INFINITE), "double precision"),
+    "never stops": (lambda: solved(tolerance=0.0), "tolerance is 0.0"),
+    "no iterations": (lambda: solved(max_iterations=0), "max_iterations is 0"),
     "no array": (lambda: solved(separation=[[0.0, 1.0], [2.0]]), "separation is not an array"),
     "shape": (lambda: solved(initial_pressure=np.zeros((2, 2))), "must be (6, 5), like the grid"),
     "stop": (lambda: solved(criterion="epsilon"), "allowed are gap, pressure-change"),
@@ -179,6 +235,8 @@ REFUSALS = {
     "no bulk": (lambda: Bulk(), "capacity and loss are both 0"),
     "stem": (lambda: Stem(1.0, -1.0), "settling_time is -1.0"),
     "no stem": (lambda: Stem(0.0), "resistance is 0.0"),
+    "stem length": (lambda: Stem.rod(0.0, 1.0, 45.0, 1e-5), "length is 0.0"),
+    "stem area": (lambda: Stem.rod(1.0, 0.0, 45.0, 1e-5), "area is 0.0"),
     "speed": (lambda: conducting(velocity=math.nan), "velocity is nan"),
     "time": (lambda: conducting(time=-1.0), "time is -1.0"),
     "nodes": (lambda: conducting(nodes=0), "quadrature_nodes is 0"),
@@ -205,16 +263,28 @@ REFUSALS = {
     # scenes and their points
     "choice": (lambda: Fidelity(kernel="none"), "kernel is 'none'; allowed are"),
     "heat tolerance": (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
+    "contact tolerance": (lambda: Fidelity(contact_tolerance=0.0), "contact_tolerance is 0.0"),
+    **{
+        name: (lambda name=name: Fidelity(**{name: -1}), f"{name} is -1")
+        for name in ("pixels_per_element", "history_coarsening", "fewest_elements", "increments")
+    },
+    **{
+        f"track {name}": (lambda name=name: replace(TRACK, **{name: 0.0}), f"{name} is 0.0")
+        for name in (field.name for field in fields(Track))
+    },
     "history": (lambda: Fidelity(heat_model="history", history_coarsening=2), "so it must be 1"),
     "motions": (Motion, "exactly one of them must be given"),
     "both motions": (lambda: Motion(slide_roll_ratio=0.5, entrainment_velocity=2.0),
                      "exactly one of them must be given"),
     "motion": (lambda: Motion(entrainment_velocity=INFINITE), "entrainment_velocity is inf"),
-    "rolling": (lambda: Motion(slide_roll_ratio=0.0), "bodies that roll have no sliding velocity"),
+    "rolling": (lambda: Motion(slide_roll_ratio=0.0),
+                "slide_roll_ratio is 0: bodies that roll have no sliding velocity"),
     "track": (lambda: Motion(slide_roll_ratio=1.0, track_length=0.0), "track_length is 0.0"),
     "short track": (lambda: scene(motion=Motion(slide_roll_ratio=1.0, track_length=3e-4)),
                     "track_length is 0.0003 m"),
     "cylinder": (lambda: Cylinder(1.0, 0.0, STEEL), "length is 0.0"),
+    "cylinder radius": (lambda: Cylinder(0.0, 1.0, STEEL), "radius is 0.0"),
+    "crown radius": (lambda: Crowned(0.0, 1.0, STEEL), "radius is 0.0"),
     "no ball": (lambda: Ball(0.0, STEEL), "radius is 0.0"),
     "crown": (lambda: Crowned(1.0, -1.0, STEEL), "crown_radius is -1.0"),
     "divisor": (lambda: scene(fidelity=Fidelity(pixels_per_element=5)), "choose a common divisor"),
@@ -229,6 +299,7 @@ REFUSALS = {
     "uniform": (lambda: replace(small_scene(partition="uniform"), unequal_bulks=True),
                 "divides frictional heat alone"),
     "velocity": (lambda: list(simulate(small_scene(), 300.0, math.nan)), "velocity is nan"),
+    "unloaded": (lambda: list(simulate(small_scene(), 0.0, 1.0)), "normal_load is 0.0"),
     "carries": (lambda: list(simulate(small_scene(), 1e9, 1.0)), "the window carries at most"),
     "trunk": (off_trunk, "cannot go on to 300 N from the state at 100 N"),
     "heat model": (lambda: gone_on(small_scene(heat_model="history").fidelity),
@@ -240,32 +311,37 @@ REFUSALS = {
     "transitions": (lambda: tribo.critical_temperature(RIG, [], 298.0), "at least one is needed"),
     "bulks": (lambda: tribo.critical_temperature(RIG, [(1.0, 1.0, 0.1)], math.nan),
               "both must be finite"),
+    "no transition friction": (lambda: tribo.critical_temperature(RIG, [(1.0, 1.0, 0.0)], 298.0),
+                               "friction is 0.0"),
     "rolls": (lambda: tribo.specific_wear_rate(scene(motion=Motion(slide_roll_ratio=1.0)),
                                                3e-4, 600.0, 1.25), "makes its contact no wider"),
     "width": (lambda: tribo.specific_wear_rate(RIG, 1.0, 10.0, 0.065), "it must lie between"),
 }  # fmt: skip
 
 ELSEWHERE = {
-    "record.read_load": "loading/test_record.py, with files",
-    "record._header": "loading/test_record.py, with files",
-    "record._numbers": "loading/test_record.py, with files",
-    "heights.read_heights": "surface/test_heights.py, with files",
-    "heights._read_npy": "surface/test_heights.py, with files",
-    "heights._read_csv": "surface/test_heights.py, with files",
-    "errors.require_file": "loading/test_record.py and surface/test_heights.py, with files",
-    "invariants.check_contact": "simulation/test_invariants.py, by solvers that are wrong",
-    "invariants.check_wear": "simulation/test_invariants.py, by wear that is wrong",
-    "invariants.check_heat": "simulation/test_invariants.py, by solvers that are wrong",
-    "invariants.within_range": "simulation/test_invariants.py and test_extremes.py",
-    "invariants._require_finite": "simulation/test_invariants.py, by solvers that are wrong",
-    "solver.solve_contact": "contact/test_solver.py, as no convergence",
-    "partition.partition_heat": "thermal/test_partition.py, as no convergence",
-    "solver._check": "simulation/test_extremes.py, as steps that are too long",
-    "inverse._crossing": "no width within the window needs so high a rate",
-    "inverse.rig_heating": "the rig always touches; for the type checker",
-    "errors.of_law": "passes an error of tribo on as it is",
+    "record.read_load InputError": "loading/test_record.py, with files",
+    "record._header InputError": "loading/test_record.py, with files",
+    "record._numbers InputError": "loading/test_record.py, with files",
+    "heights.read_heights InputError": "surface/test_heights.py, with files",
+    "heights.read_heights": "an error of tribo, passed on as it is",
+    "heights._read_npy ValueError": "surface/test_heights.py, with files",
+    "heights._read_npy _too_large": "surface/test_heights.py, with files",
+    "heights._read_csv InputError": "surface/test_heights.py, with files",
+    "heights._read_csv _too_large": "surface/test_heights.py, with files",
+    "errors.require_file InputError": "loading/test_record.py and surface/test_heights.py",
+    "invariants.check_contact InvariantError": "simulation/test_invariants.py, by wrong solvers",
+    "invariants.check_wear InvariantError": "simulation/test_invariants.py, by wear that is wrong",
+    "invariants.check_heat InvariantError": "simulation/test_invariants.py, by wrong solvers",
+    "invariants.within_range RangeError": "simulation/test_invariants.py and test_extremes.py",
+    "invariants._require_finite InvariantError": "simulation/test_invariants.py, by wrong solvers",
+    "solver._check InputError": "simulation/test_extremes.py, as steps that are too long",
+    "solver.solve_contact ConvergenceError": "contact/test_solver.py",
+    "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
+    "inverse._crossing InputError": "no width within the window needs so high a rate",
+    "inverse.rig_heating InputError": "the rig always touches; for the type checker",
+    "errors.of_law": "an error of tribo, passed on as it is",
 }
-"""Functions with a refusal that is not in the table, and where it is tested, or why it is not."""
+"""Refusals, by function and class, that are not in the table: where they are tested, or why not."""
 
 
 @pytest.mark.parametrize("name", REFUSALS)
@@ -285,28 +361,51 @@ def raised(build):
         while cause is not None:
             step = cause.__traceback__
             while step is not None:
-                yield Path(step.tb_frame.f_code.co_filename).resolve(), step.tb_lineno
+                yield (Path(step.tb_frame.f_code.co_filename).resolve(), step.tb_lineno), str(cause)
                 step = step.tb_next
             cause = cause.__context__
 
 
-def statements(file):
-    """Lines of each raise of a file, with the name of its function."""
-    tree = ast.parse(file.read_text("utf-8"))
-    for function in ast.walk(tree):
-        if isinstance(function, ast.FunctionDef):
-            for node in ast.walk(function):
-                if isinstance(node, ast.Raise):
-                    yield function.name, node.lineno, node.end_lineno
+@pytest.fixture(scope="module")
+def said():
+    """The messages of the errors that have passed each place in the code."""
+    messages = defaultdict(list)
+    for build, _ in REFUSALS.values():
+        for place, message in raised(build):
+            messages[place].append(message)
+    return messages
 
 
-def test_the_table_has_every_refusal():
-    reached = {place for build, _ in REFUSALS.values() for place in raised(build)}
+def statements(kind):
+    """Each statement or call of a kind, with its places in the code and its function."""
+    for file in sorted(Path(tribo.__file__).resolve().parent.rglob("*.py")):
+        for function in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(function, ast.FunctionDef):
+                for node in ast.walk(function):
+                    if isinstance(node, kind):
+                        lines = range(node.lineno, node.end_lineno + 1)
+                        yield node, [(file, line) for line in lines], f"{file.stem}.{function.name}"
+
+
+def test_the_table_has_every_refusal(said):
+    def named(statement, function):
+        error = getattr(statement.exc, "func", None)
+        return f"{function} {ast.unparse(error)}" if error else function
+
+    missing = {
+        named(statement, function): places[0]
+        for statement, places, function in statements(ast.Raise)
+        if not any(place in said for place in places)
+    }
+    assert missing.keys() == ELSEWHERE.keys(), missing
+
+
+def test_the_table_has_every_value_that_must_be_positive_or_an_integer(said):
     missing = [
-        f"{file}:{first} in {name}"
-        for file in sorted(Path(tribo.__file__).resolve().parent.rglob("*.py"))
-        for name, first, end in statements(file)
-        if f"{file.stem}.{name}" not in ELSEWHERE
-        and not any((file, line) in reached for line in range(first, end + 1))
+        f"{places[0]}: {keyword.arg}"
+        for call, places, _ in statements(ast.Call)
+        if getattr(call.func, "id", None) in {"require_positive", "require_integer"}
+        for keyword in call.keywords
+        if not any(f"{keyword.arg or ''} is " in text for place in places for text in said[place])
     ]
     assert missing == []
