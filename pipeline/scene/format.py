@@ -30,7 +30,7 @@ from pipeline.scene.kinds import (
     Whole,
     kind_of,
 )
-from pipeline.sweep.limits import MOST_SAMPLES
+from pipeline.sweep.limits import MOST_SAMPLES, MOST_SCENES
 from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of
 
@@ -323,7 +323,7 @@ SWEEP = Table({
     "velocities": Entry(Either(List(VELOCITY, distinct=True), Range(VELOCITY)),
         'Sliding velocities; `count` with `spacing = "log"` makes their ratios equal.'),
     "realizations": Optional(
-        Either(Whole(at_least=1, at_most=100_000), List(SEED, distinct=True)),
+        Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
         "Random surfaces to compute it all on: a number of them from the seed on, or a list of "
         "seeds."),
     "samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),

@@ -31,6 +31,7 @@ from pipeline.scene.units import in_si
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, of_bulks
+from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import Laws, Own
 from pipeline.sweep.variants import surfaces
@@ -103,11 +104,22 @@ def load_scene(
             for extend in extensions:
                 sweep = extend(sweep, Reading(document, tables, variant, faults))
             sweep = sweep.changed(notes=tuple(faults.notes))
+            _require_few_points(sweep)
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
         raise SceneFileError(path, [*map(document.line, faults)])
     return sweep
+
+
+def _require_few_points(sweep: Sweep) -> None:
+    """Raise an `InputError` for more points than a store may have, before any is made."""
+    (velocities, rows), loads = sweep.lines, len(sweep.plane.loads)
+    if (count := len(velocities) * rows * loads) > MOST_POINTS:
+        raise tribo.InputError(
+            f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "
+            "loads, velocities or variants"
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ MOST_IN_LIST = 10_000
 MOST_LAYERS = 20
 """Scenes that extend each other, each of which is read and merged with those below."""
 MOST_SCENES = 10_000
-"""Combinations of `over`, or places of `along`, each of which is read as a scene."""
+"""Combinations of `over`, places of `along`, or surfaces, each of which is a scene."""
 MOST_SAMPLES = 100_000
 """Samples that may be drawn: 35 MB of a Sobol' sequence in 33 dimensions."""
 MOST_INPUTS = 32

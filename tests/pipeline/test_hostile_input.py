@@ -185,6 +185,12 @@ SCENES = {
     "has 10001 entries": "".join(f"k{number} = 1\n" for number in range(10_000)),
     "loads: has 20000 entries": f"sweep.loads = {['1 N'] * 20_000}",
     "larger than 1 MB": f"pin.radius = {'9' * 4_000_000}",
+    "1e+10 points are too many": "[sweep]\n"
+    + "".join(
+        f'{name} = {{ from = "1 {unit}", to = "7 {unit}", count = 100000 }}\n'
+        for name, unit in (("loads", "N"), ("velocities", "m/s"))
+    ),
+    "realizations: 100000": "sweep.realizations = 100000",
     "not valid TOML": f"a = {'[' * 100_000}",
 }
 _ASKED = """
