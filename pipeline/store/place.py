@@ -249,10 +249,13 @@ def place_of(path: PathLike, to_write: bool = False) -> StorePlace:
                 f"{SCHEME}bucket/sweep.zarr"
             )
         return Bucket(f"{SCHEME}{bucket}/{key}")
+    no_path = StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
     if "://" in address or "\0" in address:
-        raise StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
+        raise no_path
     try:
         folder = Path(os.path.realpath(Path(address).absolute()))
+    except UnicodeEncodeError:
+        raise no_path from None
     except FileNotFoundError:
         raise StoreError(
             f"{address}: the folder that this process works in was deleted; go to another"

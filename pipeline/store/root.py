@@ -179,7 +179,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         )
     try:
         document = json.loads(content)
-        attributes, arrays = document["attributes"], document[_CONSOLIDATED]["metadata"]
+        attributes, arrays = document["attributes"], dict(document[_CONSOLIDATED]["metadata"])
         facts = json.loads(attributes.get("store", "{}")) or {"hash": "", **attributes}
         version, expected = facts.pop("format"), facts.pop("hash")
         is_as_written = _hash(_with_hash(document, "")) == expected if "store" in attributes else 1
@@ -200,6 +200,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
     try:
         built: Facts = build(Facts, facts)
+        _require_known(place, built, arrays)
         fault = _fault(built, arrays)
     except CodecError as error:
         fault = f"is damaged: {error}"
@@ -297,6 +298,15 @@ def copied(place: StorePlace, names: Iterable[str]) -> Copies:
         raise DamagedError(f"{place}: the arrays make no root: {error}") from error
 
 
+def _require_known(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -> None:
+    """Refuse a root with a variable that no store of this version has."""
+    if unknown := sorted(arrays.keys() - {*VARIABLES, *facts.axes, INPUTS}):
+        raise StoreError(
+            f"{place} is of another version of this program, with the variable {unknown[0]}; read "
+            "it with that version, or write to another store"
+        )
+
+
 def is_likely(facts: Facts, arrays: Mapping[str, Any]) -> bool:
     """True for what may be that of a store, but for values of entries that its sweep lacks."""
     return not _fault(facts, arrays)
@@ -310,8 +320,6 @@ def _fault(facts: Facts, arrays: Mapping[str, Any]) -> str:
     slash would lead out of the store.
     """
     axes = facts.axes
-    if unknown := sorted(arrays.keys() - {*VARIABLES, *axes, INPUTS}):
-        return f"has the variable {unknown[0]}, which is of another version of this program"
     try:
         sizes = {name: len(values) for name, values in axes.items()}
         if INPUTS in arrays:

@@ -414,8 +414,9 @@ def test_a_path_or_address_that_leads_to_no_store_is_refused_in_a_line(path, irg
     with pytest.raises(StoreError, match="cannot be read: File name too long"):
         summary(path.with_name("a" * 300))
     assert "does not exist; give a store that irg run made" in irg("status", path, code=2)
-    with pytest.raises(StoreError, match="a local folder or an s3:// address"):
-        commit("https://example.org/tiny.zarr", SWEEP, ())
+    for address in ("https://example.org/tiny.zarr", "a\0.zarr", "a\ud800.zarr"):
+        with pytest.raises(StoreError, match="a local folder or an s3:// address"):
+            commit(address, SWEEP, ())
     with pytest.raises(StoreError, match="give a folder of a bucket, like s3://"):
         commit("s3://bucket/", SWEEP, ())
 

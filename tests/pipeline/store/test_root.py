@@ -192,6 +192,12 @@ def test_a_store_of_an_older_format_says_how_to_make_it_anew(forged, alone):
         pipeline.summary(forged)
 
 
+def test_a_store_with_an_unknown_variable_is_of_another_version(forged, alone):
+    forge(forged, alone, lambda _, arrays: arrays.update(film=arrays["max_rise"]))
+    with pytest.raises(StoreError, match=r"another version .* variable film; read it with that"):
+        pipeline.summary(forged)
+
+
 def test_a_root_of_terabytes_is_not_read(forged):
     os.truncate(forged / ROOT, 2**42)
     with pytest.raises(StoreError, match=r"4.4e\+12 bytes"):
