@@ -8,9 +8,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-def python(*arguments, variables=(), **options):
-    """Run Python to its end, with further variables of the environment; its code and words."""
+def python(*arguments, variables=(), before=(), **options):
+    """Run Python to its end, with variables and ``before`` the command; its code and words."""
     usual = {"capture_output": True, "text": True, "check": False, "timeout": 200}
     environment = os.environ | {"PYTHONPATH": str(ROOT)} | dict(variables)
-    command = [sys.executable, *map(str, arguments)]
+    command = [*before, sys.executable, *map(str, arguments)]
     return subprocess.run(command, env=environment, **(usual | options))
