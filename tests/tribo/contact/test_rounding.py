@@ -14,6 +14,7 @@ from tribo.contact.iteration import Limits, iterate
 from tribo.contact.problem import Iterate, Problem, judge
 from tribo.contact.rounding import (
     LowestResidual,
+    lost_by_transform,
     lost_by_updates,
     restored,
 )
@@ -48,6 +49,15 @@ def test_updates_of_a_displacement_cost_less_than_is_allowed_for(solved, updates
     largest = rounding.largest(displacement)
     lost = rounding.largest(displacement - SOLID(pressure))
     assert 0 < lost < lost_by_updates(updates, EPSILON, largest)
+
+
+def test_a_transform_loses_less_than_is_allowed_for():
+    pressure = np.random.default_rng(0).uniform(size=GRID.shape)
+    displacement = SOLID(pressure)
+    # Along y, where the patch repeats, a pressure that is moved moves its displacement.
+    moved = np.roll(SOLID(np.roll(pressure, 3, axis=1)), -3, axis=1)
+    lost = rounding.largest(moved - displacement)
+    assert 0 < lost <= 2 * lost_by_transform(EPSILON, rounding.largest(displacement))
 
 
 # What is done about it.

@@ -88,6 +88,14 @@ def test_single_precision_keeps_seven_digits(shape, periodic):
         assert single(field).dtype == np.float64
 
 
+@pytest.mark.parametrize("influence", [1e-30, 1e30])
+def test_single_precision_is_taken_only_where_it_holds_the_influence(influence):
+    grid = Grid((80, 80), (1.0, 1.0))
+    convolve = Convolution.from_kernel(grid, np.ones(padded_shape(grid)))
+    assert convolve.in_faster_precision(1.0).rounding > convolve.rounding
+    assert convolve.in_faster_precision(influence).rounding == convolve.rounding
+
+
 def test_a_spectrum_of_the_wrong_shape_is_refused():
     with pytest.raises(InputError, match="shape"):
         Convolution(Grid((4, 4), (1.0, 1.0)), np.ones((4, 4)))

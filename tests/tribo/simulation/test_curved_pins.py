@@ -29,7 +29,7 @@ from tribo import (
     solve_contact,
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
-from tribo.simulation import disk_positions
+from tribo.simulation import advance, start
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -121,15 +121,19 @@ def test_the_rise_at_rest_is_that_of_the_elastic_ellipse():
 @pytest.mark.parametrize(
     ("preset", "pin"), [("draft", Ball(5e-3, STEEL)), ("standard", Crowned(5e-3, 40e-3, STEEL))]
 )
-def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin, monkeypatch):
-    monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 1)  # of the temperature
-    scene = replace(ball(preset, pixels=48, side=13e-6, increments=3), pin=pin)
-    volume = measures(scene, end(scene))["wear_volume"]
-    assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
+def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
+    def worn(scene):
+        state = start(scene)
+        for station in scene.stations(200.0):
+            state = advance(scene, state, station, 1.0)
+        return measures(scene, state)["wear_volume"]
+
+    scene = ball(preset, pixels=48, side=13e-6, increments=3, history_coarsening=1)
+    scene = replace(scene, pin=pin)
+    assert worn(scene) == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
     record = MeasuredLoad(np.array([0.0, 0.4, 0.8, 1.5]), np.array([0.0, 150.0, 20.0, 200.0]))
-    volume = measures(scene, end(replace(scene, loading=record)))["wear_volume"]
     work = 150.0 * 0.2 + 85.0 * 0.4 + 110.0 * 0.7
-    assert volume == pytest.approx(1.2e-15 * work, rel=1e-10)
+    assert worn(replace(scene, loading=record)) == pytest.approx(1.2e-15 * work, rel=1e-10)
 
 
 def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
@@ -145,17 +149,15 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     assert fitted["contact_fraction"] > 1.6 * worn["contact_fraction"]
 
 
-def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
-    """The pin wears by 35 times the roughness, against three times as many positions."""
+def test_heavy_wear_is_averaged_to_a_hundredth():
+    """The pin wears by 35 times the roughness, against three times as many steps."""
     scene = replace(
         ball(pixels=240, side=1e-3 / 240),
         wear=Wear(1.2e-14),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), 3),
     )
-    rise = hot(end(scene))
-    monkeypatch.setattr(disk_positions, "_IMPRINT", 1e-9)
-    monkeypatch.setattr(disk_positions, "_MOST_PARTS", 24)
-    assert rise == pytest.approx(hot(end(scene)), rel=0.01)
+    more = replace(scene.fidelity, increments=3 * scene.fidelity.increments)
+    assert hot(end(scene)) == pytest.approx(hot(end(replace(scene, fidelity=more))), rel=0.01)
 
 
 def few_elements(increments):
@@ -171,9 +173,8 @@ def few_elements(increments):
     )
 
 
-def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps(monkeypatch):
+def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps():
     """The temperature is a mean over positions of the disk; at one position it leaps."""
-    monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 40)
     states = [end(few_elements(increments), 40.0) for increments in (4, 5)]
     own = [np.quantile(s.heat.rise[s.pressure > 0], 0.9) for s in states]
     assert hot(states[0]) == pytest.approx(hot(states[1]), rel=0.02)

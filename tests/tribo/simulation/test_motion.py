@@ -167,3 +167,11 @@ def test_a_solid_yields_by_as_much_as_the_rolling_pin_wears(grid, pattern):
     pressure = np.random.default_rng(0).random(grid.shape) * 1e9
     yielded = wear.yielding(solid, 3.0)(pressure) - solid(pressure)
     assert yielded == pytest.approx(wear.depth(pressure, 3.0), rel=1e-9)
+
+
+def test_the_shortest_wave_across_the_track_decides_how_stiffly_the_pin_wears():
+    grid = Grid((12, 8), (3e-6, 5e-6), (True, True))
+    solid, wear = ElasticHalfSpace(grid, 115e9), RollingWear(1e-15, "local", window_share=0.2)
+    wave = np.broadcast_to(np.resize([1e9, -1e9], 8), grid.shape)
+    share = wear.depth(wave, 3.0) / solid(wave)
+    assert wear.stiffness(solid, 3.0) == pytest.approx(share.max(), rel=1e-9)

@@ -11,6 +11,7 @@ from tribo import (
     BULK_RATIOS,
     PRESETS,
     QUANTILES,
+    ConductingHalfSpace,
     Cylinder,
     Fidelity,
     Grid,
@@ -23,7 +24,6 @@ from tribo import (
     partition_heat,
     simulate,
 )
-from tribo.simulation.temperature import _bodies, _conductor
 from tribo.thermal import Conductor, HeatHistory, partition_with_history, with_bulk_ratio
 
 NINE_TENTHS = QUANTILES.index(0.9)
@@ -74,7 +74,10 @@ def test_fast_bodies_meet_at_the_temperature_of_two_half_spaces(conductivity):
 def test_the_temperature_is_affine_in_friction_and_difference(rough, friction, difference):
     scene, state = rough
     contact = state.pressure > 0
-    pin, disk = (_conductor(scene.grid, body, state.time) for body in _bodies(scene, 1.25))
+    pin, disk = (
+        ConductingHalfSpace(scene.grid, STEEL, V, state.time, length=scene.heated_length)
+        for V in (0.0, 1.25)
+    )
     split = partition_heat(
         pin,
         disk,

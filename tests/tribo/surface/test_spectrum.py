@@ -26,6 +26,14 @@ def test_known_parameters_are_found_within_their_errors(hurst, lengths, spacing)
     assert abs(np.mean(deviations)) < 1.0
 
 
+def test_patches_of_one_surface_differ_in_their_height_by_the_error_that_is_said():
+    whole = self_affine(Grid((640, 640), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
+    patches = whole.reshape(10, 64, 10, 64).swapaxes(1, 2).reshape(100, 64, 64)
+    heights = patches.std(axis=(1, 2))
+    said = fit_self_affine(patches[0] - patches[0].mean(), (1e-6, 1e-6)).rms_error
+    assert heights.std() / heights.mean() == pytest.approx(said, rel=0.3)
+
+
 def test_a_turned_surface_has_its_lay_at_that_angle():
     whole = self_affine(Grid((384, 384), (1e-6, 1e-6)), 0.3e-6, 0.8, (20e-6, 5e-6), seed=4)
     turned = ndimage.rotate(whole, 30.0, reshape=False, order=3)[96:288, 96:288]

@@ -175,6 +175,14 @@ def test_the_nearest_image_is_added_as_it_leaks(ny, velocity, time):
     np.testing.assert_allclose(kernel, expected, rtol=0, atol=1e-10 * kernel.max())
 
 
+def test_at_least_the_patch_is_heated():
+    grid = Grid((8, 6), ELEMENT)
+    shorter, just = (
+        thermal_influence(grid, STEEL, 0.0, 1.0, length=share * grid.size[1]) for share in (0.5, 1)
+    )
+    assert np.array_equal(shorter, just)
+
+
 def test_impossible_lengths_are_named():
     grid = Grid((4, 4), ELEMENT)
     for length in (0.0, -1.0, math.nan, "pin"):
