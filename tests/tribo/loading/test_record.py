@@ -175,3 +175,9 @@ def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():
     np.testing.assert_allclose(
         620 * np.interp(late, since, shares), np.interp(late, times, loads), atol=25.0
     )
+
+
+def test_a_record_that_begins_under_load_is_fitted_from_there():
+    record = MeasuredLoad([1.0, 2.0, 3.0], [50.0, 75.0, 100.0])
+    assert record.time_at(0.1) == 1.0
+    assert record.linear_fit() == pytest.approx((25.0, -1.0))

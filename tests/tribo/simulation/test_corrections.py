@@ -146,3 +146,14 @@ def test_the_columns_of_a_hold_without_wear_know_the_load_before_it():
     columns = {name: np.array([one[name] for one in records]) for name in records[0]}
     expected = moment_of(scene, states[-1], bulk)["mean_rise"]
     assert bulk.applied(columns)["mean_rise"][-1] == pytest.approx(expected, rel=1e-9)
+
+
+def test_what_the_bodies_keep_has_the_friction_of_the_velocity_too():
+    columns = record([10.0], [3000.0], 2.0) | {"mean_rise": np.array([RISE])}
+    film = tribo.Corrections(film_resistance=1e-7)
+    alone, both = (
+        corrections.applied(columns)["mean_rise"]
+        for corrections in (film, replace(film, friction=((1.0, 0.8), (4.0, 0.8))))
+    )
+    assert alone > 1.01 * RISE
+    assert both == pytest.approx(0.8 * alone)

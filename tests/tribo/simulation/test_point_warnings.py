@@ -81,6 +81,13 @@ def test_from_400_elements_on_there_are_enough(nodes, words):
     assert_told(words, scene, state, WarningKind.FEW_NODES)
 
 
+@pytest.mark.parametrize(("nodes", "words"), [(19, "only 19 elements"), (20, None)])
+def test_rows_that_nothing_divides_count_as_if_divided_alike(nodes, words):
+    plane = small_scene(roughness=False, pixels_per_element=2)
+    state = touching(plane, (np.arange(nodes), np.zeros(nodes, int)))
+    assert_told(words, plane, state, WarningKind.FEW_NODES)
+
+
 @pytest.mark.parametrize(("nodes", "words"), [(999, "only 999 elements"), (1000, None)])
 def test_a_ball_that_the_roughness_passes_needs_more(nodes, words):
     pixels = Grid((96, 64), (4e-6, 4e-6), periodic=(False, False))

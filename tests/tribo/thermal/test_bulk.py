@@ -36,6 +36,13 @@ def test_a_constant_heat_warms_as_an_exponential():
     assert disk == pytest.approx(47.0 * (1 - math.exp(-120.0 * 2.0 / 650.0)), rel=1e-6)
 
 
+@pytest.mark.parametrize("decay", [9e-5, 2e-4])
+def test_a_growing_heat_warms_by_a_ramp_less_what_is_lost(decay):
+    """The decay over the ramp is so small that its square counts for nothing here."""
+    _, disk = bulk_warming(*RAMP, ALL_INTO_DISK, (None, tribo.Bulk(650.0, decay * 650.0 / 5.0)))
+    assert disk == pytest.approx(235.0 / 650.0 * (1 - decay / 3), rel=1e-8)
+
+
 def test_a_steady_state_is_the_balance_of_heat_in_both_bodies():
     """Two resistances to ground at each side, contact and loss, share the heat."""
     h1, h2, g1, g2 = 0.1, 1.0, 0.3, 2.0
