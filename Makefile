@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many bench bench-peers release clean
+.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many measured bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -86,6 +86,9 @@ cluster: .venv/test   ## a real Slurm and a real Ceph object gateway, if the dis
 
 many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and what they cost, in 10 to 30 minutes
 	$(BIN)/python -m tests.crash.many
+
+measured:             ## list the figures of workflows/MEASURED.md that are older than what they speak of
+	$(PYTHON) -m tests.helpers.campaigns
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

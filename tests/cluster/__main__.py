@@ -28,6 +28,7 @@ from tests.cluster import objects
 from tests.cluster.daemons import SLURM, missing, slurm
 from tests.cluster.gateway import CEPH, gateway
 from tests.crash.sweeps import keep_one_thread
+from tests.helpers.campaigns import conclude
 from tests.pipeline.run.test_sweep import content
 from tribo import TriboError
 
@@ -215,8 +216,8 @@ def main():
                 (folder / server.__name__).mkdir()
                 with server(folder / server.__name__) as running, DRIVERS:
                     tried(asked, running, folder, expected, document)
-    print(json.dumps(document, indent=1))
-    return 1 if any(report["faults"] for report in document.values()) else 0
+    is_right = not any(report["faults"] for report in document.values())
+    return conclude("cluster", json.dumps(document, indent=1), is_right)
 
 
 if __name__ == "__main__":

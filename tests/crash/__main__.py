@@ -20,6 +20,7 @@ import numpy as np
 from tests.crash import damage, deadly, drivers, kills, objects, power, readers
 from tests.crash.loop import Report, Run
 from tests.crash.sweeps import keep_one_thread
+from tests.helpers.campaigns import conclude
 
 CAMPAIGNS = {
     "kills": kills,
@@ -57,8 +58,8 @@ def main():
         report.counts["seconds"] = round(time.monotonic() - began)
         document[name] = report.as_dict()
         print(f"{name}: {json.dumps(document[name])[:300]}", file=sys.stderr)
-    print(json.dumps(document, indent=1))
-    return 1 if any(report["faults"] for report in document.values()) else 0
+    is_right = not any(report["faults"] for report in document.values())
+    return conclude("crash", json.dumps(document, indent=1), is_right)
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ from pipeline.store.place import ROOT
 from tests.crash.loop import code_of, differing, places
 from tests.crash.sweeps import Expected, keep_one_thread
 from tests.helpers import tiny
+from tests.helpers.campaigns import conclude
 
 FEWER, MANY = 10_000, 100_000
 LOADS = 10
@@ -196,8 +197,8 @@ def main():
         folder, document = Path(temporary), {}
         *faults, document["early"] = early(folder, FEWER)
         *further, document["large"] = large(folder, MANY)
-    print(json.dumps(document | {"faults": faults + further}, indent=1))
-    return 1 if faults + further else 0
+    document["faults"] = faults + further
+    return conclude("many", json.dumps(document, indent=1), not document["faults"])
 
 
 if __name__ == "__main__":

@@ -1,5 +1,9 @@
-"""What a campaign found, as a table that says which code it speaks of."""
+"""Results of campaigns, with the code that they speak of; and measured figures older than it.
 
+python -m tests.helpers.campaigns      # figures of workflows/MEASURED.md that are older
+"""
+
+import re
 import shlex
 import subprocess
 import sys
@@ -7,28 +11,52 @@ from datetime import date
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "workflows" / "MEASURED.md"
 
 
-def git(*arguments):
-    """What git says, without its last line break."""
-    command = ["git", "-C", str(ROOT), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+def git(*arguments, root=ROOT):
+    """What git says, without its last line break; nothing where it cannot tell."""
+    command = ["git", "-C", str(root), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
 
 
 def commit():
     """Name of the working tree's commit."""
-    return git("describe", "--always", "--dirty")
+    return git("describe", "--always", "--dirty") or "unknown commit"
 
 
-def write_table(name, columns, rows, notes=()):
-    """Write and print ``results/NAME.md``: a table with its date, commit and command, and notes."""
+def table(columns, rows):
+    """Lines of a table in Markdown."""
+    lines = ["| " + " | ".join(map(str, row)) + " |" for row in (columns, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(columns), *lines[1:]])
+
+
+def conclude(name, found, is_right):
+    """Print what a campaign found, save it with its command, date and commit; the exit code."""
     module = sys.modules["__main__"].__spec__.name.removesuffix(".__main__")
-    called = shlex.join(["python", "-m", module, *sys.argv[1:]])
-    lines = [f"`{called}`; {date.today():%m-%d}, {commit()}", ""]
-    lines += ["| " + " | ".join(map(str, row)) + " |" for row in (columns, *rows)]
-    lines.insert(3, "|" + "---|" * len(columns))
-    lines += ["", *notes] if notes else []
-    path = ROOT / "results" / f"{name}.md"
+    command = shlex.join(["python", "-m", module, *sys.argv[1:]])
+    verdict = "right" if is_right else "not right"
+    path = Path("results", f"{name}.md")
     path.parent.mkdir(exist_ok=True)
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print(path.read_text(encoding="utf-8"), end="")
+    path.write_text(f"`{command}`: {verdict}; {date.today():%m-%d}, {commit()}\n\n{found}\n")
+    print(found)
+    return 0 if is_right else 1
+
+
+def older(page, root=ROOT):
+    """Sentences on the figures of a page that were recorded before the last change of their rooms.
+
+    Each section with figures has a line such as ``Rooms: `tribo`, `pipeline/store`.``
+    """
+    for section in re.split("^## ", page, flags=re.MULTILINE)[1:]:
+        title, _, text = section.partition("\n")
+        rooms = re.findall("`(.*?)`", "".join(re.findall("^Rooms: (.*)", text, re.MULTILINE)))
+        for when, name in sorted(set(re.findall(r"(\d\d-\d\d), ([0-9a-f]{7,8})\b", text))):
+            count = git("rev-list", "--count", f"{name}..HEAD", "--", *rooms, root=root)
+            if count != "0":
+                changed = f"{count} changes" if count else "an unknown number of changes"
+                yield f"{title}: {when}, {name}: {changed} of {', '.join(rooms)} since"
+
+
+if __name__ == "__main__":
+    print("\n".join(older(PAGE.read_text(encoding="utf-8"))) or "no figure is older than its rooms")

@@ -28,7 +28,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.campaigns import write_table
+from tests.helpers.campaigns import conclude, table
 from tests.mutants.changes import changes
 
 ROOT = Path(__file__).parents[2]
@@ -233,8 +233,8 @@ def main():
         notes += [f"- fails on the code as it is: {test}" for test in sorted(red)]
         notes += [f"- not noticed: {change}" for change in missed]
         is_right &= not red and share >= options.least
-    write_table("mutants", ("room", "mutants", "noticed", "share"), rows, notes)
-    return 0 if is_right else 1
+    found = [table(("room", "mutants", "noticed", "share"), rows), "", *notes]
+    return conclude("mutants", "\n".join(found), is_right)
 
 
 if __name__ == "__main__":

@@ -4,18 +4,20 @@ Truth is nearly exact steps on the pixels; for `--accuracy` with the heat of all
 
 What was found is kept in a file, a line for each part of each scene, with the commit that it
 belongs to, and the next run goes on from there. The true boundaries hold as long as the physics
-does; what is judged against them can be judged anew.
+does; what is judged against them can be judged anew. The exit code is 1 where too few promises are
+kept, or too many broken in silence.
 """
 
 import argparse
 import functools
 import json
-import subprocess
+import sys
 import time
 from pathlib import Path
 from unittest import mock
 
 from pipeline.tradeoff import choose
+from tests.helpers.campaigns import commit
 from tests.promises.judge import boundaries, exponents, largest_error, places, true_boundary
 from tests.promises.report import ACCURACIES, PROMISED, report
 from tests.promises.scenes import random_sweep
@@ -101,12 +103,6 @@ def _known_by_text(function):
     return again
 
 
-def commit():
-    """Name of the working tree's commit, as git gives it."""
-    command = ["git", "describe", "--always", "--dirty"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-
-
 def read(path):
     """Results of each scene, by its seed and the part; later lines count."""
     rows_by_seed = {}
@@ -149,8 +145,8 @@ def main():
             rows[part] = row
             with path.open("a") as file:
                 file.write(json.dumps(row) + "\n")
-    report(rows_by_seed)
+    return report(rows_by_seed, options.family)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

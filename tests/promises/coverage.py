@@ -24,6 +24,7 @@ from scipy import stats
 
 import pipeline
 from pipeline.uncertain.inputs import CRITICAL
+from tests.helpers.campaigns import conclude
 from tests.promises.rigs import BULKS, CASES, SCATTER, Rig, ensemble_of, idle, weighed
 from tests.promises.risk import WORKFLOWS
 
@@ -156,9 +157,9 @@ def main():
             file.writelines(json.dumps(row) + "\n" for row in rows[-len(options.laws) :])
     results = {law: result for law, result in reported(rows, batch[-1].spread) if result["truths"]}
     plan = {"batch": [one.what for one in batch], "promised": batch[-1].spread}
-    print(json.dumps(plan | results, indent=1))
     held = options.promise or all(is_right(*item) for item in results.items())
-    return 0 if held and all(map(is_as_promised, results.values())) else 1
+    held = bool(results) and held and all(map(is_as_promised, results.values()))
+    return conclude(path.stem, json.dumps(plan | results, indent=1), held)
 
 
 if __name__ == "__main__":

@@ -7,12 +7,12 @@ time of a boundary that is sought.
 
 import argparse
 import math
-
-import numpy as np
+import sys
 
 from pipeline.tradeoff.probe import Target
+from tests.helpers.campaigns import conclude, table
 from tests.promises.judge import TRUTH, exponent_at, rise_at
-from tests.promises.report import PROMISED
+from tests.promises.report import COLUMNS, PROMISED, are_right, kept
 from tests.promises.wide import random_wide_sweep
 from tribo import PRESETS, Cylinder
 
@@ -44,16 +44,13 @@ def main():
             continue
         found.append(errors(sweep))
         row = ", ".join(f"{name} {error:+.2%}" for name, (error, _) in found[-1].items())
-        print(f"{seed} {pin.__name__}: {row}", flush=True)
-    for name, bound in PROMISED.items():
-        sizes = np.abs([row[name][0] for row in found])
-        unsaid = sum(abs(row[name][0]) > bound and not row[name][1] for row in found)
-        print(
-            f"{name:9} {np.sum(sizes <= bound)} of {len(sizes)} within {bound:.0%}; median "
-            f"{np.median(sizes):.2%}, largest {sizes.max():.2%}; beyond it without a warning: "
-            f"{unsaid}"
-        )
+        print(f"{seed} {pin.__name__}: {row}", file=sys.stderr, flush=True)
+    rows = [
+        kept(name, bound, *zip(*((abs(row[name][0]), row[name][1]) for row in found), strict=True))
+        for name, bound in PROMISED.items()
+    ]
+    return conclude("curved", table(COLUMNS, rows), are_right(rows, "wide"))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

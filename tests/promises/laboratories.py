@@ -25,6 +25,7 @@ from scipy.special import logsumexp
 import pipeline
 from pipeline.sweep.unknown import Unknown, drawn
 from pipeline.uncertain.ensemble import Ensemble, Excess
+from tests.helpers.campaigns import conclude
 from tests.helpers.samples import (
     ALL,
     CRITICAL,
@@ -199,13 +200,13 @@ def main():
     )
     parser.add_argument("--count", type=int, default=50, help="laboratories of a part")
     options = parser.parse_args()
-    right = True
+    parts = []
     width = mock.Mock(side_effect=lambda draws, *_: Excess(*np.full((3, len(draws)), 1e-3)))
     with mock.patch.multiple(Ensemble, excess=_excess, width=width):
         for row in rows(options.count):
-            print(json.dumps(row), flush=True)
-            right &= row["right"]
-    return 0 if right else 1
+            print(json.dumps(row), file=sys.stderr, flush=True)
+            parts.append(row)
+    return conclude("laboratories", json.dumps(parts, indent=1), all(row["right"] for row in parts))
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ import numpy as np
 
 import pipeline
 from pipeline.uncertain.inputs import CRITICAL
+from tests.helpers.campaigns import conclude
 from tests.promises.rigs import BULKS, CASES, Rig, ensemble_of, idle, weighed
 from tests.promises.risk import WORKFLOWS
 
@@ -92,8 +93,8 @@ def main():
             counts[rule.__name__].append(needed(rig, rule(rig, BULKS[options.case])))
         print(number, *(numbers[-1] for numbers in counts.values()), file=sys.stderr, flush=True)
     means = {name: float(np.mean(numbers)) for name, numbers in counts.items()}
-    print(json.dumps({"tests": counts, "mean": means}, indent=1))
-    return 0 if means["planned"] <= 0.75 * means["staircase"] else 1
+    found = json.dumps({"tests": counts, "mean": means}, indent=1)
+    return conclude("plans", found, means["planned"] <= 0.75 * means["staircase"])
 
 
 if __name__ == "__main__":

@@ -2,52 +2,60 @@
 
 import numpy as np
 
+from tests.helpers.campaigns import conclude, table
+
 ACCURACIES = (0.05, 0.02, 0.01)
 PROMISED = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
+COLUMNS = ("promise", "scenes", "kept", "broken in silence", "median", "90 % below", "largest")
+LEAST = {"cylinders": 0.98, "wide": 0.9}
+"""Share of scenes that keep a promise, as workflows/ACCURACY.md says: all but one in eleven."""
+SILENT = 0.02
+"""Share of scenes that may break it without a warning, or beyond the stated error."""
 
 
-def report(rows_by_seed):
-    """Print how many promises were kept, of what is known of each scene by its parts."""
-    rows = [row for parts in rows_by_seed.values() for row in parts.values()]
-    failed = {row["seed"] for row in rows if "failed" in row}
-    done = [row for row in rows if "failed" not in row]
-    true = [row for row in done if row["part"] == "truth"]
-    print(f"{len(true)} true boundaries known; {len(failed)} scenes came to no result")
-    _presets([row for row in done if row["part"] == "presets"])
-    _accuracies([row for row in done if row["part"] == "accuracies"])
+def kept(name, bound, errors, excuses):
+    """Row of a promise; scenes with an excuse do not break it in silence."""
+    errors, excused = np.array(errors), np.array([bool(one) for one in excuses])
+    silent = np.sum((errors > bound) & ~excused)
+    shown = (f"{size:.2%}" for size in (*np.quantile(errors, [0.5, 0.9]), errors.max()))
+    return f"{name}: {bound:.0%}", len(errors), np.sum(errors <= bound), silent, *shown
 
 
-def _presets(rows):
-    for name, bound in PROMISED.items() if rows else ():
-        errors = np.array([row[name]["error"] for row in rows])
-        warned = np.array([bool(row[name]["warnings"]) for row in rows])
-        within = errors <= bound
-        print(
-            f"{name:10} {within.sum()} of {len(rows)} within {bound:.0%}; median "
-            f"{np.median(errors):.2%}, 90 % below {np.quantile(errors, 0.9):.2%}, largest "
-            f"{errors.max():.1%}; beyond it without a warning: {np.sum(~within & ~warned)}, within "
-            f"it with one: {np.sum(within & warned)}; largest without one "
-            f"{errors[~warned].max(initial=0):.2%}; with the heat of the past in the truth "
-            f"{sum(row[name]['with_past'] <= bound for row in rows)} within"
-        )
+def are_right(rows, family):
+    """True if enough scenes keep each promise, and few break it in silence."""
+    return bool(rows) and all(
+        held >= LEAST[family] * scenes and silent <= max(SILENT * scenes, 1)
+        for _, scenes, held, silent, *_ in rows
+    )
 
 
-def _accuracies(rows):
-    for accuracy in ACCURACIES if rows else ():
-        results = [row[f"{accuracy:g}"] for row in rows]
-        errors = np.array([result["error"] for result in results])
-        foretold = np.array([result["foretold"] for result in results])
-        missed = [
-            f"scene {row['seed']} {result['error']:.2%} of {result['foretold']:.2%} foretold "
-            f"({result['name']}; {', '.join(result['warnings']) or 'no warning'})"
-            for row, result in zip(rows, results, strict=True)
-            if result["error"] > max(accuracy, result["foretold"])
+def report(rows_by_seed, family):
+    """Say how many promises were kept, of what is known of each scene by its parts."""
+    parts = [row for parts in rows_by_seed.values() for row in parts.values()]
+    failed = {row["seed"]: row["failed"] for row in parts if "failed" in row}
+    done = [row for row in parts if "failed" not in row]
+    presets = [row for row in done if row["part"] == "presets"]
+    accuracies = [row for row in done if row["part"] == "accuracies"]
+    rows, notes = [], [f"- scene {seed}: {why}" for seed, why in failed.items()]
+    for name, bound in PROMISED.items() if presets else ():
+        found = [row[name] for row in presets]
+        rows.append(kept(name, bound, *_columns(found, "error", "warnings")))
+        past = sum(one["with_past"] <= bound for one in found)
+        notes.append(f"- {name}: {past} within, with the heat of the past in the truth")
+    for accuracy in ACCURACIES if accuracies else ():
+        found = [row[f"{accuracy:g}"] for row in accuracies]
+        said = [one["error"] <= one["foretold"] for one in found]
+        rows.append(kept("--accuracy", accuracy, [one["error"] for one in found], said))
+        notes.append(f"- {accuracy:.0%}: stated error high enough in {np.mean(said):.1%}")
+        notes += [
+            f"- {accuracy:.0%}: scene {row['seed']} errs by {one['error']:.2%}, said to be "
+            f"{one['foretold']:.2%} ({one['name']}; {', '.join(one['warnings']) or 'no warning'})"
+            for row, one in zip(accuracies, found, strict=True)
+            if one["error"] > max(accuracy, one["foretold"])
         ]
-        print(
-            f"{accuracy:.0%}: kept {np.sum(errors <= accuracy)} of {len(results)}; as foretold or "
-            f"less where the finest was said to err by more: "
-            f"{np.sum((errors > accuracy) & (errors <= foretold))}; foretold error "
-            f"exceeds the true one in {np.mean(foretold >= errors):.1%}; median error "
-            f"{np.median(errors):.2%}, largest {errors.max():.2%}; missed: "
-            + (", ".join(missed) or "none")
-        )
+    is_right = are_right(rows, family) and len(failed) <= SILENT * len(rows_by_seed)
+    return conclude(f"promises_{family}", "\n".join([table(COLUMNS, rows), "", *notes]), is_right)
+
+
+def _columns(rows, *names):
+    return [[row[name] for row in rows] for name in names]

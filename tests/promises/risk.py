@@ -22,6 +22,7 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.unknown import drawn
 from pipeline.sweep.variants import Variants
+from tests.helpers.campaigns import conclude
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SEED = 2718  # of the direct draws; the samples have 0 in the shipped scenes, and their risk has 1
@@ -120,8 +121,8 @@ def main():
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
     place = tuple(options.at)
     verdict = judged(ensemble, options.scene, options.direct, overrides, place, options.processes)
-    print(json.dumps(verdict, indent=1))
-    return 1 if abs(verdict["standard_errors_apart"]) > LIMIT else 0
+    is_right = abs(verdict["standard_errors_apart"]) <= LIMIT
+    return conclude("risk", json.dumps(verdict, indent=1), is_right)
 
 
 if __name__ == "__main__":

@@ -14,17 +14,19 @@ pytestmark = pytest.mark.timeout(900)
 needs_disks = pytest.mark.skipif(not kinds(), reason="no disk can be made and mounted here")
 
 
-def reported(*campaigns, trials=1):
-    done = python("-m", "tests.crash", *campaigns, "--trials", trials, timeout=800)
+def reported(folder, *campaigns, trials=1):
+    words = "-m", "tests.crash", *campaigns, "--trials", trials
+    done = python(*words, cwd=folder, timeout=800)
+    assert (folder / "results/crash.md").read_text().endswith(done.stdout)
     reports = json.loads(done.stdout)
     assert done.returncode == any(report["faults"] for report in reports.values())
     return reports
 
 
 @pytest.fixture(scope="module")
-def reports():
+def reports(tmp_path_factory):
     """One trial of each campaign, in one process."""
-    return reported("kills", "power", "readers", "drivers")
+    return reported(tmp_path_factory.mktemp("crash"), "kills", "power", "readers", "drivers")
 
 
 @pytest.mark.parametrize(
@@ -43,8 +45,8 @@ def test_kills_power_cuts_readers_and_two_drivers_lose_nothing(reports, campaign
 
 @pytest.mark.slow
 @pytest.mark.parametrize("campaign", ["damage", "deadly", "objects"])
-def test_the_other_campaigns_lose_nothing(campaign):
-    assert reported(campaign)[campaign]["faults"] == []
+def test_the_other_campaigns_lose_nothing(campaign, tmp_path):
+    assert reported(tmp_path, campaign)[campaign]["faults"] == []
 
 
 @pytest.mark.slow
@@ -55,5 +57,5 @@ def test_the_other_campaigns_lose_nothing(campaign):
         pytest.param("power", marks=needs_disks),
     ],
 )
-def test_broken_rules_would_be_noticed(campaign):
-    assert reported(campaign, "--mistake", trials=3)[campaign]["faults"]
+def test_broken_rules_would_be_noticed(campaign, tmp_path):
+    assert reported(tmp_path, campaign, "--mistake", trials=3)[campaign]["faults"]

@@ -1,0 +1,74 @@
+"""What campaigns conclude, and which figures on the page are older than the code."""
+
+import ast
+import re
+import subprocess
+
+import pytest
+
+from tests.helpers.campaigns import PAGE, ROOT, older
+from tests.mutants.changes import changes
+from tests.promises.report import are_right, kept
+
+
+def test_figures_are_older_than_later_changes_of_their_rooms_alone(tmp_path):
+    def git(*words):
+        name = ["-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false"]
+        command = ["git", "-C", tmp_path, *name, *words]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+    git("init", "-q")
+    names = []
+    for room in ("store", "run", "store"):
+        (tmp_path / room).write_text(str(len(names)))
+        git("add", "-A")
+        git("commit", "-qm", room)
+        names.append(git("rev-parse", "--short=7", "HEAD"))
+    page = "# Page\n## {}\n\nRooms: `{}`.\n\n| figure | 11-20, {} |\n"
+    sections = ("One", "run", names[1]), ("Two", "store", names[1]), ("Three", "run", "0123456")
+    assert list(older("".join(page.format(*section) for section in sections), tmp_path)) == [
+        f"Two: 11-20, {names[1]}: 1 changes of store since",
+        "Three: 11-20, 0123456: an unknown number of changes of run since",
+    ]
+
+
+def test_each_section_with_a_figure_names_rooms_that_there_are():
+    for section in PAGE.read_text(encoding="utf-8").split("\n## ")[1:]:
+        rooms = re.findall("`(.*?)`", re.search("^Rooms: (.*)", section, re.MULTILINE)[1])
+        assert rooms
+        assert all((ROOT / room).is_dir() for room in rooms)
+
+
+@pytest.mark.parametrize(
+    ("errors", "excuses", "is_right"),
+    [
+        ([0.01] * 98 + [0.2] * 2, [""] * 100, True),
+        ([0.01] * 97 + [0.2] * 3, ["warned"] * 100, False),
+        ([0.01] * 99 + [0.2], [""] * 100, True),
+    ],
+)
+def test_a_campaign_fails_where_too_few_scenes_keep_a_promise(errors, excuses, is_right):
+    assert are_right([kept("draft", 0.08, errors, excuses)], "cylinders") == is_right
+    assert not are_right([], "cylinders")
+
+
+def test_many_broken_in_silence_fail_a_campaign_that_warnings_would_excuse():
+    errors = [0.01] * 95 + [0.2] * 5
+    for excuse, is_right in (("warned", True), ("", False)):
+        assert are_right([kept("draft", 0.08, errors, [excuse] * 100)], "wide") == is_right
+
+
+def test_a_mutant_differs_at_one_place_of_what_runs():
+    source = "def f(a: int = 1):\n    if a < 2 and b:\n        raise E(a)\n    return min(a, -c)\n"
+    mutants = []
+    for number in range(len(list(changes(ast.parse(source))))):
+        tree = ast.parse(source)
+        list(changes(tree))[number].make()
+        compile(tree, "", "exec")
+        mutants.append(ast.unparse(tree))
+    assert len(set(mutants)) == len(mutants)
+    assert source.rstrip() not in mutants
+    for text in ("a: int=2", "if not (a < 2 and b)", "a < 2 or b", "a <= 2", "a < 3"):
+        assert sum(text in mutant for mutant in mutants) == 1, text
+    for text in ("pass", "max(a, -c)", "min(a, c)"):
+        assert sum(text in mutant for mutant in mutants) == 1, text
