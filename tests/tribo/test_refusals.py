@@ -208,7 +208,7 @@ REFUSALS = {
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
     "hold steps": (lambda: Ramp(1.0, 1.0, 1.0, 10**7), "hold_steps is 10000000"),
     "steps": (lambda: list(Ramp(150.0, 750.0, hold=1e6).stations(600.0, 100)),
-              "at most 1000000 are allowed"),
+              "at most 100000 are allowed"),
     "no load": (lambda: list(Ramp(1.0, 1.0).stations(0.0, 9)), "normal_load is 0.0"),
     "no numbers": (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
     "columns": (lambda: MeasuredLoad([0.0, 1.0], [1.0]), "two columns of equal length"),

@@ -130,8 +130,8 @@ def loads():
         load=7.5e12,
     )  # fmt: skip
     yield Extreme(
-        "load", "1e12 steps away", bodies(elastic, elastic), "at most 1000000", InputError,
-        load=1e14,
+        "load", "1e12 steps away", bodies(elastic, elastic), "at most 100000 are allowed",
+        InputError, load=1e14,
     )  # fmt: skip
 
 
