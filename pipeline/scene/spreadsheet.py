@@ -9,9 +9,9 @@ import statistics
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from pipeline.sweep.limits import MOST_BYTES_OF_BOOK
+from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
 from tribo.errors import reason_of, require_file
 
@@ -135,12 +135,13 @@ def _of_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str
     import pandas as pd  # here, since few scenes have rows in a sheet
 
     try:
-        _require_few_cells(path)
+        _require_few_bytes(path)
         with pd.ExcelFile(path, engine="openpyxl") as book:
             names = [str(name) for name in book.sheet_names]
             name = names[0] if wanted is None else wanted
             if name not in names:
                 raise InputError(f'{path} has no sheet "{name}"; give one of {", ".join(names)}')
+            _require_few_cells(path, book.book[name])
             sheet = pd.read_excel(book, name, header=None, dtype=str, na_filter=False)
     except ImportError as error:
         raise InputError(
@@ -158,7 +159,20 @@ def _of_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str
     return rows, [f'sheet "{name}"{more}'], ""
 
 
-def _require_few_cells(path: Path) -> None:
+def _require_few_cells(path: Path, sheet: Any) -> None:
+    """Refuse a sheet that would be larger than what is read, for one cell far away is enough."""
+    sheet.reset_dimensions()  # what the file says of them need not be so
+    widest = 0
+    for count, row in enumerate(sheet.iter_rows(values_only=True), 1):
+        widest = max(widest, len(row))
+        if count * widest > MOST_CELLS_OF_SHEET:
+            raise InputError(
+                f'{path}: sheet "{sheet.title}" has more than {MOST_CELLS_OF_SHEET} cells up to '
+                "its last one, empty ones included; delete what lies far from the table"
+            )
+
+
+def _require_few_bytes(path: Path) -> None:
     """Refuse a workbook that unpacks to more text than its cells may have."""
     with zipfile.ZipFile(path) as archive:
         size = sum(entry.file_size for entry in archive.infolist())
