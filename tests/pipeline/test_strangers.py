@@ -74,11 +74,12 @@ def done(tmp_path_factory):
 
 
 @pytest.fixture
-def strangers(tmp_path, monkeypatch):
+def strangers(tmp_path, monkeypatch, request):
     """A folder of hostile scenes, in which commands run; `ran` says whether their payload did."""
     folder = tmp_path / "strangers"
     (folder / "deep").mkdir(parents=True)
-    text = PAYLOAD.format(marker=str(tmp_path / "ran"))
+    # A file of the same path and text, as in the reused folder of a test before, is not run again.
+    text = PAYLOAD.format(marker=str(tmp_path / "ran")) + f"# {request.node.name}\n"
     (folder / "payload.py").write_text(text)
     (folder / "deep" / "payload.py").write_text(text)
     (tmp_path / "linked.py").write_text(text)
