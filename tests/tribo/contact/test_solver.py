@@ -210,3 +210,25 @@ def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out()
         )
     with pytest.raises(InputError, match="allowed are gap, pressure-change"):
         rough_line(48, 1e-3, "epsilon")
+
+
+def test_at_a_loose_tolerance_a_guess_of_known_displacement_takes_fewer_convolutions():
+    """Of a ramp on a rough disk, each pressure guessed by a line through the two before."""
+    grid = Grid((96, 64), (4e-6, 4e-6), (False, True))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    rough = self_affine(grid, 0.27e-6, 0.8, (16e-6, 16e-6), seed=1)
+    heights = grid.coordinates(0)[:, None] ** 2 / (2 * 2e-3) - rough
+    taken = []
+    for knows in (True, False):
+        solved, count = [], 0
+        for load in range(50, 90, 4):
+            guess = {}
+            if len(solved) > 1:
+                (p0, u0), (p1, u1) = solved[-2:]
+                guess = {"initial_pressure": 2 * p1 - p0}
+                guess |= {"initial_displacement": 2 * u1 - u0} if knows else {}
+            contact = solve_contact(solid, heights, load, tolerance=1e-2, **guess)
+            solved.append((contact.pressure, solid(contact.pressure)))
+            count += contact.iterations
+        taken.append(count)
+    assert taken[0] < taken[1]

@@ -181,3 +181,10 @@ def test_a_record_that_begins_under_load_is_fitted_from_there():
     record = MeasuredLoad([1.0, 2.0, 3.0], [50.0, 75.0, 100.0])
     assert record.time_at(0.1) == 1.0
     assert record.linear_fit() == pytest.approx((25.0, -1.0))
+
+
+@pytest.mark.parametrize("load", [100.1, 333.3, 611.7])
+def test_the_last_station_has_the_very_load_of_the_point(load):
+    for noise in (0.0, 2.0):
+        *_, station = smooth_record(noise).stations(load, 7)
+        assert station.normal_load == load

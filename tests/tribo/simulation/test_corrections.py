@@ -157,3 +157,24 @@ def test_what_the_bodies_keep_has_the_friction_of_the_velocity_too():
     )
     assert alone > 1.01 * RISE
     assert both == pytest.approx(0.8 * alone)
+
+
+def test_a_moment_before_the_end_has_the_record_up_to_there():
+    """A load that has an impulse of 350 N s in the first second, and of 1800 N s thereafter."""
+    columns = record([1.0, 3.0], [800.0, 1000.0], 1.25, share=1e-9)
+    columns |= {name: np.full(2, columns[name][1]) for name in ("mean_rise", "pin_heat_share")}
+    bulk = tribo.Corrections(
+        disk_bulk=tribo.Bulk(650.0), course=((0.0, 0.0), (0.5, 0.3), (1.0, 0.8), (3.0, 1.0))
+    )
+    expected = np.array([350.0, 2150.0]) * 1.25 / 650.0
+    assert bulk.added_rise(columns) == pytest.approx(expected, rel=1e-6)
+
+
+def test_friction_by_velocity_has_no_kink_where_it_ends():
+    falling = tribo.Corrections(friction=((1.0, 1.2), (2.0, 1.0), (4.0, 0.9)))
+    velocities = np.array([0.1, 0.7, 1.0, 1.001, 3.996, 4.0, 6.0, 100.0])
+    expected = [1.2, 1.2, 1.2, 1.2, 0.9, 0.9, 0.9, 0.9]
+    assert falling.friction_factor(velocities) == pytest.approx(expected, abs=1e-5)
+    between = falling.friction_factor(np.geomspace(1.0, 4.0, 50))
+    assert (np.diff(between) < 0).all()
+    assert falling.friction_factor(np.array([2.0])) == pytest.approx(1.0)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from tests.helpers.scenes import STEEL
 from tribo import (
@@ -29,7 +30,7 @@ from tribo import (
     solve_contact,
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
-from tribo.simulation import advance, start
+from tribo.simulation import advance, heat, start
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -160,6 +161,17 @@ def test_heavy_wear_is_averaged_to_a_hundredth():
     assert hot(end(scene)) == pytest.approx(hot(end(replace(scene, fidelity=more))), rel=0.01)
 
 
+def test_a_ball_worn_in_few_steps_carries_the_imprint_of_no_patch_of_the_disk():
+    """At one position a step the imprint would exceed the roughness, of which 35 times wear off."""
+    scene = replace(
+        ball(pixels=96, side=640e-6 / 96, increments=3, history_coarsening=1), wear=Wear(1.2e-14)
+    )
+    worn = end(scene).wear_depth
+    waves = worn - gaussian_filter(worn, 3)
+    inside = worn > 0.3 * worn.max()
+    assert waves[inside].std() < 0.6 * scene.roughness.heights(scene.pixels).std()
+
+
 def few_elements(increments):
     """A rough ball on 220 elements, which the disk passes."""
     return Scene(
@@ -205,3 +217,15 @@ def test_a_smooth_pin_wears_swept_as_it_wears_locally():
     )
     assert np.array_equal(swept.wear_depth, local.wear_depth)
     assert np.array_equal(swept.heat.rise, local.heat.rise)
+
+
+def test_a_temperature_over_positions_is_the_mean_of_those_at_each():
+    scene = few_elements(4)
+    state = end(scene, 40.0)
+    assert state.passing
+    pressures = (state.pressure, *state.passing)
+    heats = [heat(scene, replace(state, pressure=p, passing=()), 1.0) for p in pressures]
+    for name in ("max_rise", "mean_rise", "pin_heat_share", "rise_quantile"):
+        values = np.array([getattr(one, name) for one in heats])
+        assert getattr(state.heat, name) == pytest.approx(values.mean(axis=0), rel=1e-9), name
+        assert np.ptp(values[:, ..., -1] if values.ndim > 1 else values) > 0

@@ -148,3 +148,12 @@ def test_no_friction_needs_no_heat():
     assert state.heat_history is None
     warm = last(small_scene(heat_model="history"), 300.0, 1.25)
     assert np.array_equal(state.pressure, warm.pressure)
+
+
+@pytest.mark.parametrize(("fewest", "shape"), [(1.5, (96, 48)), (2.1, (96, 48)), (4.1, (192, 96))])
+def test_elements_are_no_smaller_than_enough_of_them_need(fewest, shape):
+    """Elements of half the size are four times as many."""
+    few = rough_scene(pixels_per_element=4, increments=4)
+    touching = np.count_nonzero(last(few, 300.0, 1.25).pressure)
+    enough = replace(few.fidelity, fewest_elements=round(fewest * touching))
+    assert last(replace(few, fidelity=enough), 300.0, 1.25).pressure.shape == shape

@@ -50,3 +50,11 @@ def test_many_passes_of_a_load_that_comes_and_goes_are_summed_as_few():
     one_by_one = (left / (3.4e-3 * CAPACITY * np.sqrt(np.pi * DIFFUSIVITY * age))).sum()
     warming = track_warming(3600.0, 0.1, loads, 3.4e-3, DIFFUSIVITY, CAPACITY)
     assert warming == pytest.approx(one_by_one, rel=1e-3)
+
+
+@pytest.mark.parametrize("count", [402, 450, 3000])
+def test_passes_beyond_those_summed_one_by_one_are_all_counted_once(count):
+    ages = 0.1 * np.arange(1, count + 1)
+    alone = [track_warming(1.5 * age, age, STEADY, 3.4e-3, DIFFUSIVITY, CAPACITY) for age in ages]
+    warming = track_warming(0.1 * (count + 0.7), 0.1, STEADY, 3.4e-3, DIFFUSIVITY, CAPACITY)
+    assert warming == pytest.approx(sum(alone), rel=1e-6)

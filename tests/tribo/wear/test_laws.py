@@ -97,3 +97,8 @@ def test_a_surface_of_one_s_own_is_that_of_its_heights():
 def test_a_height_that_is_no_number_is_named():
     with pytest.raises(tribo.InvariantError, match=r"height is nan at pixel \(0, 0\)"):
         replace(small_scene(), roughness=Dimples(spoilt=True))
+
+
+def test_a_pin_that_does_not_slide_wears_by_no_law():
+    scene = replace(small_scene(increments=6), wear=LAW)
+    assert worn_volume(scene, velocity=0.0) == 0
