@@ -61,3 +61,16 @@ MANY_STEPS = {
 def test_an_entry_that_asks_for_a_billion_steps_is_named(path, value):
     with pytest.raises(pipeline.SceneFileError, match=rf": {path.split('.')[0]}.*(100000|1e\+06)"):
         pipeline.load_scene("first_try", overrides={path: value})
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [(kind, name) for _, kind in KINDS if type(kind) is Number for name in kind.bounds],
+)
+def test_a_bound_itself_is_refused_or_allowed_as_its_word_says(kind, name):
+    faults = Faults()
+    bound = kind.bounds[name]
+    read = kind.read(bound, "entry", faults)
+    assert (read is None) == (name in ("above", "below"))
+    beyond = bound - 0.01 if name in ("above", "at_least") else bound + 0.01
+    assert kind.read(beyond, "entry", Faults()) is None

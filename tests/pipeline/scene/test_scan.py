@@ -141,3 +141,13 @@ def test_a_scene_says_which_way_x_goes_and_doubts_a_steep_plane(scan):
     notes = load_scene("first_try", overrides=turned).about.notes
     assert any("x, the sliding direction, is along the rows of the file" in one for one in notes)
     assert any("the scan is tilted by" in one for one in notes)
+
+
+def test_the_share_of_missing_heights_is_in_percent(tmp_path, scan):
+    heights = np.load(scan)
+    heights[10:30, 5] = np.nan
+    np.save(tmp_path / "holed.npy", heights)
+    statistics = surface_statistics(tmp_path / "holed.npy", "um", ("0.8 um", "0.9 um"))
+    assert statistics.missing == 20
+    share = 100 * 20 / heights.size
+    assert f"20 heights ({share:.2g} %) are missing and were filled" in statistics.warnings

@@ -221,3 +221,18 @@ def test_a_surface_is_turned_with_its_pixels_and_reversed_along_the_axis_that_is
     assert np.array_equal(turned.heights, surface.heights.T)
     assert np.array_equal(oriented(surface, flip="x").heights, surface.heights[::-1])
     assert np.array_equal(oriented(surface, flip="y").heights, surface.heights[:, ::-1])
+
+
+@pytest.mark.parametrize("name", ["a.x3p", "a.gwy"])
+def test_the_unit_given_counts_for_the_heights_of_an_instrument_and_not_for_its_pixels(
+    tmp_path, name
+):
+    topographies = pytest.importorskip("SurfaceTopography")
+    size = tuple(n * side for n, side in zip(HEIGHTS.shape, SIDES, strict=True))
+    measured = topographies.Topography(HEIGHTS, size, unit="m")
+    path = tmp_path / name
+    getattr(measured, f"to_{name.partition('.')[2]}")(str(path))
+    surface = read_surface(path, 1e-6)
+    np.testing.assert_allclose(surface.heights, 1e-6 * HEIGHTS, rtol=1e-6)
+    assert surface.pixel_size == pytest.approx(SIDES)
+    assert "given counts, 1e-06 m, not the file's own of 1 m" in surface.notes[0]

@@ -184,6 +184,10 @@ def test_points_of_earlier_runs_are_counted_apart(path):
     commit(path, SWEEP.changed(loads=(600.0,)), ())
     now = summary(path)
     assert (now.total, now.done, now.pending, now.earlier) == (3, 1, 2, 2)
+    with xr.open_zarr(path, chunks=None) as ds:
+        warned = ds["warning_flags"].where(ds["status"] == 1, 0) != 0
+        assert warned.sel(load=slice(0, 500)).any()
+        assert now.warned == warned.sum()
 
 
 @settings(max_examples=3, deadline=None)

@@ -95,3 +95,14 @@ def test_an_entry_that_no_design_can_move_is_refused(samples):
     fixed = replace(samples, unknown=(WIDE, RATE, FRICTION), fixed=(Fixed(LENGTH, 4e-6),))
     with pytest.raises(InputError, match=r"correlation_length is fixed at 4e-06 m; leave that out"):
         pipeline.design(fixed, goal, LENGTH.path)
+
+
+def test_an_input_that_raises_the_risk_has_a_highest_value(samples):
+    direct = drawn(UNKNOWN, 99, 2**15)
+    direct[:, 3] = 4.5e-6
+    warm = 298.15 + np.quantile(direct[:, 2] * rise(direct, *HERE, UNKNOWN), 0.7)
+    limit = pipeline.design(samples, Goal((HERE,), 0.3), LENGTH.path, at={WIDE.path: warm})
+    assert limit.side == "at most"
+    assert limit.value == pytest.approx(4.5e-6, abs=0.3e-6)
+    assert limit.safe == (3e-6, limit.value)
+    assert limit.best[0] == 3e-6

@@ -1,0 +1,297 @@
+"""What figures mark: each mark, bar and line is at the number that it stands for, in its unit."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.dataset import stored_sweep
+from pipeline.figures.diagram import diagram
+from pipeline.figures.fields import fields
+from pipeline.figures.ramp import ramp
+from pipeline.figures.studies import signed
+from pipeline.run.vary import Variation, Variations
+from pipeline.sweep.about import Measurement
+from pipeline.sweep.model import Point
+from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.unknown import Unit, Unknown
+from pipeline.tradeoff.trade import Choice, Trade
+from pipeline.uncertain.design import Goal
+from pipeline.uncertain.sensitivity import Sensitivity
+from tests.helpers import samples, synthetic
+from tests.pipeline.figures.test_plot import contour, labels, lines, of_height
+from tribo import PRESETS
+
+NARROW = (200.0, 400.0, 600.0), (1.0, 2.0, 4.0)
+
+
+def faces(axes):
+    return {line.get_gid(): line.get_markerfacecolor() for line in axes.lines}
+
+
+# The diagram
+
+
+def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
+    tests = (
+        Measurement(250.0, 1.5, outcome="mild"),
+        Measurement(500.0, 3.0, outcome="severe"),
+        Measurement(350.0, 2.5, outcome="severe", bulk_temperature=333.15),
+        Measurement(901.0, 2.0, outcome="mild"),
+        Measurement(200.0, 9.0, outcome="mild"),
+    )
+    axes = diagram(synthetic.sweep(*NARROW, measured=(), tested=tests)).axes[0]
+    places, colours = lines(axes), faces(axes)
+    assert places["tested-mild"].tolist() == [[1.5, 250.0]]
+    assert places["tested-severe"].tolist() == [[3.0, 500.0]]
+    assert places["tested-severe-elsewhere"].tolist() == [[2.5, 350.0]]
+    assert colours["tested-mild"] == "white"
+    assert colours["tested-severe"] == colours["tested-severe-elsewhere"] != "white"
+    (warm,) = (text for text in axes.texts if text.get_gid() == "bulk of a test")
+    assert (warm.get_text(), warm.xy) == ("60 °C", (2.5, 350.0))
+    (far,) = (text for text in labels(axes.figure.legends[0]) if "beyond the figure" in text)
+    assert far == "beyond the figure: test of 901 N at 2 m/s and 1 more"
+
+
+def test_the_full_film_begins_at_three_times_the_height_of_the_roughness():
+    oily = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.07e-6), friction_band=None)
+    axes = diagram(oily).axes[0]
+    for level, beyond in ((1, "mixed"), (3, "full film")):
+        label = f"Λ = {level}, {beyond} beyond"
+        velocity, load = contour(axes, label)[0].T
+        film = Lubrication.of(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
+        assert film == pytest.approx(np.full(len(load), level), rel=2e-3)
+        assert label in labels(axes.figure.legends[0])
+
+
+@pytest.mark.parametrize("axis", ["velocity", "load"])
+def test_a_sweep_of_one_line_marks_its_transition_across_the_line(axis):
+    loads, velocities = ((400.0,), NARROW[1]) if axis == "velocity" else (NARROW[0], (2.0,))
+    figure = diagram(synthetic.sweep(loads, velocities, measured=()))
+    (place,) = lines(figure.axes[0])["boundary"]
+    if axis == "velocity":
+        expected = (synthetic.critical_velocity(400.0, synthetic.limit()), 400.0)
+    else:
+        expected = (2.0, synthetic.critical_load(2.0, synthetic.limit()))
+    assert place == pytest.approx(expected, rel=1e-3)
+    value, unit = (expected[0], "m/s") if axis == "velocity" else (expected[1], "N")
+    assert f"computed transition, {value:.3g} {unit}" in labels(figure.legends[0])
+    (mark,) = (line for line in figure.axes[0].lines if line.get_gid() == "boundary")
+    assert mark.get_marker() == {"velocity": "|", "load": "_"}[axis]
+
+
+def test_points_far_from_the_boundary_are_faint_and_those_beside_it_are_not():
+    figure = diagram(synthetic.sweep(measured=()))
+    opacity = {line.get_gid(): line.get_alpha() for line in figure.axes[0].lines}
+    places = lines(figure.axes[0])
+    for kind in ("mild wear, computed", "severe wear, computed"):
+        assert opacity[kind] == 1.0
+        assert opacity[f"{kind}, far"] < 0.5
+        velocity, load = places[kind].T
+        away = abs(velocity - synthetic.critical_velocity(load, synthetic.limit()))
+        assert away.max() < 0.75  # steps are of 0.25 m/s, and the boundary moves by as much a row
+        velocity, load = places[f"{kind}, far"].T
+        away = abs(velocity - synthetic.critical_velocity(load, synthetic.limit()))
+        assert away.min() > 0.25
+
+
+def test_loads_whose_transition_is_not_computed_are_counted_and_named():
+    pending = {(200.0, 4.0): 0, (400.0, 2.0): 0}
+    figure = diagram(synthetic.sweep(*NARROW, status=pending, measured=(), friction_band=None))
+    mild, across = synthetic.critical_velocity(np.array([200.0, 400.0]), synthetic.limit())
+    assert 2 < mild < 4
+    assert 1 < across < 4
+    said = [text for text in labels(figure.legends[0]) if " loads, " in text]
+    assert said == [
+        "beyond what was computed: at 1 of 3 loads, 200 N",
+        "across points not done: at 1 of 3 loads, 400 N",
+    ]
+
+
+# Contact and temperature
+
+
+def test_the_load_above_a_ramp_belongs_to_its_time():
+    axes = ramp(synthetic.sweep(*NARROW), load=[400.0, 600.0], velocity=2.0).axes[0]
+    (top,) = axes.child_axes
+    assert top.get_xlabel() == "normal load [N]"
+    axes.figure.draw_without_rendering()
+    assert top.get_xlim() == pytest.approx([synthetic.RATE * end for end in axes.get_xlim()])
+    legend = axes.figure.legends[0]
+    assert labels(legend) == ["400 N, 2 m/s", "600 N, 2 m/s"]
+    assert axes.get_xlim()[1] == pytest.approx(1.01 * 600.0 / synthetic.RATE)
+
+
+def test_wear_of_a_ramp_is_drawn_in_the_units_of_its_axes():
+    axes = ramp(synthetic.sweep(*NARROW), load=600.0, velocity=4.0).axes
+    drawn = {one.get_ylabel(): one.lines[0].get_ydata() for one in axes if one.lines}
+    time = 600.0 / synthetic.RATE
+    assert np.nanmax(drawn["greatest wear depth [µm]"]) == pytest.approx(8e-3 * 600**0.9)
+    volume = 1.2e-6 * 0.5 * synthetic.RATE * time**2 * 4.0
+    assert np.nanmax(drawn["worn volume [mm³]"]) == pytest.approx(volume)
+
+
+def test_the_critical_temperature_is_outlined_in_the_contact():
+    ds = synthetic.sweep(*NARROW, fields=True)
+    figure = fields(ds, load=600.0, velocity=4.0, stacked=True)
+    panel = figure.axes[1]
+    assert panel.child_axes[0].get_xlabel() == "contact temperature [°C], outlined at 145"
+    (outline,) = (artist for artist in panel.collections if hasattr(artist, "levels"))
+    here = ds.sel(load=600.0, velocity=4.0)
+    temperature = 25.0 + 0.1 * here["rise"]
+    for path in outline.get_paths():
+        for x, y in path.vertices[:: max(1, len(path.vertices) // 5)]:
+            at = {"x": 1e-6 * x, "y": 1e-6 * y}
+            assert temperature.interp(**at).item() == pytest.approx(145.0, abs=6.0)
+    assert [axes.get_xlabel() for axes in figure.axes[:3]] == ["", "", "x, along sliding [µm]"]
+
+
+# Studies
+
+
+def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
+    base = Variation("", "", (2.0, 1.0), ("crosses",) * 2)
+    others = (
+        Variation("friction.coefficient", "0.12", (1.5, 0.9), ("crosses",) * 2),
+        Variation("friction.coefficient", "0.08", (2.6, 1.3), ("crosses",) * 2),
+        Variation("pin.radius", "3 mm", (2.2, math.nan), ("crosses", "mild throughout")),
+    )
+    figure = pipeline.draw_variations(Variations("A scene", (200.0, 600.0), base, others, 1, 1))
+    (axes,) = figure.axes
+    bars = sorted(
+        (round(bar.get_y() + bar.get_height() / 2), bar.get_x(), bar.get_width())
+        for bar in axes.patches
+    )
+    expected = [(0, -0.25, 0.55), (0, -0.1, 0.4), (1, 0.0, 0.1)]
+    np.testing.assert_allclose(bars, expected, atol=1e-12)
+    assert labels(figure.legends[0]) == ["at 200 N, from 2 m/s", "at 600 N, from 1 m/s"]
+    names = [text.get_text() for text in axes.get_yticklabels()]
+    assert names == ["friction: coefficient", "pin: radius"]
+    ends = {text.get_text(): text.xy[0] for text in axes.texts if hasattr(text, "xy")}
+    assert ends == pytest.approx({"0.12": -0.1, "0.08": 0.3, "3 mm": 0.1})
+    assert " no transition" in {text.get_text() for text in axes.texts}
+    assert axes.get_ylim()[0] > axes.get_ylim()[1]  # the most important entry on top
+    assert signed(-0.123) == "−12.3 %"
+
+
+def choice(name, saving, error, varied=None):
+    usual = dict.fromkeys(("rise_error", "width_error", "share_error", "area_error"), 0.0)
+    usual |= dict.fromkeys(("pressure_error", "saturated_error", "seconds", "speedup"), 0.0)
+    return Choice(
+        name, varied, PRESETS["draft"], (error,), error, convolutions=1, work=1.0 / saving,
+        peak_bytes=1, saving=saving, **usual,
+    )  # fmt: skip
+
+
+def test_choices_stand_at_their_saving_and_error_and_the_front_joins_the_best():
+    choices = (
+        choice("draft", 20.0, 0.05),
+        choice("fine", 4.0, 0.005),
+        choice("as in the scene", 8.0, 0.03),
+        choice("increments = 10", 10.0, 0.06, "increments"),
+        choice("increments = 40", 5.0, 0.02, "increments"),
+        choice("reference", 1.0, 0.0),
+    )
+    axes = pipeline.draw_trade(Trade("A scene", (Point(200.0, 1.0),), "draft", choices, ())).axes[0]
+    places = lines(axes)
+    assert places["presets"].tolist() == [[20.0, 0.05], [4.0, 0.005]]
+    assert places["the scene's own"].tolist() == [[8.0, 0.03]]
+    assert places["increments"].tolist() == [[10.0, 0.06], [5.0, 0.02]]
+    assert places["front"].tolist() == [[20.0, 0.05], [8.0, 0.03], [5.0, 0.02], [4.0, 0.005]]
+    assert axes.get_xlim()[0] > axes.get_xlim()[1]  # faster to the left
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert axes.yaxis.get_major_formatter()(0.05, 0) == "5 %"
+    assert "increments 10, 40" in labels(axes.figure.legends[0])
+
+
+CELSIUS = Unit("°C", 1.0, 273.15)
+WIDE = Unknown(samples.CRITICAL.path, "uniform", (383.15, 473.15), "K", written=CELSIUS)
+
+
+def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
+    ensemble = samples.ensemble((WIDE, samples.RATE, samples.FRICTION, samples.LENGTH))
+    goal = Goal((pipeline.Place(400.0, 1.6),), 0.05)
+    limit = pipeline.design(ensemble, goal, WIDE.path)
+    axes = pipeline.draw_design([({}, limit)], ensemble).axes[0]
+    drawn = {line.get_label(): np.column_stack(line.get_data()) for line in axes.lines}
+    np.testing.assert_allclose(drawn["emulated"][:, 0], np.array(limit.values) - 273.15)
+    percent = np.maximum(100 * np.array(limit.probabilities), 1e-3)
+    np.testing.assert_allclose(drawn["emulated"][:, 1], percent)
+    assert drawn["goal, 5 %"][:, 1] == pytest.approx([5.0, 5.0])
+    assert drawn["limit"][:, 0] == pytest.approx(2 * [limit.value - 273.15])
+    (span,) = axes.patches
+    low, high = np.array(limit.interval) - 273.15
+    assert (span.get_x(), span.get_x() + span.get_width()) == pytest.approx((low, high))
+    assert axes.get_xlabel() == "temperature: critical [°C]"
+    assert axes.get_ylabel() == "probability of severe wear [%]"
+    assert axes.get_title().endswith("400 N at 1.6 m/s, 5 % at most")
+    other = samples.RATE.path
+    two = [({other: rate}, replace(limit, value=value)) for rate, value in RATES]
+    axes = pipeline.draw_design(two, ensemble).axes[0]
+    x, y = axes.lines[0].get_data()
+    assert x == pytest.approx(samples.RATE.shown.of(np.array([rate for rate, _ in RATES])))
+    assert y == pytest.approx([value - 273.15 for _, value in RATES])
+    assert axes.get_ylim() == pytest.approx((110.0, 200.0))
+    assert axes.get_ylabel() == "temperature: critical [°C], at least"
+
+
+RATES = (1.1e-15, 400.0), (1.3e-15, 410.0)
+
+
+# What is not known exactly
+
+
+def test_the_probability_over_the_plane_has_its_place_its_tests_and_its_lines():
+    tests = [
+        {"normal_load": 400.0, "velocity": 1.6, "friction": None},
+        {"normal_load": 9000.0, "velocity": 1.6, "friction": None},
+    ]
+    ensemble = samples.ensemble(tests=tests)
+    plane = pipeline.probabilities(ensemble)
+    figure = pipeline.draw_risk(ensemble, plane, {"load": 300.0, "velocity": 1.2})
+    axes, bar = figure.axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        "sliding velocity [m/s]",
+        "normal load [N]",
+    )
+    (place,) = (line for line in axes.lines if line.get_label() == "operating point")
+    assert np.column_stack(place.get_data()).tolist() == [[1.2, 300.0]]
+    assert lines(axes)["measured"].tolist() == [[1.6, 400.0]]
+    assert "1 test lies beyond the figure" in labels(figure.legends[0])
+    drawn = axes.collections[1]
+    assert drawn.levels.tolist() == [0.05, 0.5, 0.95]
+    (middle,) = (path for path in drawn.get_paths()[1:2])
+    for velocity, load in middle.vertices[::20]:
+        chance = plane.interp(velocity=velocity, load=load).item()
+        assert chance == pytest.approx(0.5, abs=0.03)
+    assert axes.get_title().endswith("inputs as assumed, before any measurement")
+    assert bar.get_ylabel() == "probability of severe wear, mean of runs"
+
+
+def test_bars_of_a_sensitivity_are_its_indices_by_input_and_load():
+    first = np.array([[0.2, 0.5, 0.1], [0.1, 0.6, 0.2]])
+    interval = np.array([first - 0.05, first + 0.02])
+    found = Sensitivity(
+        unknown=samples.ALL[:3], loads=(200.0, 750.0), first=first, total=first + 0.1,
+        first_interval=interval, total_interval=interval + 0.1, spread=(0.1, 0.2),
+        velocity_error=(0.01, 0.01),
+    )  # fmt: skip
+    figure = pipeline.draw_sensitivity(found, "A scene")
+    (axes,) = figure.axes
+    order = np.argsort(first.mean(axis=0))
+    names = [text.get_text().replace("\n", " ") for text in axes.get_yticklabels()]
+    parts = [samples.ALL[k].path.rpartition(".")[2].replace("_", " ") for k in order]
+    assert all(part in name for part, name in zip(parts, names, strict=True))
+    widths = [bar.get_width() for bar in axes.patches]
+    assert widths == pytest.approx([*first[0, order], *first[1, order]])
+    ticks = [line.get_xdata() for line in axes.lines if line.get_ls() == "None"]
+    ticks = [np.array(values, float) for values in ticks if len(values) == 3]
+    assert any(np.allclose(values, first[1, order] + 0.1) for values in ticks)
+    assert labels(figure.legends[0]) == ["200 N, ± 10 %", "750 N, ± 20 %"]
+    heights = [bar.get_y() for bar in axes.patches]
+    assert heights[0] > heights[3]  # the lowest load on top
+    errors = axes.collections[0].get_segments()
+    for (left, right), k in zip(errors, order, strict=True):
+        assert (left[0], right[0]) == pytest.approx((first[0, k] - 0.05, first[0, k] + 0.02))

@@ -1,0 +1,29 @@
+"""Conditions of a single test or row in place of those of a sweep."""
+
+from dataclasses import replace
+
+import pytest
+
+from pipeline.sweep.conditions import Conditions
+from tribo import Bulk, Corrections
+
+CURVE = Corrections(friction=((1.0, 1.2), (4.0, 0.8)), disk_bulk=Bulk(650.0))
+BENT = Conditions(0.1, 298.15, 418.15, corrections=CURVE)
+WARM = Conditions(0.1, 298.15, 418.15, disk_temperature=313.15)
+
+
+def test_a_friction_measured_at_a_point_is_that_of_every_velocity():
+    here = BENT.at_friction(0.07)
+    assert [here.friction_at(velocity) for velocity in (0.5, 2.0, 8.0)] == [0.07] * 3
+    assert here.corrections == replace(CURVE, friction=())
+    assert BENT.at_friction(None) == BENT
+    assert BENT.of_row({"friction": 0.05}).friction_at(4.0) == 0.05
+    assert BENT.of_row({"critical_temperature": 400.0}).friction_at(4.0) == pytest.approx(0.08)
+
+
+def test_a_row_has_one_bulk_temperature_for_both_bodies():
+    row = WARM.of_row({"bulk_temperature": 333.15, "critical_temperature": 400.0})
+    assert row.coldest_bulk_temperature == row.mean_bulk_temperature == 333.15
+    assert row.critical_temperature == 400.0
+    assert WARM.of_row({"friction": 0.05}).mean_bulk_temperature == pytest.approx(305.65)
+    assert WARM.of_row({}) == WARM
