@@ -31,14 +31,19 @@ def table(columns, rows):
     return "\n".join([lines[0], "|" + "---|" * len(columns), *lines[1:]])
 
 
-def conclude(name, found, is_right):
-    """Print what a campaign found, save it with its command, date and commit; the exit code."""
+def save(name, found, is_right):
+    """Save what a campaign found until now, with its command, date and commit."""
     module = sys.modules["__main__"].__spec__.name.removesuffix(".__main__")
     command = shlex.join(["python", "-m", module, *sys.argv[1:]])
     verdict = "right" if is_right else "not right"
     path = Path("results", f"{name}.md")
     path.parent.mkdir(exist_ok=True)
     path.write_text(f"`{command}`: {verdict}; {date.today():%m-%d}, {commit()}\n\n{found}\n")
+
+
+def conclude(name, found, is_right):
+    """Print and save what a campaign found; the exit code."""
+    save(name, found, is_right)
     print(found)
     return 0 if is_right else 1
 

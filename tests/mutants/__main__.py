@@ -4,7 +4,8 @@ A mutant is compiled in memory, in a process that is forked from one with all li
 Its tests are those of the room (`tests/ROOM` and the examples) that run the changed line; of a line
 outside functions all. Programs that a test starts run the code as it is; Dask's workers do not.
 What no test notices in `--seconds` counts as not noticed. The exit code is 1 if a test fails on the
-code as it is, or a room notices too few.
+code as it is, or a room notices too few. `results/mutants.md` grows by a room at a time; of a room
+that `--minutes` end it has the mutants until then.
 """
 
 import argparse
@@ -28,7 +29,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.campaigns import conclude, table
+from tests.helpers.campaigns import conclude, save, table
 from tests.mutants.changes import changes
 
 ROOT = Path(__file__).parents[2]
@@ -181,9 +182,15 @@ def is_noticed(module, number, tests):
     return pytest.main([*QUIETLY, "-x", *map(str, paths)], plugins=[Chosen(tests)]) != 0
 
 
-def judge(room, count, seed, seconds):
-    """How many mutants of a room its tests notice, the changes that none does, and red tests."""
-    tests, red, needed = forked(mapped, room)
+def judge(room, count, seed, seconds, end):
+    """Number of mutants of a room, the changes that its tests do not notice, and red tests.
+
+    At the time `end` [s] no other mutant is begun.
+    """
+    found = forked(mapped, room, seconds=max(1.0, end - time.monotonic()))
+    if found is None:
+        return 0, [], set()
+    tests, red, needed = found
     for name in needed:
         with suppress(Exception):
             importlib.import_module(name)
@@ -197,8 +204,11 @@ def judge(room, count, seed, seconds):
         for number, change in enumerate(changes(ast.parse(file.read_text())))
     ]
     drawn = random.Random(f"{seed} {room}").sample(choice, min(count, len(choice)))
-    missed = []
+    missed, judged = [], 0
     for file, number, change in drawn:
+        if time.monotonic() > end:
+            break
+        judged += 1
         module, lines = str(file.relative_to(ROOT)), {(str(file), line) for line in change.lines}
         nearest = [test for test in tests if lines & test[1]]
         if not change.is_in_function:
@@ -211,7 +221,7 @@ def judge(room, count, seed, seconds):
         arguments = module, number, affordable
         if not affordable or forked(is_noticed, *arguments, seconds=20.0 + 5.0 * total) is False:
             missed.append(f"{module}:{change.lines[0]} {change}")
-    return len(drawn), missed, red
+    return judged, missed, red
 
 
 def main():
@@ -222,19 +232,23 @@ def main():
     parser.add_argument("--seconds", type=float, default=30.0, help="of tests for each mutant")
     parser.add_argument("--least", type=float, default=0.7, help="share that each room notices")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--minutes", type=float, default=600.0, help="after which it ends")
     options = parser.parse_args()
-    rows, notes, is_right = [], [], True
+    rows, notes, is_right, end = [], [], True, time.monotonic() + 60 * options.minutes
     for room in options.rooms:
         began = time.monotonic()
-        count, missed, red = judge(room, options.mutants, options.seed, options.seconds)
-        share = 1 - len(missed) / count
-        rows.append((f"`{room}`", count, count - len(missed), f"{share:.0%}"))
-        print(*rows[-1], f"{time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+        count, missed, red = judge(room, options.mutants, options.seed, options.seconds, end)
+        noticed = count - len(missed)
+        share = f"{noticed / count:.0%}" if count else "not judged"
+        rows.append((f"`{room}`", count, noticed, share, f"{time.monotonic() - began:.0f}"))
+        print(*rows[-1], file=sys.stderr, flush=True)
         notes += [f"- fails on the code as it is: {test}" for test in sorted(red)]
         notes += [f"- not noticed: {change}" for change in missed]
-        is_right &= not red and share >= options.least
-    found = [table(("room", "mutants", "noticed", "share"), rows), "", *notes]
-    return conclude("mutants", "\n".join(found), is_right)
+        is_right &= not red and noticed >= options.least * count > 0
+        head = "room", "mutants", "noticed", "share", "seconds"
+        found = "\n".join([table(head, rows), "", *notes])
+        save("mutants", found, is_right)
+    return conclude("mutants", found, is_right)
 
 
 if __name__ == "__main__":
