@@ -21,6 +21,7 @@ from tests.helpers import stores as helpers
 from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all
+from tribo import Grid, self_affine
 
 NEAR = 0.05  # relative, of straight lines
 ERROR = 0.08  # of velocities by preset draft, as its page says
@@ -566,6 +567,160 @@ def test_a_page_and_a_report_hold_the_numbers_of_the_dataset(stores, irg, tmp_pa
     for temperature in boundary["tests"]["decisive_temperature"]:
         assert f"<td>{temperature - 273.15:.4g}</td>" in report
     assert "may err by up to 8 %" in report
+
+
+# Scenes, scans and logs, by their inputs
+
+
+def without_plane(heights, spacing):
+    """Slopes along x and y of the least-squares plane, and what is left; NaN where there is none"""
+    x, y = (n * d for n, d in zip(np.indices(heights.shape), spacing, strict=True))
+    known = np.isfinite(heights)
+    columns = np.stack([x[known], y[known], np.ones(known.sum())], 1)
+    plane = np.linalg.lstsq(columns, heights[known], rcond=None)[0]
+    return plane[:2], heights - plane[0] * x - plane[1] * y - plane[2]
+
+
+def test_a_check_prints_the_closed_forms_of_the_scene(stores, irg):
+    scene, ds = stores("plane").with_suffix(".toml"), opened(stores("plane"))
+    document, said = irg("check", scene, "--json"), irg("check", scene)
+    loads, velocities = np.array([200.0, 600.0]), np.array([1.0, 4.0])
+    modulus = 210e9 / (2 * (1 - 0.3**2))
+    half_width = np.sqrt(4 * loads / 3.4e-3 * 2e-3 / (np.pi * modulus))
+    pressure = np.sqrt(loads / 3.4e-3 * modulus / (np.pi * 2e-3))
+    time = loads / 150.0
+    distance = time * velocities
+    # Of a flat that is worn into a cylinder: its area is w³/12R, its depth w²/8R.
+    worn = 1.2e-15 * loads * time / 2 * velocities / 3.4e-3
+    depth = (12 * 2e-3 * worn) ** (2 / 3) / (8 * 2e-3)
+    peclet = half_width * velocities * 7800 * 470 / (2 * 45)
+    found = document["meaning"]
+    for name, ends, tolerance in (
+        ("hertz_pressure", pressure, 1e-9),
+        ("hertz_half_width", half_width, 1e-9),
+        ("duration", time, 1e-9),
+        ("sliding_distance", distance, 1e-9),
+        ("peclet_number", peclet, 1e-9),
+        ("wear_depth", depth, 0.12),  # the elastic width counts, too
+    ):
+        assert [found[name]["low"], found[name]["high"]] == pytest.approx(ends, rel=tolerance)
+    assert found["contact_modulus"]["value"] == pytest.approx(modulus)
+    assert found["greatest_load"]["value"] == pytest.approx(1e9 * 384e-6 * 3.4e-3)
+    assert (found["window"]["x"], found["window"]["y"]) == pytest.approx((384e-6, 192e-6))
+    made = pipeline.load_scene(scene).scene
+    _, level = without_plane(made.roughness.heights(made.pixels), made.pixels.spacing)
+    ra, rq = np.abs(level).mean(), level.std()
+    surface = found["surface"]
+    assert (surface["ra"]["value"], surface["rq"]["value"]) == pytest.approx((ra, rq))
+    wide, deep = found["contact_width"], found["wear_depth"]
+    for words in (
+        "Hertz: {:.3g} to {:.3g} GPa".format(*(pressure / 1e9)),
+        "half-width {:.3g} to {:.3g} µm".format(*(half_width * 1e6)),
+        f"worn and rough: {1e6 * wide['low']:.3g} to {1e6 * wide['high']:.3g} µm wide",
+        "384 × 192 µm, carries at most 1.31 kN",
+        f"Ra {1e6 * ra:.3g} µm, Rq {1e6 * rq:.3g} µm",
+        "{:.3g} to {:.3g} s and".format(*time),
+        "s and {:.3g} to {:.3g} m until the end".format(*distance),
+        f"{1e6 * deep['low']:.3g} to {1e6 * deep['high']:.3g} µm deep",
+        "Péclet number {:.3g} to {:.3g}".format(*peclet),
+        "9: 3 loads, 3 velocities",
+        f"{document['steps']} contacts and 9 temperatures to solve",
+        "3, each computed by one worker",
+        f"about {document['worker_bytes'] / 1e6:.0f} MB a worker",
+    ):
+        assert words in said, words
+    assert document["points"] == ds["status"].size == 9
+    is_hot = np.isfinite(ds["max_rise"].sel(step=0))
+    assert document["temperatures"] == is_hot.sum() == 9
+    assert document["chains"] == ds["velocity"].size
+
+
+def test_a_scan_prints_the_statistics_of_its_heights(irg, tmp_path):
+    grid = Grid((160, 128), (0.8e-6, 0.9e-6))
+    rough = self_affine(grid, 0.27e-6, 0.8, (4e-6, 8e-6), seed=3)
+    i, j = np.indices(grid.shape)
+    heights = rough + 2e-2 * i * 0.8e-6 - 1e-2 * j * 0.9e-6
+    heights[3:8, 10] = np.nan
+    np.save(tmp_path / "scan.npy", 1e6 * heights.T)
+    asked = ("surface", tmp_path / "scan.npy", "--height-unit", "um")
+    asked += ("--pixel-size", "0.8 um,0.9 um")
+    found, said = irg(*asked, "--json"), irg(*asked)
+    slopes, level = without_plane(heights, grid.spacing)
+    left = level[np.isfinite(level)]
+    ra, rq = np.abs(left).mean(), left.std()
+    skewness, kurtosis = (left**3).mean() / rq**3, (left**4).mean() / rq**4
+    assert found["shape"] == [160, 128]
+    assert found["pixel_size"] == pytest.approx([0.8e-6, 0.9e-6])
+    assert found["missing"] == 5
+    tilt = np.degrees(np.arctan(slopes))
+    for name, value in {
+        "ra": ra, "rq": rq, "kurtosis": kurtosis, "tilt": tilt.tolist()
+    }.items():  # fmt: skip
+        assert found[name] == pytest.approx(value, rel=2e-3), name
+    assert found["skewness"] == pytest.approx(skewness, abs=2e-3)
+    fit, lengths = found["fit"], found["lengths"]
+    for name, error, truth in (
+        ("correlation_length", "length_error", [4e-6, 8e-6]),
+        ("hurst_exponent", "hurst_error", 0.8),
+    ):
+        assert (np.abs(np.subtract(fit[name], truth)) < 3 * np.array(fit[error])).all()
+    flat = np.nan_to_num(level)
+    for axis, name in enumerate(("along_x", "along_y")):
+        lag = lengths[name] / grid.spacing[axis]
+        low, alike = int(lag), np.moveaxis(flat, axis, 0)
+        near = [(alike[k:] * alike[: len(alike) - k]).mean() / rq**2 for k in (low, low + 1)]
+        assert np.interp(lag, [low, low + 1], near) == pytest.approx(np.exp(-1), abs=0.05)
+    sides = (f"{1e6 * length:.3g} µm" for length in (lengths["along_x"], lengths["along_y"]))
+    fitted = zip(fit["correlation_length"], fit["length_error"], strict=True)
+    mean = float(np.sqrt(np.prod(fit["correlation_length"])))
+    for words in (
+        "160 × 128 heights, 128 × 115.2 µm, pixels 0.8 × 0.9 µm",
+        f"{1e6 * found['ra']:.4g} µm  ± {100 * fit['rms_error']:.2g} % from surface to surface",
+        f"{1e6 * found['rq']:.4g} µm\n",
+        f"{found['skewness']:.2g}, {found['kurtosis']:.2g}",
+        f"{tilt[0]:.2g}° along x, {tilt[1]:.2g}° along y",
+        "{} along x, {} along y, of the autocorrelation".format(*sides),
+        "{} along x, {} along y, of the fitted spectrum".format(
+            *(f"{1e6 * length:.3g} ± {1e6 * error:.1g} µm" for length, error in fitted)
+        ),
+        f"{fit['hurst_exponent']:.3g} ± {fit['hurst_error']:.1g}",
+        f"5 heights ({100 * 5 / heights.size:.2g} %) are missing",
+        f'ra = "{1e6 * found["ra"]:.4g} um"\nhurst_exponent = {fit["hurst_exponent"]:.3g}\n',
+        f'correlation_length = "{1e6 * mean:.3g} um"',
+    ):
+        assert words in said, words
+    assert found["toml"] in said
+
+
+def test_a_log_prints_its_tests_and_counts_them(irg, tmp_path):
+    rows = [(0.4, 90, "0.1", "mild"), (0.6, 120, "", "scuffed"), (0.2, 60, "0.12", "mild")]
+    log = tmp_path / "log.csv"
+    log.write_text(
+        "test;load [kN];velocity [m/min];friction;result\n"
+        + "".join(f"{n};{F};{V};{mu};{end}\n" for n, (F, V, mu, end) in enumerate(rows, 1))
+        + "4;0.4;90;0.1;mild\n;;;;\n5;;;;mild\n"
+    )
+    document, said = irg("tests", log, "--json"), irg("tests", log)
+    expected = [
+        {"load": f"{F} kN", "velocity": f"{V} m/min", "outcome": end.replace("scuffed", "severe")}
+        | ({"friction": float(mu)} if mu else {})
+        for F, V, mu, end in rows
+    ]
+    assert document["tests"][:3] == expected
+    kinds = [test["outcome"] for test in document["tests"]]
+    assert f"{len(kinds)} tests: {kinds.count('mild')} mild, 1 severe" in said
+    for heading, name, first in (
+        ("load [kN]", "load", "0.4 kN"),
+        ("velocity [m/min]", "velocity", "90 m/min"),
+        ("friction", "friction", "0.1"),
+    ):
+        assert re.search(rf"^{re.escape(heading)} +{name} +{first}$", said, re.MULTILINE)
+    assert "1 row without load and velocity left out" in said
+    assert document["toml"] in said
+    (tmp_path / "scene.toml").write_text(SCENE + document["toml"])
+    tested = pipeline.load_scene(tmp_path / "scene.toml").about.tested[:3]
+    assert [test.normal_load for test in tested] == pytest.approx([1e3 * row[0] for row in rows])
+    assert [test.velocity for test in tested] == pytest.approx([row[1] / 60 for row in rows])
 
 
 # Samples, by a power law fitted to them, and draws of the distributions of the scene

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from tests.helpers.scenes import SCENE
@@ -77,6 +78,50 @@ def test_points_that_are_kept_are_resumed_with_the_same_numbers(folder, variatio
     )
     assert repr(again) == repr(variations)
     assert done[0].done == done[-1].total
+
+
+def test_the_command_prints_what_the_kept_points_say(folder, variations, irg):
+    """Boundaries by straight lines in logarithms between the points, and changes by these."""
+    given = (text for key, values in OVER.items() for text in ("--over", f"{key}={values[0]}"))
+    asked = ("vary", folder / "small.toml", *given, "--store", folder / "kept.zarr")
+    document, said = irg(*asked, "--json"), irg(*asked)
+    with xr.open_zarr(folder / "kept.zarr", chunks=None) as ds:
+        rises = ds["rise_quantile"].sel(cooler_share=0.9, step=0).where(ds["status"] == 1).load()
+        flags = ds["warning_flags"].where(ds["status"] == 1, 0).load()
+    (rows,) = set(rises.dims) - {"load", "velocity"}
+    assert document["loads"] == rises["load"].values.tolist() == [200.0, 600.0]
+    limits = [120.0 / 0.13, 120.0 / 0.12, 112.0 / 0.13, 120.0 / 0.13]
+    found = [document, *document["variations"]]
+    heights = []
+    for row, limit, one in zip(rises.transpose(rows, ...), limits, found, strict=True):
+        expected = []
+        for load in (200.0, 600.0):
+            line = row.sel(load=load).dropna("velocity")
+            x, y = np.log(line["velocity"].values), np.log(line.values)
+            inside = y.min() < np.log(limit) < y.max()
+            expected.append(np.exp(np.interp(np.log(limit), y, x)) if inside else np.nan)
+        velocities = np.array(one["critical_velocity"], float)
+        np.testing.assert_allclose(velocities, expected, rtol=0.01)
+        heights.append(velocities)
+        outcomes = np.array(one["critical_velocity_outcome"])
+        assert ((outcomes == "crosses") == np.isfinite(velocities)).all()
+    table = [line.split() for line in said.splitlines() if "crosses" in line]
+    printed = {
+        (" ".join(cells[:-5]) or cells[0], float(cells[-4])): cells[-3:-1] for cells in table
+    }
+    assert len(printed) == np.isfinite(heights).sum()
+    for one, velocities in zip(document["variations"], heights[1:], strict=True):
+        change = velocities / heights[0] - 1
+        np.testing.assert_allclose(np.array(one["change"], float), change, rtol=1e-12)
+        for load, velocity, moved in zip((200.0, 600.0), velocities, change, strict=True):
+            if np.isfinite(velocity):
+                words = f"{velocity:.4g}", f"{100 * moved:.4g}" if np.isfinite(moved) else "-"
+                assert any(
+                    tuple(cells) == words and at == load for (_, at), cells in printed.items()
+                )
+    assert document["points"] == np.isfinite(rises).sum()
+    assert f"{document['points']} points, computed on the contacts of" in said
+    assert document["warnings"]["points"] == np.count_nonzero(flags)
 
 
 def test_the_command_takes_percents_and_says_on_which_side_a_missing_boundary_lies(folder, irg):
