@@ -15,7 +15,6 @@ import pytest
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
-from pipeline.scene import surfaces
 from pipeline.scene.surfaces import read_surface
 from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
@@ -50,10 +49,10 @@ def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
         assert "not a file" in capsys.readouterr().err
 
 
-def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(surfaces, "_MOST_BYTES", 2**20)
+def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.x3p", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("bin", bytes(2**21))
+        archive.writestr("bin", bytes(2**10))
+        archive.filelist[0].file_size = 2**31  # as its directory says, which is written at the end
     with pytest.raises(tribo.InputError, match="unpacks to"):
         read_surface(tmp_path / "a.x3p")
 

@@ -459,6 +459,19 @@ def test_rows_are_judged_each_at_its_own_place(ask, stores, kind):
             part.min() < 120.0 < part.max() for part in (rises.values[:5], rises.values[5:])
         )
         assert said.startswith(f"{number} of 2 rows cross")
+        # Between its rises at twice the velocity and at twice the load a row crosses in load alone.
+        fast, heavy = (
+            rises.values[(loads == 300.0 * by_load) & (velocities == 1.5 * by)].item()
+            for by_load, by in ((1, 2), (2, 1))
+        )
+        assert fast < heavy
+        between = f"{298.15 + (fast + heavy) / 2} K"
+        crosses, said, _ = ask("boundary", kind, "--critical-temperature", between)
+        assert [crosses["rows"][f"{name}_factor"][0] is None for name in ("velocity", "load")] == [
+            True,
+            False,
+        ]
+        assert said.startswith("2 of 2 rows cross")
 
 
 def test_a_warmer_disk_moves_the_boundary_by_less_than_if_both_were_warm(ask, stores):
@@ -506,6 +519,15 @@ def test_a_point_alone_is_the_point_of_the_store(stores, irg):
         assert re.search(rf"^{re.escape(words)} +{re.escape(f'{value:.4g}')}$", said, re.MULTILINE)
     cooler = np.interp(1200.0, quantiles.values, quantiles["cooler_share"].values)
     assert document["failed_fraction"] == pytest.approx(1 - cooler, abs=0.02)
+
+
+def test_a_friction_given_heats_a_scene_without_friction(stores, irg):
+    words = ("point", stores("plane").with_suffix(".toml"), *place_of(400, 4), "--json")
+    cold = (*words, "--set", "friction.coefficient=0")
+    rise = decisive(opened(stores("plane"))).sel(load=400, velocity=4).item()
+    for options, friction in (((), 0.0), (("--friction", 0.05), 0.05)):
+        found = irg(*cold, *options)["decisive_temperature"]
+        assert found == pytest.approx(298.15 + friction * rise, rel=1e-9)
 
 
 def test_a_difference_is_that_of_the_two_datasets(stores, irg):

@@ -1,6 +1,7 @@
 """The search for the boundary, on rises that are known in closed form."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import pytest
 from pipeline.analysis.transition import crossing
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.model import Point
-from tribo import InputError
+from tests.helpers import synthetic
+from tribo import Corrections, InputError
 
 LOADS = tuple(float(load) for load in range(200, 751, 50))
 LIMIT = 1200.0
@@ -91,3 +93,27 @@ def test_a_rise_that_falls_in_places_ends_too():
 def test_a_search_without_a_tolerance_is_refused(tolerance):
     with pytest.raises(InputError, match="must be between 0 and 1"):
         BoundarySearch(LOADS, 0.5, 5.0, LIMIT, tolerance)
+
+
+def test_friction_that_bends_between_two_velocities_hides_no_boundary():
+    """It falls by a quarter from 1.6 to 1.8 m/s: the rise passes the limit three times there."""
+    falling = Corrections(friction=((1.0, 1.3), (1.6, 1.3), (1.8, 1.0), (4.0, 0.95)))
+    loads = (200.0, 400.0, 750.0)
+    sweep = synthetic.scene(
+        conditions=replace(synthetic.conditions(), corrections=falling),
+        loads=loads,
+        velocities=(0.5, 5.0),
+    )
+
+    def rise(load, velocity):
+        return bent(load, velocity) * falling.friction_factor(np.asarray(velocity)).item()
+
+    search, rises = BoundarySearch.of(sweep, 0.01), {}
+    assert search.limit == LIMIT
+    while asked := search.wanted(rises):
+        rises |= {point: rise(*point[:2]) for point in asked}
+    fine = np.geomspace(0.5, 5.0, 2000)
+    factors = falling.friction_factor(fine)
+    for load in loads:
+        true = crossing(fine, factors * [bent(load, velocity) for velocity in fine], LIMIT)
+        assert boundary_of(rises, load) == pytest.approx(true, rel=0.01)

@@ -249,9 +249,26 @@ def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, 
     assert abs(direct[0] - risk) < 0.2  # as 16 samples of a coarse scene tell
     assert found["confirmed"] == (direct[0] <= risk + 2 * direct[1])
     assert (tmp_path / "design.png").stat().st_size > 10_000
+    values, limit = np.array(found["values"]), found["limit"]["value"]
+    assert values[[0, -1]] == pytest.approx([1e-7, 5e-7])
+    chances = np.array(found["probabilities"])
+    assert chances[[0, -1]] == pytest.approx(ends, abs=0.05)
+    assert np.interp(limit, values, chances) == pytest.approx(risk, abs=0.05)
+    assert found["best"] == {"value": values[chances.argmin()], "probability": chances.min()}
+    assert (found["risk"], found["margin"]) == (risk, None)
+    assert found["side"] == ("at most" if ends[1] > ends[0] else "at least")
+    assert found["binding"] == {"load": 500.0, "velocity": 1.0}
     (tmp_path / "scene.toml").write_text(SMALL.replace("2 mm", "3 mm") + UNKNOWN + RANGE)
     said = irg(*asked[:-1], f"--risk={risk}")
     assert "scene.toml is not the scene of the store any more" in said
+    found = irg(*asked, f"--risk={risk}")
+    limit = found["limit"]["value"]
+    low, high = (1e6 * end for end in found["limit"]["interval"])
+    sign = "≤" if found["side"] == "at most" else "≥"
+    where = f"for a risk of {100 * risk:g} % at 500 N and 1 m/s"
+    assert (
+        f"disk.roughness.ra {sign} {1e6 * limit:.4g} µm ({low:.4g} µm to {high:.4g} µm) {where}"
+    ) in said
     assert "give one of them" in irg(*asked[:-1], "--risk=1%", "--margin=20 K", code=2)
 
 

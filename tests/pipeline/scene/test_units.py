@@ -3,6 +3,7 @@
 from decimal import Decimal
 
 import numpy as np
+import pint
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,8 +18,6 @@ from pipeline.scene.units import (
     si_of,
     to_si,
 )
-
-USUAL = [(next(iter(group)), unit) for group in units._USUAL.values() for unit in group]
 
 
 @pytest.mark.parametrize(
@@ -66,13 +65,26 @@ def test_text_in_place_of_a_quantity_is_read_or_refused(text):
     assert len(said.splitlines()) == 1
 
 
-def test_usual_units_are_what_they_are_among_all(monkeypatch):
-    """Scenes in the usual units are read without the library of all others."""
-    numbers = ["1", "-0.27", "273.15", "6.6e3", "1.23456789012345678e-7"]
-    cases = [(f"{number} {unit}", f"1 {si}") for si, unit in USUAL for number in numbers]
-    usual = [to_si(text, like) for text, like in cases]
-    monkeypatch.setattr(units, "_USUAL", {})
-    assert usual == [to_si(text, like) for text, like in cases]
+REGISTRY = pint.UnitRegistry()
+
+
+@pytest.mark.parametrize(
+    ("unit", "like"),
+    [
+        *[("um", "1 m"), ("µm", "1 m"), ("mm", "1 m"), ("nm", "1 m"), ("cm", "1 m"), ("m", "1 m")],
+        *[("GPa", "1 Pa"), ("MPa", "1 Pa"), ("N", "1 N"), ("kN", "1 N"), ("N/s", "1 N/s")],
+        *[("W/(m K)", "1 W/(m K)"), ("kg/m^3", "1 kg/m^3"), ("g/cm^3", "1 kg/m^3")],
+        *[("J/(kg K)", "1 J/(kg K)"), ("m/s", "1 m/s"), ("mm/s", "1 m/s"), ("km/h", "1 m/s")],
+        *[("mm^3/(N m)", "1 m^3/(N m)"), ("m^2/N", "1 m^2/N"), ("mm^2/s", "1 m^2/s")],
+        *[("degC", "1 K"), ("K", "1 K"), ("s", "1 s"), ("ms", "1 s"), ("min", "1 s"), ("h", "1 s")],
+    ],
+)
+def test_usual_units_are_what_the_library_of_all_units_says(unit, like):
+    """Scenes in the usual units are read without it."""
+    base = REGISTRY.Quantity(1.0, like.removeprefix("1 ")).units
+    for number in ("1", "-0.27", "273.15", "6.6e3", "1.23456789012345678e-7"):
+        expected = REGISTRY.Quantity(float(number), unit).to(base).magnitude
+        assert to_si(f"{number} {unit}", like) == pytest.approx(expected, rel=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,18 @@
 """Speed against accuracy, measured on a small scene."""
 
+import csv
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+import pipeline
 from pipeline.figures.studies import draw_trade
+from pipeline.sweep.plan import run_point
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.trade import trade
 from tests.helpers.accuracy_scenes import PAPER
+from tests.helpers.scenes import SCENE
 from tribo import PRESETS, Grid, InputError, SelfAffineRoughness
 
 SMALL = PAPER.changed(
@@ -92,21 +97,72 @@ def test_it_names_the_cheapest_within_an_error_and_none_of_the_front_is_beaten(m
         )
 
 
-def test_a_choice_is_wasted_that_costs_and_gains_nothing(measured):
-    def choice(name, varied, work, errors):
-        like = measured.reference
-        return replace(like, name=name, varied=varied, work=work, velocity_errors=errors)
+def test_the_command_prints_the_errors_of_the_points_against_the_reference(
+    measured, irg, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(pipeline, "trade", lambda *_, **__: measured)  # it takes a while
+    (tmp_path / "scene.toml").write_text(SCENE)
+    document = irg("trade", tmp_path / "scene.toml", "--json")
+    said = irg("trade", tmp_path / "scene.toml", "-o", tmp_path / "trade.csv")
+    (point,) = measured.points
+    assert document["points"] == [{"load": point.load, "velocity": point.velocity}]
+    assert f"{point.load:g} N {point.velocity:.3g} m/s" in said
 
-    choices = [
-        choice("fine", None, 100.0, (0.01, 0.02)),
-        choice("fine, a", "increments", 50.0, (0.0105, 0.0195)),  # half the work, nothing lost
-        choice("fine, b", "partition", 50.0, (0.05, 0.02)),  # loses
-        choice("fine, c", "kernel", 95.0, (0.01, 0.02)),  # saves nothing
-    ]
-    (wasted,) = tradeoff._wasted(choices, "fine", PRESETS["fine"])
-    assert (wasted.field, wasted.saving) == ("increments", 2.0)
-    assert wasted.moves == pytest.approx(0.0005)
-    assert "the work is 2 times less" in str(wasted)
+    def end(fidelity):
+        columns = run_point(SMALL.changed(fidelity=fidelity), *point[:2]).columns
+        return {name: float(np.ravel(values)[-1]) for name, values in columns.items()}
+
+    true = end(measured.reference.fidelity)
+    choices = {one["name"]: one for one in document["choices"]}
+    for name in ("draft", "as in the scene"):
+        here, one = end(named(measured, name).fidelity), choices[name]
+        for error, value in (
+            ("width_error", "contact_width"),
+            ("area_error", "contact_fraction"),
+            ("pressure_error", "mean_pressure"),
+        ):
+            assert abs(one[error]) == pytest.approx(abs(here[value] / true[value] - 1), abs=1e-9)
+    reference = document["choices"][-1]
+    with (tmp_path / "trade.csv").open() as file:
+        rows = {row["name"]: row for row in csv.DictReader(file)}
+    assert rows.keys() == choices.keys()
+    heads = {"velocity error [%]": 100.0, "rise error [%]": 100.0, "width error [%]": 100.0}
+    heads |= {"share error": 1.0, "area error [%]": 100.0, "pressure error [%]": 100.0}
+    heads |= {"saturated error": 1.0, "seconds [s]": 1.0, "speedup": 1.0, "saving": 1.0}
+    heads |= {"convolutions": 1.0, "peak bytes [MB]": 1e-6}
+    lines = {line.split("  ")[0]: line.split() for line in said.splitlines() if "  " in line}
+    for name, one in choices.items():
+        assert one["saving"] == pytest.approx(reference["work"] / one["work"])
+        assert one["speedup"] == pytest.approx(reference["seconds"] / one["seconds"])
+        assert one["velocity_error"] == max(map(abs, one["velocity_errors"]))
+        for head, factor in heads.items():
+            value = factor * one[head.partition(" [")[0].replace(" ", "_")]
+            assert float(rows[name][head]) == pytest.approx(value, rel=1e-5), (name, head)
+            assert f"{value:.4g}" in lines[name], (name, head, lines[name])
+    for bound, name in document["cheapest_within"].items():
+        within = [one for one in choices.values() if one["velocity_error"] <= float(bound)]
+        assert choices[name]["work"] == min(one["work"] for one in within)
+        assert f"cheapest within {100 * float(bound):g} %: {name}" in said
+
+
+def test_a_choice_is_wasted_that_costs_and_gains_nothing(measured):
+    """It saves a tenth of the work or more, and moves no boundary by more than 0.2 %."""
+    base = named(measured, "draft")
+    found = {}
+    for one in measured.choices:
+        pairs = zip(one.velocity_errors, base.velocity_errors, strict=True)
+        moves, saving = max(abs(a - b) for a, b in pairs), base.work / one.work
+        if one.varied and saving >= 1.1 and moves <= 0.002:
+            most = found.get(one.varied, (0.0, 0.0, None))
+            found[one.varied] = max(most, (saving, moves, getattr(one.fidelity, one.varied)))
+    assert found
+    assert {one.field: (one.saving, one.moves, one.cheaper) for one in measured.wasted} == found
+    savings = [one.saving for one in measured.wasted]
+    assert savings == sorted(savings, reverse=True)
+    for one in measured.wasted:
+        assert one.value == getattr(base.fidelity, one.field)
+        assert f"wasted: {one}" in str(measured)
+        assert f"the work is {one.saving:.2g} times less" in str(one)
 
 
 def test_the_figure_shows_presets_variations_and_front_with_the_values_of_each(measured):
