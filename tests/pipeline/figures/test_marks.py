@@ -3,8 +3,10 @@
 import math
 from dataclasses import replace
 
+import matplotlib
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import stored_sweep
@@ -12,13 +14,14 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp
 from pipeline.figures.studies import signed
+from pipeline.figures.style import TINTS
 from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
 from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.unknown import Unit, Unknown
 from pipeline.tradeoff.trade import Choice, Trade
-from pipeline.uncertain.design import Goal
+from pipeline.uncertain.design import Goal, Limit
 from pipeline.uncertain.sensitivity import Sensitivity
 from tests.helpers import samples, synthetic
 from tests.pipeline.figures.test_plot import contour, labels, lines, of_height
@@ -98,16 +101,59 @@ def test_points_far_from_the_boundary_are_faint_and_those_beside_it_are_not():
 
 
 def test_loads_whose_transition_is_not_computed_are_counted_and_named():
-    pending = {(200.0, 4.0): 0, (400.0, 2.0): 0}
+    pending = {(200.0, 4.0): 0, (400.0, 2.0): 0, (400.0, 4.0): 0, (600.0, 2.0): 0}
     figure = diagram(synthetic.sweep(*NARROW, status=pending, measured=(), friction_band=None))
-    mild, across = synthetic.critical_velocity(np.array([200.0, 400.0]), synthetic.limit())
-    assert 2 < mild < 4
-    assert 1 < across < 4
+    critical = synthetic.critical_velocity(np.array(NARROW[0]), synthetic.limit())
+    assert critical[0] > 2.0
+    assert critical[1] > 1.0
+    assert 1.0 < critical[2] < 4.0
     said = [text for text in labels(figure.legends[0]) if " loads, " in text]
     assert said == [
-        "beyond what was computed: at 1 of 3 loads, 200 N",
-        "across points not done: at 1 of 3 loads, 400 N",
+        "beyond what was computed: at 2 of 3 loads, 200 to 400 N",
+        "across points not done: at 1 of 3 loads, 600 N",
     ]
+
+
+def test_load_is_upwards_velocity_to_the_right_and_the_cold_side_has_the_colour_of_mild_wear():
+    axes = diagram(synthetic.sweep(*NARROW, measured=(), friction_band=None)).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
+    (regions,) = (one for one in axes.collections if one.get_gid() == "regions")
+    mild, severe = (matplotlib.colors.to_hex(one).upper() for one in regions.get_facecolor())
+    assert (mild, severe) == (TINTS["mild"], TINTS["severe"])
+
+
+LIFTS = np.array([1.0, 1.1, 0.9, 1.05])
+
+
+def test_over_surfaces_the_boundary_is_the_median_s_in_a_band_from_10_to_90_percent():
+    several = [
+        synthetic.sweep(
+            rise=lambda F, V, q=1.0, lift=lift: lift * synthetic.rise(F, V, q), friction_band=None
+        )
+        for lift in LIFTS
+    ]
+    seeds = xr.Variable("realization", [0, 1, 2, 3])
+    figure = diagram(xr.concat(several, seeds, combine_attrs="override"))
+    (axes,) = figure.axes
+    for load in (450.0, 600.0):
+
+        def velocities(gid, at=load):
+            """Where the lines of a mark pass a load; each rises or falls throughout."""
+            passed = [line[np.argsort(line[:, 1])].T for line in contour(axes, gid)]
+            return sorted(np.interp(at, load, velocity) for velocity, load in passed)
+
+        # The rise that a share of the surfaces exceeds reaches the limit.
+        low, middle, high = (
+            synthetic.critical_velocity(load, synthetic.limit() / np.quantile(LIFTS, share))
+            for share in (0.9, 0.5, 0.1)
+        )
+        assert velocities("boundary") == pytest.approx([middle], rel=2e-3)
+        assert velocities("surface band edge") == pytest.approx([low, high], rel=2e-3)
+    assert "10 to 90 % of 4 surfaces" in labels(figure.legends[0])
+    velocity, load = lines(axes)["severe on some surfaces"].T
+    rise = synthetic.rise(load, velocity, 0.9)
+    assert (rise * LIFTS.max() > synthetic.limit()).all()
+    assert (rise * LIFTS.min() < synthetic.limit()).all()
 
 
 # Contact and temperature
@@ -117,6 +163,7 @@ def test_the_load_above_a_ramp_belongs_to_its_time():
     axes = ramp(synthetic.sweep(*NARROW), load=[400.0, 600.0], velocity=2.0).axes[0]
     (top,) = axes.child_axes
     assert top.get_xlabel() == "normal load [N]"
+    assert top.xaxis.get_label_position() == "top"
     axes.figure.draw_without_rendering()
     assert top.get_xlim() == pytest.approx([synthetic.RATE * end for end in axes.get_xlim()])
     legend = axes.figure.legends[0]
@@ -167,6 +214,10 @@ def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
     expected = [(0, -0.25, 0.55), (0, -0.1, 0.4), (1, 0.0, 0.1)]
     np.testing.assert_allclose(bars, expected, atol=1e-12)
     assert labels(figure.legends[0]) == ["at 200 N, from 2 m/s", "at 600 N, from 1 m/s"]
+    colours = [line.get_color() for line in figure.legends[0].get_lines()]
+    (pin,) = (bar for bar in axes.patches if bar.get_width() == pytest.approx(0.1))  # at 200 N
+    assert matplotlib.colors.to_rgb(pin.get_facecolor()[:3]) == matplotlib.colors.to_rgb(colours[0])
+    assert colours[0] != colours[1]
     names = [text.get_text() for text in axes.get_yticklabels()]
     assert names == ["friction: coefficient", "pin: radius"]
     ends = {text.get_text(): text.xy[0] for text in axes.texts if hasattr(text, "xy")}
@@ -213,7 +264,10 @@ WIDE = Unknown(samples.CRITICAL.path, "uniform", (383.15, 473.15), "K", written=
 def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
     ensemble = samples.ensemble((WIDE, samples.RATE, samples.FRICTION, samples.LENGTH))
     goal = Goal((pipeline.Place(400.0, 1.6),), 0.05)
-    limit = pipeline.design(ensemble, goal, WIDE.path)
+    limit = Limit(
+        WIDE, goal, "at least", 420.0, (415.0, 424.0), (420.0, 473.15), (473.15, 0.0),
+        goal.places[0], (383.15, 413.15, 443.15, 473.15), (0.9, 0.1, 0.01, 0.0),
+    )  # fmt: skip
     axes = pipeline.draw_design([({}, limit)], ensemble).axes[0]
     drawn = {line.get_label(): np.column_stack(line.get_data()) for line in axes.lines}
     np.testing.assert_allclose(drawn["emulated"][:, 0], np.array(limit.values) - 273.15)
@@ -243,13 +297,19 @@ RATES = (1.1e-15, 400.0), (1.3e-15, 410.0)
 # What is not known exactly
 
 
+MEAN = np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]])
+
+
 def test_the_probability_over_the_plane_has_its_place_its_tests_and_its_lines():
     tests = [
         {"normal_load": 400.0, "velocity": 1.6, "friction": None},
         {"normal_load": 9000.0, "velocity": 1.6, "friction": None},
     ]
     ensemble = samples.ensemble(tests=tests)
-    plane = pipeline.probabilities(ensemble)
+    loads, velocities = np.linspace(200.0, 750.0, 30), np.linspace(0.5, 4.0, 40)
+    off = np.log(velocities / samples.critical_velocity(MEAN, loads[:, None]))
+    axes = {"load": loads, "velocity": velocities}
+    plane = xr.DataArray(1 / (1 + np.exp(-12 * off)), axes, ("load", "velocity"))
     figure = pipeline.draw_risk(ensemble, plane, {"load": 300.0, "velocity": 1.2})
     axes, bar = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == (
