@@ -42,7 +42,7 @@ from pathlib import Path
 import numpy as np
 import pipeline
 pipeline.boundary("a.zarr", [0.1, 0.12], {"pin": "60 degC", "disk": 300.0}, "150 degC", "10%")
-pipeline.boundary(Path("a.zarr"), np.linspace(0.1, 0.2, 3))
+pipeline.boundary(Path("a.zarr"), np.array([0.1, 0.15, 0.2]))
 pipeline.temperatures(Path("a.zarr"), 0.12, "60 degC", 420.0)
 """
 

@@ -73,8 +73,6 @@ def test_a_station_is_the_end_of_the_lower_load_bit_for_bit(ds):
 
 
 def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):
-    if xr.__version__.startswith("2025.6"):
-        pytest.skip("xarray 2025.6 writes no text of any length by h5netcdf")
     engine = "h5netcdf"
     ds.to_netcdf(tmp_path / "sweep.nc", engine=engine)
     with xr.open_dataset(tmp_path / "sweep.nc", engine=engine) as back:
