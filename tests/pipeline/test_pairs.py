@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 import pipeline
+from pipeline.figures.style import TINTS
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Column, placed_rows
 from tests.helpers.sweeps import with_fields
@@ -81,8 +83,16 @@ def test_the_figure_of_pairs_has_their_margins_by_row(stores):
     assert [label.get_text() for label in axes.get_xticklabels()] == ["a", "b"]
     (drawn,) = (line for line in axes.lines if line.get_gid() == "mild wear")
     np.testing.assert_array_equal(drawn.get_xdata(), [0, 1])
-    distances = pipeline.margin_table(ds, **hot)["distance [K]"]
+    table = pipeline.margin_table(ds, **hot)
+    distances, errors = table["distance [K]"], table["temperature error [K]"]
     np.testing.assert_array_equal(drawn.get_ydata(), distances)
+    (bars,) = axes.collections
+    np.testing.assert_allclose(
+        [np.ptp(bar[:, 1]) / 2 for bar in bars.get_segments()], errors, rtol=1e-9
+    )
+    sides = {to_hex(one.get_facecolor()).upper(): one.get_extents() for one in axes.patches}
+    assert sides[TINTS["mild"]].y0 == pytest.approx(sides[TINTS["severe"]].y1)
+    assert axes.get_ylabel() == "margin to severe wear [K]"
 
 
 def test_the_figure_marks_what_is_not_decided_or_not_done_and_has_factors_of_places_about(stores):
@@ -94,6 +104,7 @@ def test_the_figure_marks_what_is_not_decided_or_not_done_and_has_factors_of_pla
     held = pipeline.margin_table(ds, critical_temperature=near)["load factor"]
     drawn = {line.get_gid(): line.get_ydata() for line in factors.lines}
     np.testing.assert_array_equal(drawn["load"], held)
+    assert any(np.array_equal(line.get_ydata(), [1.0, 1.0]) for line in factors.lines)
     (axes,) = pipeline.plot(stores["other"], "diagram").axes
     assert "not known: not computed" in {line.get_gid() for line in axes.lines}
 

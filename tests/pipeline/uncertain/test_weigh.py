@@ -200,7 +200,16 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
     assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
-    assert pipeline.draw_posterior(sharp).axes
+    parity = pipeline.draw_posterior(sharp).axes[2]
+    marks = next(line for line in parity.lines if line.get_marker() == "D")
+    np.testing.assert_allclose(marks.get_xdata(), [entry["velocity"] for entry in measured])
+    ends = np.array([judged.critical_velocity for judged in sharp.judged])
+    np.testing.assert_allclose(marks.get_ydata(), ends[:, 1])
+    upwards = [part.get_segments() for part in parity.collections]
+    assert any(
+        np.allclose([segment[:, 1] for segment in segments], ends[:, [0, 2]])
+        for segments in upwards
+    )
     many = prior(sharp.unknown, 5, 2**17)
     likelihood = np.zeros(len(many.inputs))
     for entry in measured:
