@@ -200,7 +200,13 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
     assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
-    parity = pipeline.draw_posterior(sharp).axes[2]
+    inputs, _, parity = pipeline.draw_posterior(sharp).axes
+    (critical, *_) = sharp.summary()
+    for patch, one in zip(inputs.patches, ("prior", "posterior"), strict=True):
+        x, y = patch.get_xy().T  # steps, whose area is 1
+        assert np.sum(y[1:] * np.diff(x)) == pytest.approx(1.0)
+        mean = np.sum(y[1:] * np.diff(x**2)) / 2
+        assert mean == pytest.approx(critical[one]["mean"], abs=0.5)
     marks = next(line for line in parity.lines if line.get_marker() == "D")
     np.testing.assert_allclose(marks.get_xdata(), [entry["velocity"] for entry in measured])
     ends = np.array([judged.critical_velocity for judged in sharp.judged])
