@@ -1,0 +1,17 @@
+from .contact import Mesh as Mesh
+from .contact import MeshPlace as MeshPlace
+from .contact import flash_rise as flash_rise
+from .contact import load_share as load_share
+from .contact import mesh as mesh
+from .involute import Involutes as Involutes
+from .pair import Duty as Duty
+from .pair import Pair as Pair
+from .pair import read_pair as read_pair
+from .pair import shipped_pairs as shipped_pairs
+from .rules import STAGES as STAGES
+from .rules import friction_coefficient as friction_coefficient
+from .rules import integral_temperature as integral_temperature
+from .rules import scuffing_integral as scuffing_integral
+from .rules import stage_bulk as stage_bulk
+from .rules import stage_torque as stage_torque
+from .scene import scene_toml as scene_toml
