@@ -3,6 +3,11 @@ from .contact import MeshPlace as MeshPlace
 from .contact import flash_rise as flash_rise
 from .contact import load_share as load_share
 from .contact import mesh as mesh
+from .figure import draw_mesh as draw_mesh
+from .fzg import Critical as Critical
+from .fzg import Prediction as Prediction
+from .fzg import critical_temperature as critical_temperature
+from .fzg import predict_stages as predict_stages
 from .involute import Involutes as Involutes
 from .pair import Duty as Duty
 from .pair import Pair as Pair
@@ -15,3 +20,5 @@ from .rules import scuffing_integral as scuffing_integral
 from .rules import stage_bulk as stage_bulk
 from .rules import stage_torque as stage_torque
 from .scene import scene_toml as scene_toml
+from .spectrum import Spectrum as Spectrum
+from .spectrum import judge_spectrum as judge_spectrum

@@ -33,8 +33,8 @@ from tribo import InputError, lubrication_regime
 
 LIMITS = (
     "Not validated: no scuffing test of gears was held against this. The simulated contact is in "
-    "boundary lubrication, while gears run mixed; pressure, flash and film below are of smooth "
-    "flanks, without tip relief."
+    "boundary lubrication, while gears run mixed; what a film carries is not counted, nor tip "
+    "relief. Pressure, flash and film are of smooth flanks, in closed form."
 )
 _DRAWN = 400  # places of the figure, so that the load steps where it steps
 _WIDE = ("reduced radius [mm]", "load per length [N/mm]", "half-width [µm]")
@@ -51,10 +51,10 @@ def gears(options: argparse.Namespace) -> Result:
     table = frame_of(_HEADS, map(_row_of, one.places))
     facts = frame_of(("subject", "value"), [*_facts(one)])
     document: dict[str, Any] = {"title": pair.title, "limits": LIMITS, **_document(one)}
-    text: list[str | pd.DataFrame] = [pair.title, LIMITS, "", facts]
+    text: list[str | pd.DataFrame] = [pair.title, LIMITS]
     frames, figure = [table], partial(_draw, mesh(pair, _DRAWN))
-    if not _is_simulated(options):
-        text += ["", short(table, _WIDE)]
+    if not (options.failure_stage or options.stages or options.points):
+        text += ["", facts, "", short(table, _WIDE)]
     critical = _critical(options, pair)
     if critical is not None and options.failure_stage:
         document["critical_temperature"] = asdict(critical)
@@ -90,10 +90,6 @@ def _settings(options: argparse.Namespace) -> dict[str, Any]:
             raise InputError(f"--set: {key} is given more than once; give it once")
         settings[key] = value
     return settings
-
-
-def _is_simulated(options: argparse.Namespace) -> bool:
-    return bool(options.failure_stage or options.stages or options.points)
 
 
 def _check(options: argparse.Namespace, pair: Pair) -> None:

@@ -35,9 +35,7 @@ def draw_mesh(mesh: Mesh) -> Figure:
     figure.suptitle(as_text(mesh.pair.title))
     speeds.plot(at, [place.rolling_1 for place in places], color=BLUE, label="pinion's flank")
     speeds.plot(at, [place.rolling_2 for place in places], color=GREEN, label="wheel's flank")
-    speeds.plot(
-        at, [place.sliding for place in places], color=VERMILION, label="sliding of the pinion"
-    )
+    speeds.plot(at, [place.sliding for place in places], color=VERMILION, label="sliding")
     speeds.set_ylabel("velocity [m/s]")
     speeds.axhline(0.0, color=GREY, linewidth=0.8)
     loads.plot(at, [1e-9 * place.pressure for place in places], color=BLUE, label="pressure")

@@ -38,11 +38,19 @@ class _Speed(Quantity):
         return super()._read(value, place, faults)
 
 
+class _Torque(Quantity):
+    """A torque, of which Nm is the usual way to write the unit."""
+
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
+        written = re.sub(r"(?<=N)m$", " m", value.strip()) if isinstance(value, str) else value
+        return super()._read(written, place, faults)
+
+
 def _angle(example: str, zero: bool = False) -> Quantity:
     return Quantity("an angle", example, zero=zero, ends=("0.1 deg", "60 deg"))
 
 
-TORQUE = Quantity("a torque", "100 N m", ends=("1e-6 N m", "1e9 N m"))
+TORQUE = _Torque("a torque", "100 N m", ends=("1e-6 N m", "1e9 N m"))
 SPEED = _Speed("a speed", "1500 rpm", ends=("1e-3 rpm", "1e6 rpm"))
 
 # fmt: off
@@ -167,7 +175,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     >>> pair.gears.teeth, pair.duty.torque
     ((16, 24), 302.0)
     """
-    file = Path(path)
+    given = file = Path(path)
     if not file.exists():
         shipped = shipped_pairs()
         if str(path) not in shipped:
@@ -194,12 +202,12 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     _check_oil(tables["oil"], faults)
     oil = oil_of(tables["oil"], faults) if not faults else None
     if faults:
-        raise SceneFileError(file, [*map(document.line, faults)])
+        raise SceneFileError(given, [*map(document.line, faults)])
     written = {key: filled[key] for key in ("materials", "oil") if filled.get(key) is not None}
     try:
         return _made(file.stem, tables, oil, written, sources)
     except InputError as error:
-        raise SceneFileError(file, [str(error)]) from error
+        raise SceneFileError(given, [str(error)]) from error
 
 
 _BODIES = {"pin": "pinion", "disk": "wheel"}

@@ -83,24 +83,24 @@ class Spectrum:
         """The verdict in one sentence, for those who decide."""
         row = self.binding
         duty, place = row.simulated.mesh.duty, row.simulated.place
-        share = self._share(row.verdict if self.verdict == MILD else self.verdict)
+        share = self._share()
         begin = {
             SEVERE: f"Scuffing is predicted {share}",
             NOT_DECIDED: f"Whether the gears scuff is not decided {share}",
-            MILD: "No scuffing is predicted in any row",
+            MILD: f"No scuffing is predicted {share}",
         }[self.verdict]
         beyond = "below" if row.distance >= 0 else "above"
         towards = "pinion" if place.position > 0 else "wheel"
         return (
-            f"{begin}: row {row.number}, {duty.torque:.4g} N m at {_rpm(duty.speed):.4g} rpm, "
-            f"decides, {abs(row.distance):.0f} ± {row.error:.0f} K {beyond} the critical "
+            f"{begin}. Row {row.number}, {duty.torque:.4g} N m at {_rpm(duty.speed):.4g} rpm, "
+            f"binds: {abs(row.distance):.0f} ± {row.error:.0f} K {beyond} the critical "
             f"temperature of {self.critical.value - 273.15:.0f} °C, "
             f"{1e3 * abs(place.position):.3g} mm from the pitch point towards the {towards}'s tip."
         )
 
-    def _share(self, verdict: str) -> str:
-        """Rows and hours with a verdict, in words."""
-        rows = [row for row in self.rows if row.verdict == verdict]
+    def _share(self) -> str:
+        """Rows and hours with the verdict, in words."""
+        rows = [row for row in self.rows if row.verdict == self.verdict]
         said = f"in {len(rows)} of {len(self.rows)} rows"
         hours = [row.hours for row in self.rows]
         if None in hours or not (total := sum(filter(None, hours))):
