@@ -28,8 +28,9 @@ from tribo import InputError
 
 _OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
 _READING_ORDER = (
-    "first-hour", "your-system", "your-tests", "choosing", "model", "physics", "scene", "dataset",
-    "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes", "paper",
+    "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
+    "scene", "dataset", "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes",
+    "paper",
 )  # fmt: skip
 _NAMES = {"README": "paper"}
 _SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"

@@ -4,38 +4,40 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pandas as pd
 
-from pipeline.analysis.tables import frame_of, short, writable_path, write_text
+from pipeline.analysis.tables import TABLES, as_dict, frame_of, short, writable_path, write_text
 from pipeline.cli import output
-from pipeline.cli.output import Result, counted
-from pipeline.gears.contact import Mesh, mesh
-from pipeline.gears.fzg import (
-    Critical,
-    Prediction,
-    critical_temperature,
-    integral_limit,
-    predict_stages,
-)
-from pipeline.gears.model import Simulated
+from pipeline.cli.given import settings_in
+from pipeline.cli.output import Result
+from pipeline.gears.contact import Mesh, MeshPlace, mesh
+from pipeline.gears.fzg import Critical, Prediction, critical_temperature, predict_stages
 from pipeline.gears.pair import Pair, read_pair
-from pipeline.gears.rules import STAGES, integral_temperature
+from pipeline.gears.rules import integral_temperature
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import Spectrum, judge_spectrum
 from pipeline.scene.units import display
 from tribo import InputError, lubrication_regime
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+T = TypeVar("T")
 
 LIMITS = (
     "Not validated: no scuffing test of gears was held against this. The simulated contact is in "
     "boundary lubrication, while gears run mixed; what a film carries is not counted, nor tip "
     "relief. Pressure, flash and film are of smooth flanks, in closed form."
 )
+_CRITICAL_HEADS = (
+    "failure load stage", "critical temperature [°C]", "doubt [K]", "passed [°C]", "failed [°C]",
+    "scuffing integral temperature [°C]",
+)  # fmt: skip
 _DRAWN = 400  # places of the figure, so that the load steps where it steps
 _WIDE = ("reduced radius [mm]", "load per length [N/mm]", "half-width [µm]")
 """Columns for which a terminal is too narrow."""
@@ -43,53 +45,27 @@ _WIDE = ("reduced radius [mm]", "load per length [N/mm]", "half-width [µm]")
 
 def gears(options: argparse.Namespace) -> Result:
     """Print the contact along a mesh; write its scene; simulate FZG's test, or a spectrum."""
-    pair = read_pair(options.pair, _settings(options))
+    pair = read_pair(options.pair, settings_in(options))
     if options.critical_temperature is not None:
         pair = pair.changed(critical=options.critical_temperature)
     _check(options, pair)
     one = mesh(pair, options.places)
-    table = frame_of(_HEADS, map(_row_of, one.places))
-    facts = frame_of(("subject", "value"), [*_facts(one)])
     document: dict[str, Any] = {"title": pair.title, "limits": LIMITS, **_document(one)}
-    text: list[str | pd.DataFrame] = [pair.title, LIMITS]
-    frames, figure = [table], partial(_draw, mesh(pair, _DRAWN))
-    if not (options.failure_stage or options.stages or options.points):
-        text += ["", facts, "", short(table, _WIDE)]
-    critical = _critical(options, pair)
-    if critical is not None and options.failure_stage:
-        document["critical_temperature"] = asdict(critical)
-        text += ["", *_on_critical(critical)]
-    if options.stages:
-        assert critical is not None  # by _check
-        predicted = _with_progress(options, predict_stages, pair, critical)
-        frames = [_stage_frame(predicted)]
-        document["stages"] = _stage_document(predicted)
-        text += ["", *_on_stages(predicted, critical), "", frames[0]]
-    if options.points:
-        assert critical is not None  # by _check
-        judged = _with_progress(
-            options, judge_spectrum, pair, options.points, critical, sheet=options.sheet
-        )
-        frames = [_spectrum_frame(judged)]
-        document["spectrum"] = _spectrum_document(judged)
-        text += ["", judged.sentence, "", frames[0], *_unused(judged)]
+    if options.failure_stage or options.stages or options.points:
+        answers, text, table = _simulated(options, pair)
+        document |= answers
+    else:
+        table = frame_of(_HEADS, map(_cells, one.places))
+        text = [frame_of(("subject", "value"), [*_facts(one)]), "", short(table, _WIDE)]
     if options.scene:
-        document["scene"] = str(_write_scene(options, one))
-        text += ["", f"{options.scene} is written; compute its margins with:",
-                 f"  irg run {options.scene} -o {options.scene.with_suffix('.zarr').name}",
-                 f"  irg margin {options.scene.with_suffix('.zarr').name}"]  # fmt: skip
-    is_drawn = options.output and options.output.suffix.lower() not in (".csv", ".md")
-    return Result(document, text, frames=frames, draw=figure if is_drawn else None)
-
-
-def _settings(options: argparse.Namespace) -> dict[str, Any]:
-    """Entries of --set, each once."""
-    settings: dict[str, Any] = {}
-    for key, value in options.set:
-        if key in settings:
-            raise InputError(f"--set: {key} is given more than once; give it once")
-        settings[key] = value
-    return settings
+        note = f"Written by irg gears {options.pair}."
+        document["scene"] = str(write_text(scene_toml([one], note), options.scene))
+        store = options.scene.with_suffix(".zarr").name
+        text += ["", f"{options.scene} is written; its margins, place by place:"]
+        text += [f"  irg run {options.scene} -o {store}", f"  irg margin {store}"]
+    is_drawn = options.output and options.output.suffix.lower() not in TABLES
+    draw = partial(_draw, pair) if is_drawn else None
+    return Result(document, [pair.title, LIMITS, "", *text], frames=[table], draw=draw)
 
 
 def _check(options: argparse.Namespace, pair: Pair) -> None:
@@ -103,41 +79,56 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
             "--failure-stage finds the critical temperature, which --critical-temperature gives; "
             "give one of them"
         )
-    needs = "--stages" if options.stages else "--points" if options.points else ""
-    if needs and not options.failure_stage and pair.critical is None:
+    if (options.stages or options.points) and not options.failure_stage and pair.critical is None:
         raise InputError(
-            f"{needs} needs a critical temperature; give --failure-stage or "
+            "--stages and --points need a critical temperature; give --failure-stage or "
             "--critical-temperature, or temperature.critical in the file"
         )
     if options.scene:
         writable_path(options.scene, (".toml",))
 
 
-def _critical(options: argparse.Namespace, pair: Pair) -> Critical | None:
-    """Critical temperature by the failure load stage, or as it is given; None if neither is."""
-    if not options.failure_stage:
-        return None if pair.critical is None else Critical(pair.critical, 0.0)
-    found: Critical = _with_progress(options, critical_temperature, pair, options.failure_stage)
-    return found
+def _simulated(
+    options: argparse.Namespace, pair: Pair
+) -> tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame]:
+    """What is answered by simulation: as plain data, in words, and as a table."""
+
+    def found(simulate: Callable[..., T], *given: Any, **named: Any) -> T:
+        with output.run_line() as progress:
+            chosen = {"preset": options.preset, "workers": options.workers, "progress": progress}
+            return simulate(*given, **chosen, **named)
+
+    critical = Critical(pair.critical or 0.0, 0.0)
+    document, text, table = dict[str, Any](), list[str | pd.DataFrame](), pd.DataFrame()
+    if options.failure_stage:
+        critical = found(critical_temperature, pair, options.failure_stage)
+        document["critical_temperature"] = asdict(critical)
+        text, table = [*critical.words], frame_of(_CRITICAL_HEADS, [critical.cells])
+    if options.stages:
+        predicted = found(predict_stages, pair, critical)
+        table = _stage_frame(predicted)
+        ends = {name: getattr(predicted, name) for name in ("fails", "soonest", "latest")}
+        document["stages"] = ends | as_dict(table)
+        text += [*predicted.words(critical), "", table]
+    if options.points:
+        judged = found(judge_spectrum, pair, options.points, critical, sheet=options.sheet)
+        table = _spectrum_frame(judged)
+        document["spectrum"] = {
+            "verdict": judged.verdict,
+            "binding_row": judged.binding.number,
+            "sentence": judged.sentence,
+            "columns_not_used": [*judged.unused],
+            "rows": as_dict(table),
+        }
+        text += [judged.sentence, "", table, *judged.remarks]
+    return document, text, table
 
 
-def _with_progress(options: argparse.Namespace, simulated: Any, *given: Any, **named: Any) -> Any:
-    """What a simulation finds, with the line that shows how far it is."""
-    with output.run_line() as progress:
-        chosen = {"preset": options.preset, "workers": options.workers, "progress": progress}
-        return simulated(*given, **chosen, **named)
-
-
-def _draw(one: Mesh) -> Any:
+def _draw(pair: Pair) -> Figure:
     """The figure, with Matplotlib, which takes its time."""
     from pipeline.gears.figure import draw_mesh
 
-    return draw_mesh(one)
-
-
-def _write_scene(options: argparse.Namespace, one: Mesh) -> Path:
-    note = f"Written by irg gears {options.pair}."
-    return write_text(scene_toml([one], note), options.scene)
+    return draw_mesh(mesh(pair, _DRAWN))
 
 
 _HEADS = (
@@ -147,7 +138,7 @@ _HEADS = (
 )  # fmt: skip
 
 
-def _row_of(place: Any) -> tuple[Any, ...]:
+def _cells(place: MeshPlace) -> tuple[Any, ...]:
     return (
         place.letter, place.position, place.radius_1, place.radius_2, place.reduced_radius,
         place.rolling_1, place.rolling_2, place.sliding, place.share, place.load,
@@ -238,128 +229,29 @@ def _document(one: Mesh) -> dict[str, Any]:
     }
 
 
-def _on_critical(critical: Critical) -> Iterator[str]:
-    """The critical temperature in words, beside the rule of the standard."""
-    assert critical.passed is not None  # as of a failure load stage
-    assert critical.failed is not None
-    yield (
-        f"critical temperature: {critical.value - 273.15:.0f} ± {critical.doubt:.0f} °C by this "
-        f"model, of an oil that fails in load stage {critical.stage} of FZG A/8.3/90"
-    )
-    yield (
-        f"the hottest place was at {critical.passed - 273.15:.0f} °C in the stage before, and at "
-        f"{critical.failed - 273.15:.0f} °C in that stage"
-    )
-    if critical.integral is not None:
-        yield (
-            f"scuffing integral temperature: {critical.integral - 273.15:.0f} °C by the rule of "
-            "ISO/TR 13989-2, Eq. 94; a mean along the path of contact, not to be mixed with it"
-        )
-
-
-def _on_stages(predicted: Prediction, critical: Critical) -> Iterator[str]:
-    """The stage that fails in words, with what the doubt moves it by."""
-    limit = f"a critical temperature of {critical.value - 273.15:.0f} °C"
-    if predicted.fails is None:
-        yield f"passes all {len(STAGES)} stages, by {limit}"
-    else:
-        yield f"fails in load stage {predicted.fails}, by {limit}"
-    if critical.doubt and predicted.soonest != predicted.latest:
-        ends = (
-            str(one or f"beyond {len(STAGES)}") for one in (predicted.soonest, predicted.latest)
-        )
-        yield f"by its doubt of {critical.doubt:.0f} K in stage {' to '.join(ends)}"
-
-
 def _stage_frame(predicted: Prediction) -> pd.DataFrame:
     heads = (
-        "stage", "torque [N m]", "bulk [°C]", "hottest place [mm]",
+        "stage", "torque [N m]", "bulk temperature [°C]", "hottest place [mm]",
         "decisive temperature [°C]", "temperature error [K]", "integral temperature [°C]",
     )  # fmt: skip
-    return frame_of(
-        heads,
-        (
-            (number, *_simulated(one), _integral(one))
-            for number, one in enumerate(predicted.stages, 1)
-        ),
-    )
-
-
-def _simulated(one: Simulated) -> tuple[float, ...]:
-    duty = one.mesh.duty
-    return duty.torque, duty.bulk, one.place.position, one.temperature, one.error
-
-
-def _integral(one: Simulated) -> float | None:
-    pair = one.mesh.pair
-    return integral_temperature(pair, one.mesh.duty).integral if pair.oil is not None else None
-
-
-def _stage_document(predicted: Prediction) -> dict[str, Any]:
-    pair = predicted.stages[0].mesh.pair
-    return {
-        "fails": predicted.fails,
-        "soonest": predicted.soonest,
-        "latest": predicted.latest,
-        "stages": [
-            {
-                "stage": number,
-                "torque": one.mesh.duty.torque,
-                "bulk": one.mesh.duty.bulk,
-                "position": one.place.position,
-                "temperature": one.temperature,
-                "temperature_error": one.error,
-                "integral": _integral(one),
-                "integral_limit": integral_limit(pair, number),
-            }
-            for number, one in enumerate(predicted.stages, 1)
-        ],
-    }
+    rows = []
+    for number, one in enumerate(predicted.stages, 1):
+        duty, pair = one.mesh.duty, one.mesh.pair
+        integral = integral_temperature(pair, duty).integral if pair.oil is not None else None
+        rows.append((number, duty.torque, duty.bulk, one.place.position, one.temperature,
+                     one.error, integral))  # fmt: skip
+    return frame_of(heads, rows)
 
 
 def _spectrum_frame(judged: Spectrum) -> pd.DataFrame:
     heads = (
-        "row", "torque [N m]", "speed [rpm]", "hours", "bulk [°C]", "hottest place [mm]",
-        "verdict", "decisive temperature [°C]", "distance [K]", "error [K]",
+        "row", "torque [N m]", "speed [rpm]", "hours", "bulk temperature [°C]",
+        "hottest place [mm]", "verdict", "decisive temperature [°C]", "distance [K]", "error [K]",
     )  # fmt: skip
     rows = []
     for row in judged.rows:
-        one = row.simulated
-        duty, rpm = one.mesh.duty, one.mesh.duty.speed * 30 / math.pi
-        rows.append((row.number, duty.torque, rpm, row.hours, duty.bulk, one.place.position,
-                     row.verdict, one.temperature, row.distance, row.error))  # fmt: skip
+        one, duty = row.simulated, row.simulated.mesh.duty
+        rows.append((row.number, duty.torque, duty.speed * 30 / math.pi, row.hours, duty.bulk,
+                     one.place.position, row.verdict, one.temperature, row.distance,
+                     row.error))  # fmt: skip
     return short(frame_of(heads, rows))
-
-
-def _spectrum_document(judged: Spectrum) -> dict[str, Any]:
-    return {
-        "verdict": judged.verdict,
-        "binding_row": judged.binding.number,
-        "sentence": judged.sentence,
-        "columns_not_used": [*judged.unused],
-        "rows": [
-            {
-                "row": row.number,
-                "hours": row.hours,
-                "torque": row.simulated.mesh.duty.torque,
-                "speed": row.simulated.mesh.duty.speed,
-                "bulk": row.simulated.mesh.duty.bulk,
-                "position": row.simulated.place.position,
-                "temperature": row.simulated.temperature,
-                "distance": row.distance,
-                "error": row.error,
-                "verdict": row.verdict,
-            }
-            for row in judged.rows
-        ],
-    }
-
-
-def _unused(judged: Spectrum) -> Iterator[str]:
-    """The verdict on the whole, and columns that no answer depends on."""
-    yield (
-        f"verdict on {counted(len(judged.rows), 'row', 'rows')}: {judged.verdict}; hours are "
-        "counted, and wear over them is not"
-    )
-    if judged.unused:
-        yield f"columns not used: {', '.join(judged.unused)}"

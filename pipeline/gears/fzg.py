@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +27,29 @@ class Critical:
     stage: int | None = None  #: That failed.
     integral: float | None = None  #: Scuffing integral temperature of the rule of the standard.
 
+    @property
+    def cells(self) -> tuple[float | None, ...]:
+        """Cells of a table."""
+        return self.stage, self.value, self.doubt, self.passed, self.failed, self.integral
+
+    @property
+    def words(self) -> Iterator[str]:
+        """The critical temperature in lines, beside the rule of the standard."""
+        yield (
+            f"critical temperature: {self.value - 273.15:.0f} ± {self.doubt:.0f} °C by this model, "
+            f"of an oil that fails in load stage {self.stage} of FZG A/8.3/90"
+        )
+        if self.passed is not None and self.failed is not None:
+            yield (
+                f"the hottest place was at {self.passed - 273.15:.0f} °C in the stage before, and "
+                f"at {self.failed - 273.15:.0f} °C in that stage"
+            )
+        if self.integral is not None:
+            yield (
+                f"scuffing integral temperature: {self.integral - 273.15:.0f} °C by the rule of "
+                "ISO/TR 13989-2, Eq. 94, of which it is the limit; not one of this model"
+            )
+
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
@@ -36,6 +59,15 @@ class Prediction:
     fails: int | None  #: First stage above the critical temperature; None if none is.
     soonest: int | None  #: The same, with the critical temperature less its doubt.
     latest: int | None  #: The same, with it and its doubt.
+
+    def words(self, critical: Critical) -> Iterator[str]:
+        """The stage that fails in lines, and what the doubt moves it by."""
+        beyond, limit = f"beyond {len(STAGES)}", f"{critical.value - 273.15:.0f} °C"
+        said = f"fails in load stage {self.fails}" if self.fails else "passes all load stages"
+        yield f"{said}, by a critical temperature of {limit}"
+        if critical.doubt and self.soonest != self.latest:
+            ends = f"{self.soonest or beyond} to {self.latest or beyond}"
+            yield f"by its doubt of {critical.doubt:.0f} K in stage {ends}"
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
@@ -100,23 +132,17 @@ def critical_temperature(
     gears = rig_pair(pair)
     meshes = [mesh(gears, duty=stage_duty(gears, number)) for number in (stage - 1, stage)]
     passed, failed = simulate(meshes, preset, workers, progress)
-    error = max(passed.error, failed.error)
+    error, oil = max(passed.error, failed.error), gears.oil
     return Critical(
         value=(passed.temperature + failed.temperature) / 2,
         doubt=math.hypot((failed.temperature - passed.temperature) / math.sqrt(12), error),
         passed=passed.temperature,
         failed=failed.temperature,
         stage=stage,
-        integral=integral_limit(gears, stage),
+        integral=None
+        if oil is None
+        else scuffing_integral(stage, oil.viscosity(313.15) / oil.density, gears.lubricant_factor),
     )
-
-
-def integral_limit(pair: Pair, stage: int) -> float | None:
-    """Scuffing integral temperature of the rule of the standard [K]; None without an oil."""
-    if pair.oil is None:
-        return None
-    at_40 = pair.oil.viscosity(313.15) / pair.oil.density
-    return scuffing_integral(stage, at_40, pair.lubricant_factor)
 
 
 def predict_stages(

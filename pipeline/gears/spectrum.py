@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
@@ -98,6 +98,17 @@ class Spectrum:
             f"{1e3 * abs(place.position):.3g} mm from the pitch point towards the {towards}'s tip."
         )
 
+    @property
+    def remarks(self) -> Iterator[str]:
+        """The verdict on the whole, and columns that no answer depends on, in lines."""
+        count = len(self.rows)
+        yield (
+            f"verdict on {count} {'row' if count == 1 else 'rows'}: {self.verdict}; hours are "
+            "counted, and wear over them is not"
+        )
+        if self.unused:
+            yield f"columns not used: {', '.join(self.unused)}"
+
     def _share(self) -> str:
         """Rows and hours with the verdict, in words."""
         rows = [row for row in self.rows if row.verdict == self.verdict]
@@ -106,7 +117,7 @@ class Spectrum:
         if None in hours or not (total := sum(filter(None, hours))):
             return said
         own = sum(row.hours or 0.0 for row in rows)
-        return f"{said}, {own:.4g} of {total:.4g} h"
+        return f"{said}, {own:.6g} of {total:.6g} h"
 
 
 def _rpm(speed: float) -> float:

@@ -3,6 +3,8 @@
 import json
 import math
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -119,7 +121,7 @@ def test_the_stage_that_is_predicted_is_the_one_that_was_told(irg):
     rougher = irg("gears", "fzg_a", "--stages", "--critical-temperature", limit, *rough, "--json")
     assert rougher["stages"]["fails"] < 10
     passes = irg("gears", "fzg_a", "--stages", "--critical-temperature", "900 degC")
-    assert "passes all 12 stages" in passes
+    assert "passes all load stages" in passes
 
 
 @pytest.mark.usefixtures("warm")
@@ -147,7 +149,8 @@ def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
     assert "columns not used: name" in severe
     document = irg(*given, "--critical-temperature", "400 degC", "--json")["spectrum"]
     assert (document["verdict"], document["binding_row"]) == ("mild", 2)
-    assert [row["hours"] for row in document["rows"]] == [1800, 150, 50]
+    assert document["rows"]["hours"] == [1800, 150, 50]
+    assert document["rows"]["verdict"] == ["mild"] * 3
     assert "in 3 of 3 rows, 2000 of 2000 h" in document["sentence"]
     undecided = irg(*given, "--critical-temperature", "331 degC", "--json")["spectrum"]
     assert undecided["verdict"] == "not decided"
@@ -222,8 +225,8 @@ def test_mistakes_in_a_file_are_said_in_a_line(irg, tmp_path, wrong, said):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--stages"], "needs a critical temperature"),
-        (["--points", "duty.csv"], "needs a critical temperature"),
+        (["--stages"], "need a critical temperature"),
+        (["--points", "duty.csv"], "need a critical temperature"),
         (["--failure-stage", "13"], "give 2 to 12, of A/8.3/90"),
         (["--failure-stage", "9", *CRITICAL], "give one of them"),
         (["--stages", "--points", "duty.csv", *CRITICAL], "ask one at a time"),
@@ -241,6 +244,25 @@ def test_faults_of_a_spectrum_are_all_named(irg, tmp_path):
     told = irg("gears", "fzg_a", "--points", tmp_path / "duty.csv", *CRITICAL, code=2)
     assert "row 2, speed" in told
     assert "row 3, torque" in told
+
+
+def test_the_page_leads_from_a_drawing_to_a_verdict(irg, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "workflows" / "YOUR_GEARS.md").read_text(encoding="utf-8")
+    pair, duty = re.findall(r"```(?:toml)?\n((?:title|torque).*?)```", page, flags=re.DOTALL)
+    Path("pair.toml").write_text(pair, encoding="utf-8")
+    Path("duty.csv").write_text(duty, encoding="utf-8")
+    written = gears.read_pair("pair.toml")
+    usual = {name: getattr(written, name) for name in ("correlation_length", "hurst_exponent")}
+    assert usual == {"correlation_length": (4e-6, 4e-6), "hurst_exponent": 0.8}
+    (command,) = re.findall(r"^irg (gears pair.toml .*--points.*)$", page, flags=re.MULTILINE)
+    said = irg(*shlex.split(command))
+    assert "No scuffing is predicted in 3 of 3 rows, 10000 of 10000 h. Row 3" in said
+    (critical,) = re.findall(r"critical temperature: (\d+ ± \d+ °C) by this model", said)
+    (limit,) = re.findall(r"scuffing integral temperature: (\d+ °C) by the rule", said)
+    assert critical in page
+    assert f"is {limit}" in page
+    assert Path("verdicts.csv").read_text().count("mild") == 3
 
 
 def test_without_its_folder_the_rest_works(tmp_path):

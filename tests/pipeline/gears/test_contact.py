@@ -16,11 +16,11 @@ PRESSURES = 146, 295, 474, 621, 773, 927, 1080, 1232, 1386, 1539, 1691, 1841
 """At the pitch point by load stage [MPa], as tables of the test give them, of one pair alone."""
 
 
-def at(mesh, letter):
+def place_named(mesh, letter):
     return next(place for place in mesh.places if place.letter == letter)
 
 
-def of_stage(pair, stage):
+def stage_duty(pair, stage):
     return gears.Duty(gears.stage_torque(stage), pair.duty.speed, gears.stage_bulk(stage))
 
 
@@ -35,17 +35,17 @@ def mesh(fzg):
 
 
 def test_sliding_is_none_at_the_pitch_point_and_grows_as_the_distance_from_it(mesh):
-    assert at(mesh, "C").sliding == 0
-    assert at(mesh, "C").flash == 0
+    assert place_named(mesh, "C").sliding == 0
+    assert place_named(mesh, "C").flash == 0
     turning = 2170 * 2 * math.pi / 60 * (1 + 16 / 24)
     for place in mesh.places:
         assert place.sliding == pytest.approx(place.position * turning)
         assert place.rolling_1 - place.rolling_2 == pytest.approx(place.sliding, abs=1e-12)
-    assert at(mesh, "E").sliding == pytest.approx(5.59, abs=5e-3)
+    assert place_named(mesh, "E").sliding == pytest.approx(5.59, abs=5e-3)
 
 
 def test_the_pitch_line_of_the_test_runs_at_8_3_metres_a_second(mesh, fzg):
-    sum_velocity = at(mesh, "C").rolling_1 + at(mesh, "C").rolling_2
+    sum_velocity = place_named(mesh, "C").rolling_1 + place_named(mesh, "C").rolling_2
     pitch_line = sum_velocity / 2 / math.sin(fzg.gears.working_angle)
     assert pitch_line == pytest.approx(8.3, abs=0.03)
 
@@ -53,7 +53,7 @@ def test_the_pitch_line_of_the_test_runs_at_8_3_metres_a_second(mesh, fzg):
 def test_pressures_of_the_load_stages_are_those_of_the_tables_of_the_test(fzg):
     of_steel = fzg.changed(materials=(STEEL, STEEL))
     for stage, printed in enumerate(PRESSURES, 1):
-        pitch = at(gears.mesh(of_steel, duty=of_stage(fzg, stage)), "C")
+        pitch = place_named(gears.mesh(of_steel, duty=stage_duty(fzg, stage)), "C")
         alone = 1e-6 * pitch.pressure / math.sqrt(pitch.share)
         assert alone == pytest.approx(printed, rel=0.01)
 
@@ -124,7 +124,7 @@ def test_pressure_and_width_are_those_of_hertz(mesh, fzg):
 
 def test_the_flash_is_bloks_of_like_and_of_unlike_bodies(mesh, fzg):
     effusivity = fzg.materials[0].thermal_effusivity
-    tip = at(mesh, "E")
+    tip = place_named(mesh, "E")
     alike = analytic.heat.rolling_sliding_rise(
         mesh.friction, tip.load_per_length, 2 * tip.half_width, (tip.rolling_1, tip.rolling_2),
         effusivity,
@@ -142,18 +142,18 @@ def test_the_film_is_over_the_roughness_of_both_flanks(mesh, fzg):
         assert place.film_parameter == pytest.approx(place.film / rq)
     # By hand at E: U 3.73·2.34e-3/(226.8e9·5.09e-3), G 9.4e-9·226.8e9, W 1.836e5/(226.8e9·5.09e-3).
     thick = fzg.oil.viscosity(fzg.duty.bulk), fzg.oil.pressure_coefficient(fzg.duty.bulk)
-    modulus, radius = 2 * contact_modulus(*fzg.materials), at(mesh, "E").reduced_radius
-    speed = (at(mesh, "E").rolling_1 + at(mesh, "E").rolling_2) / 2
+    modulus, radius = 2 * contact_modulus(*fzg.materials), place_named(mesh, "E").reduced_radius
+    speed = (place_named(mesh, "E").rolling_1 + place_named(mesh, "E").rolling_2) / 2
     film = 2.65 * (thick[0] * speed / (modulus * radius)) ** 0.7 * (thick[1] * modulus) ** 0.54
-    film *= (at(mesh, "E").load_per_length / (modulus * radius)) ** -0.13 * radius
-    assert at(mesh, "E").film == pytest.approx(film)
+    film *= (place_named(mesh, "E").load_per_length / (modulus * radius)) ** -0.13 * radius
+    assert place_named(mesh, "E").film == pytest.approx(film)
 
 
 def test_the_rule_for_a_pair_meets_the_rule_for_the_test_gears(fzg):
     """0.2 T1 of Eq. (96) was fitted to Eqs. (1) to (45) for these gears: two ways to one number."""
     rig = fzg.changed(materials=(STEEL, STEEL), quality=6)
     for stage in range(5, 13):
-        found = gears.integral_temperature(rig, of_stage(rig, stage))
+        found = gears.integral_temperature(rig, stage_duty(rig, stage))
         assert found.mean_flash == pytest.approx(0.2 * gears.stage_torque(stage), rel=0.04)
 
 
@@ -169,7 +169,7 @@ def test_stages_grow_as_their_squares_and_limits_with_them():
 
 def test_friction_is_that_of_the_rule_by_hand(fzg):
     """w = 2·372.6/0.072/20 N/mm, vΣ = 2·8.181·tan 22.439°·cos 20°, ρ = 8.382 mm, Ra 0.35 µm."""
-    duty = of_stage(fzg, 10)
+    duty = stage_duty(fzg, 10)
     thin = (1e3 * fzg.oil.viscosity(duty.bulk)) ** -0.05
     by_hand = 0.045 * (517.5 / (6.350 * 8.382)) ** 0.2 * thin * 2.2 * (0.35 / 8.382) ** 0.25
     assert gears.friction_coefficient(fzg, duty) == pytest.approx(by_hand, rel=1e-3)
