@@ -11,8 +11,8 @@ from .fzg import predict_stages as predict_stages
 from .involute import Involutes as Involutes
 from .pair import Duty as Duty
 from .pair import Pair as Pair
-from .pair import read_pair as read_pair
-from .pair import shipped_pairs as shipped_pairs
+from .reading import read_pair as read_pair
+from .reading import shipped_pairs as shipped_pairs
 from .rules import STAGES as STAGES
 from .rules import friction_coefficient as friction_coefficient
 from .rules import integral_temperature as integral_temperature

@@ -16,8 +16,15 @@ from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result
 from pipeline.gears.contact import Mesh, MeshPlace, mesh
-from pipeline.gears.fzg import Critical, Prediction, critical_temperature, predict_stages
-from pipeline.gears.pair import Pair, read_pair
+from pipeline.gears.fzg import (
+    Critical,
+    Prediction,
+    critical_temperature,
+    predict_stages,
+    stage_duty,
+)
+from pipeline.gears.pair import Pair
+from pipeline.gears.reading import read_pair
 from pipeline.gears.rules import integral_temperature
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import Spectrum, judge_spectrum
@@ -49,6 +56,8 @@ def gears(options: argparse.Namespace) -> Result:
     if options.critical_temperature is not None:
         pair = pair.changed(critical=options.critical_temperature)
     _check(options, pair)
+    if options.stage:
+        pair = pair.changed(duty=stage_duty(pair, options.stage))
     one = mesh(pair, options.places)
     document: dict[str, Any] = {"title": pair.title, "limits": LIMITS, **_document(one)}
     if options.failure_stage or options.stages or options.points:
@@ -156,6 +165,12 @@ def _alone(one: Mesh) -> float:
 def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
     """What holds for the whole mesh, a row for each subject."""
     pair, gears = one.pair, one.pair.gears
+    duty = one.duty
+    yield (
+        "duty",
+        f"{duty.torque:.4g} N m at {duty.speed * 30 / math.pi:.4g} rpm on the pinion, teeth at "
+        f"{duty.bulk - 273.15:.4g} °C",
+    )
     yield (
         "contact ratio",
         f"{gears.contact_ratio:.4g}"
@@ -214,6 +229,7 @@ def _document(one: Mesh) -> dict[str, Any]:
     pair, gears = one.pair, one.pair.gears
     rule = integral_temperature(pair, one.duty) if pair.oil is not None else None
     return {
+        "duty": asdict(one.duty),
         "contact_ratio": gears.contact_ratio,
         "overlap_ratio": gears.overlap_ratio,
         "working_pressure_angle": gears.working_angle,

@@ -26,6 +26,10 @@ COMMANDS = (
                 "--places", metavar="N", type=values.count, default=25,
                 help="number of even steps along the path of contact; default: 25",
             ),
+            Option(
+                "--stage", metavar="N", type=values.count,
+                help="take torque, speed and bulk temperature of a load stage of FZG A/8.3/90",
+            ),
             Option("--scene", metavar="SCENE.toml", type=Path, help="scene to write for irg run"),
             Option(
                 "--failure-stage", metavar="N", type=values.count,

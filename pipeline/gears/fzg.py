@@ -9,7 +9,8 @@ from typing import Any
 
 from pipeline.gears.contact import mesh
 from pipeline.gears.model import Simulated, simulate
-from pipeline.gears.pair import Duty, Pair, read_pair
+from pipeline.gears.pair import Duty, Pair
+from pipeline.gears.reading import read_pair
 from pipeline.gears.rules import STAGES, scuffing_integral, stage_bulk, stage_torque
 from tribo import InputError
 

@@ -9,7 +9,7 @@ to tests of gears: oils by FZG's, in stages of the load.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pipeline.gears.pair import Duty, Pair
 from tribo import InputError, contact_modulus
@@ -21,6 +21,7 @@ STAGES = (
 _LEAST_LOAD = 150.0  # [N/mm] of the face width, below which friction no longer falls (clause 5.1)
 _FASTEST = 50.0  # [m/s], at which the rule for friction ends
 _BULK_SHARE, _WEIGHT = 0.7, 1.5  # C1 and C2
+_ROUNDS = 10  # in which friction and bulk temperature meet within 1e-9 K
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,8 +122,7 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
 def integral_temperature(pair: Pair, duty: Duty) -> Integral:
     """Integral temperature of a pair at a duty, Eqs. (17) to (45), without tip relief.
 
-    The bulk temperature is that of the duty: who gives the oil's finds it by adding 0.7 times the
-    mean flash (Eq. 20), which the command does not.
+    The bulk temperature is that of the duty, which `duty_at` finds from the oil's.
     """
     gears = pair.gears
     friction = friction_coefficient(pair, duty) if pair.friction is None else pair.friction
@@ -152,6 +152,35 @@ def integral_temperature(pair: Pair, duty: Duty) -> Integral:
     )  # fmt: skip
     mean = at_tip * _path_mean(eps1, eps2)
     return Integral(friction, at_tip, mean, duty.bulk + _WEIGHT * mean)
+
+
+def duty_at(
+    pair: Pair, torque: float, speed: float, bulk: float | None = None, load_factor: float = 1.0
+) -> Duty:
+    """A duty of a pair, with the bulk temperature that is given, or else found.
+
+    If the pair gives the temperature θ of the oil into which its teeth dip, their bulk is θ + 0.7
+    mean flash, Eq. (20); friction, by the viscosity there, is found together with it. Otherwise it
+    is the pair's own.
+
+    Parameters
+    ----------
+    pair : Pair
+        The pair.
+    torque, speed : float
+        Of the pinion [N m, rad/s].
+    bulk : float, optional
+        Bulk temperature of the teeth [K].
+    load_factor : float
+        Factor of the load.
+    """
+    duty = Duty(torque, speed, bulk or pair.duty.bulk, load_factor)
+    if bulk or pair.oil_temperature is None:
+        return duty
+    for _ in range(_ROUNDS):
+        warmer = _BULK_SHARE * integral_temperature(pair, duty).mean_flash
+        duty = replace(duty, bulk=pair.oil_temperature + warmer)
+    return duty
 
 
 def _unit_load(pair: Pair, duty: Duty) -> float:

@@ -11,7 +11,9 @@ from typing import Any
 from pipeline.gears.contact import mesh
 from pipeline.gears.fzg import Critical
 from pipeline.gears.model import Simulated, simulate
-from pipeline.gears.pair import SPEED, TORQUE, Duty, Pair
+from pipeline.gears.pair import Duty, Pair
+from pipeline.gears.reading import SPEED, TORQUE
+from pipeline.gears.rules import duty_at
 from pipeline.scene.compounds import Entry, Optional, Table
 from pipeline.scene.faults import Faults, in_lines
 from pipeline.scene.format import BULK
@@ -130,7 +132,7 @@ def read_spectrum(
     """Read a table of duties, each with its hours, and the headings that are not used.
 
     Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
-    ``load factor``, in place of those of the pair.
+    ``load factor``, in place of those of the pair; see `duty_at`.
     """
     is_file = isinstance(source, str | PathLike)
     name = fspath(source) if isinstance(source, str | PathLike) else "points"
@@ -146,15 +148,15 @@ def read_spectrum(
         faults = ['there are no rows; begin with a line "torque [N m],speed [rpm],hours"']
     if faults:
         raise InputError(in_lines(name, faults))
-    own = pair.duty
     duties = [
         (
             row["hours"],
-            Duty(
+            duty_at(
+                pair,
                 row["torque"],
                 row["speed"],
-                row["bulk_temperature"] or own.bulk,
-                row["load_factor"] or own.load_factor,
+                row["bulk_temperature"],
+                row["load_factor"] or pair.duty.load_factor,
             ),
         )
         for row in rows

@@ -50,9 +50,26 @@ def test_places_are_told_in_si(irg):
 
 def test_limits_are_the_first_paragraph(irg):
     title, paragraph, blank = irg("gears", "fzg_a").splitlines()[:3]
-    assert title == "FZG A/8.3/90, load stage 10"
+    assert title == "FZG test gears A, A/8.3/90"
     assert paragraph.startswith("Not validated: no scuffing test of gears")
     assert blank == ""
+
+
+def test_a_load_stage_is_a_duty(irg):
+    twelve = irg("gears", "fzg_a", "--stage", "12", "--json")
+    assert twelve["duty"]["torque"] == 534.5
+    assert twelve["duty"]["bulk"] == pytest.approx(273.15 + 80 + 0.23 * 534.5)
+    assert twelve["pitch_pressure_of_one_pair"] == pytest.approx(1.84e9, rel=5e-3)
+    assert "has 1 to 12" in irg("gears", "fzg_a", "--stage", "13", code=2)
+
+
+def test_teeth_are_warmer_than_their_oil_by_the_rule(irg):
+    document = irg("gears", "fzg_a", "--set", "without=temperature.bulk", "--set",
+                   "temperature.oil=90 degC", "--json")  # fmt: skip
+    warmer = document["duty"]["bulk"] - 363.15
+    assert warmer == pytest.approx(0.7 * document["integral"]["mean_flash"], rel=1e-9)
+    both = irg("gears", "fzg_a", "--set", "temperature.oil=90 degC", code=2)
+    assert "temperature: give one of bulk, that of the teeth, and oil" in both
 
 
 def test_a_table_and_a_figure_are_written(irg, tmp_path):
@@ -257,7 +274,7 @@ def test_the_page_leads_from_a_drawing_to_a_verdict(irg, tmp_path, monkeypatch):
     assert usual == {"correlation_length": (4e-6, 4e-6), "hurst_exponent": 0.8}
     (command,) = re.findall(r"^irg (gears pair.toml .*--points.*)$", page, flags=re.MULTILINE)
     said = irg(*shlex.split(command))
-    assert "No scuffing is predicted in 3 of 3 rows, 10000 of 10000 h. Row 3" in said
+    assert "No scuffing is predicted in 3 of 3 rows, 10000 of 10000 h. Row 2" in said
     (critical,) = re.findall(r"critical temperature: (\d+ ± \d+ °C) by this model", said)
     (limit,) = re.findall(r"scuffing integral temperature: (\d+ °C) by the rule", said)
     assert critical in page

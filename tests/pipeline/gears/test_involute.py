@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.gears.involute import Involutes, fitting_distance
-from pipeline.gears.pair import tip_diameter
+from pipeline.gears.reading import tip_diameter
 from tribo import InputError
 
 TWENTY = math.radians(20)
