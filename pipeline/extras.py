@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -11,11 +12,12 @@ EXTRAS = ("gears",)
 """Folders in `pipeline` that are asked for commands, if they are there."""
 
 
-def present() -> list[str]:
+@cache
+def present() -> tuple[str, ...]:
     """Names of the extras whose folders are there."""
     specs = {name: find_spec(f"pipeline.{name}") for name in EXTRAS}
     # A folder that was emptied, but for caches, has a spec without an origin.
-    return [name for name, spec in specs.items() if spec is not None and spec.origin]
+    return tuple(name for name, spec in specs.items() if spec is not None and spec.origin)
 
 
 def modules(part: str) -> Iterator[ModuleType]:

@@ -196,3 +196,40 @@ def test_a_scene_of_the_mesh_says_the_same_in_its_own_words(fzg, mesh, tmp_path)
     assert isinstance(sweep.scene.roughness, SelfAffineRoughness)
     assert sweep.scene.roughness.ra == pytest.approx(math.hypot(0.35e-6, 0.35e-6))
     assert isinstance(sweep.about.oil, Oil)
+
+
+def test_a_spur_pair_is_that_of_another_program():
+    """GEARpie (github.com/cfernandesFEUP/GEARpie), REPORT/C14.txt."""
+    c14 = {"mesh.face_width": "14 mm", "pinion.profile_shift": 0.1817, "duty.speed": "1500 rpm",
+           "wheel.profile_shift": 0.1715, "pinion.tip_diameter": "82.636 mm",
+           "wheel.tip_diameter": "118.544 mm", "duty.torque": "200 N m"}  # fmt: skip
+    pair = gears.read_pair(FZG, c14).changed(materials=(STEEL, STEEL))
+    found, (a, b, d, e) = gears.mesh(pair), pair.gears.path
+    assert pair.gears.contact_ratio == pytest.approx(1.46, abs=5e-3)
+    assert 1e3 * sum(pair.gears.tangents) == pytest.approx(34.93, abs=5e-3)
+    for printed, length in ((6.14, b - a), (9.68, -a), (13.28, d - a), (19.43, e - a)):
+        assert 1e3 * length == pytest.approx(printed, abs=6e-3)
+    assert found.normal_load == pytest.approx(5912.1, abs=0.1)
+    pitch = place_named(found, "C")
+    assert pitch.share == 1
+    assert 1e-6 * pitch.pressure == pytest.approx(1347.3, abs=0.2)
+    assert 1e6 * pitch.half_width == pytest.approx(199.567, rel=2e-4)
+    highest = max(place.pressure for place in found.places)
+    assert 1e-6 * highest == pytest.approx(1442.5, abs=1)
+
+
+def test_a_helical_pair_is_that_of_another_program():
+    """GEARpie, REPORT/H501.txt."""
+    h501 = {"mesh.module": "3.5 mm", "mesh.helix_angle": "15 deg", "mesh.face_width": "23 mm",
+            "pinion.teeth": 20, "wheel.teeth": 30, "pinion.profile_shift": 0.1809,
+            "wheel.profile_shift": 0.0891, "pinion.tip_diameter": "80.672 mm",
+            "wheel.tip_diameter": "116.264 mm", "duty.torque": "100 N m"}  # fmt: skip
+    toothing = gears.read_pair(FZG, h501).gears
+    found, (a, b, d, e) = gears.mesh(gears.read_pair(FZG, h501)), toothing.path
+    assert toothing.contact_ratio == pytest.approx(1.46, abs=5e-3)
+    assert toothing.overlap_ratio == pytest.approx(0.54, abs=5e-3)
+    assert 1e3 * toothing.base_pitch == pytest.approx(10.652, abs=1e-3)
+    assert 1e3 * sum(toothing.tangents) == pytest.approx(34.45, abs=5e-3)
+    for printed, length in ((4.90, b - a), (7.48, -a), (10.65, d - a), (15.55, e - a)):
+        assert 1e3 * length == pytest.approx(printed, abs=1e-2)
+    assert found.normal_load == pytest.approx(3040.5, abs=0.1)
