@@ -16,10 +16,12 @@ from pipeline.scene.document import as_toml
 from tribo import InputError
 
 _RAMP = 10.0  # [s] in which the load of each place is reached
-_AROUND = 1.5  # half-widths from the middle of the widest contact to the edges of the window
+_ROOM = 1.2  # width of the window in that of the widest contact
+_PEAKS = 3.0  # Rq by which peaks reach beyond the smooth contact, as irg check counts
 _ALONG_Y = 240  # pixels
 _MOST_PIXELS = 6000  # along x
 _PIXELS_A_LENGTH = 4  # of the roughness
+_PIXELS_A_WIDTH = 80  # at least, of the widest contact of Hertz
 
 
 def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
@@ -52,13 +54,18 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
     pair = meshes[0].pair
     places = [(number, one, place) for number, one in enumerate(meshes, 1)
               for place in one.places if place.sliding]  # fmt: skip
-    widest = max(place.half_width for _, _, place in places)
-    side = tuple(length / _PIXELS_A_LENGTH for length in pair.correlation_length)
-    count = 8 * math.ceil(_AROUND * widest / side[0] / 4)  # as presets average pixels
+    hertz = max(2 * place.half_width for _, _, place in places)
+    peaks = 8 * _PEAKS * pair.rms_roughness
+    widest = max(
+        math.sqrt(4 * place.half_width**2 + peaks * place.reduced_radius) for _, _, place in places
+    )
+    along, across = (length / _PIXELS_A_LENGTH for length in pair.correlation_length)
+    side = min(along, hertz / _PIXELS_A_WIDTH), across
+    count = 8 * math.ceil(_ROOM * widest / side[0] / 8)  # as presets average pixels
     if count > _MOST_PIXELS:
         raise InputError(
             f"surface.correlation_length is {1e6 * pair.correlation_length[0]:.3g} µm along the "
-            f"sliding, on a contact {2e3 * widest:.3g} mm wide: {count} pixels of a quarter of it "
+            f"sliding, on a contact {1e3 * widest:.3g} mm wide: {count} pixels of a quarter of it "
             f"are more than {_MOST_PIXELS}; give a longer one"
         )
     highest = max(place.load for _, _, place in places)
