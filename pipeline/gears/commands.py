@@ -11,12 +11,14 @@ from pipeline.cli.options import Command, Option
 COMMANDS = (
     Command(
         "ask", "gears", "pipeline.gears.answer:gears",
-        "contact of a pair of gears along its mesh, its scene, and FZG's test",
+        "follow the contact of a pair of gears along its mesh, write its scene, simulate FZG's "
+        "test or a duty spectrum",
         'fzg_a --set "duty.torque=302 N m" --scene mesh.toml',
         (
             Option(
                 "pair", metavar="PAIR.toml",
-                help="file of a pair of gears, or fzg_a, the test gears A of FZG",
+                help="file of a pair of gears, of which irg help your-gears shows one; or fzg_a, the "
+                "test gears A of FZG",
             ),
             Option(
                 "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
@@ -43,7 +45,7 @@ COMMANDS = (
             ),
             Option(
                 "--stages", action="store_true",
-                help="simulate the pair in the load stages of FZG A/8.3/90, up to the one in which "
+                help="simulate the pair in all load stages of FZG A/8.3/90, and find the one in which "
                 "it fails",
             ),
             Option(

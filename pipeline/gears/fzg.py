@@ -79,18 +79,18 @@ def stage_duty(pair: Pair, stage: int) -> Duty:
 
 def rig_pair(pair: Pair) -> Pair:
     """The test gears with the oil of a pair, and the friction of its lubricant."""
-    if pair.name == _FZG:
+    rig = read_pair(_FZG)
+    if pair.gears == rig.gears:
         return pair
     if pair.oil is None:
         raise InputError(
             "the oil of the pair is not given, and a failure load stage is one of an oil; give "
             "[oil] in the file"
         )
-    written = {**read_pair(_FZG).written, "oil": pair.written["oil"]}
-    return read_pair(_FZG).changed(
+    return rig.changed(
         oil=pair.oil,
         lubricant_factor=pair.lubricant_factor,
-        written=written,
+        written={**rig.written, "oil": pair.written["oil"]},
         correlation_length=pair.correlation_length,
         hurst_exponent=pair.hurst_exponent,
         specific_wear_rate=pair.specific_wear_rate,

@@ -5,6 +5,7 @@ All that is asked of the rest of `pipeline` about temperatures and verdicts is a
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ class Simulated:
     mesh: Mesh
     place: MeshPlace
     temperature: float  #: That decides about severe wear [K].
-    error: float  #: Error of that temperature [K].
+    error: float  #: Error of that temperature [K]; infinite where it is not known.
 
 
 def decisive_places(one: Mesh) -> Mesh:
@@ -68,7 +69,10 @@ def simulate(
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
         # The critical temperature moves no temperature that decides.
         found = [
-            (one.decisive_temperature, one.temperature_error or 0.0)
+            (
+                one.decisive_temperature,
+                math.inf if (error := one.temperature_error) is None else error,
+            )
             for one in pipeline.margins(store, critical_temperature=1000.0)
         ]
     return [*_hottest(chosen, found)]
