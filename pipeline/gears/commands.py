@@ -17,7 +17,7 @@ COMMANDS = (
         (
             Option(
                 "pair", metavar="PAIR.toml",
-                help="file of a pair of gears, of which irg help your-gears shows one; or fzg_a, the "
+                help="file of a pair of gears, as irg help your-gears shows one; or fzg_a, the "
                 "test gears A of FZG",
             ),
             Option(
@@ -45,8 +45,8 @@ COMMANDS = (
             ),
             Option(
                 "--stages", action="store_true",
-                help="simulate the pair in all load stages of FZG A/8.3/90, and find the one in which "
-                "it fails",
+                help="simulate the pair in all load stages of FZG A/8.3/90, and find the one that "
+                "fails",
             ),
             Option(
                 "--points", metavar="DUTY.csv", type=Path,

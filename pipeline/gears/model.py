@@ -68,13 +68,11 @@ def simulate(
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
         # The critical temperature moves no temperature that decides.
-        found = [
-            (
-                one.decisive_temperature,
-                math.inf if (error := one.temperature_error) is None else error,
-            )
-            for one in pipeline.margins(store, critical_temperature=1000.0)
-        ]
+        margins = pipeline.margins(store, critical_temperature=1000.0)
+    errors = (one.temperature_error for one in margins)
+    known = (math.inf if error is None else error for error in errors)
+    temperatures = (one.decisive_temperature for one in margins)
+    found = [*zip(temperatures, known, strict=True)]
     return [*_hottest(chosen, found)]
 
 
