@@ -67,13 +67,17 @@ def simulate(
         outcome = pipeline.run_sweep(sweep, store, workers, progress=progress or _silent)
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
-        # The critical temperature moves no temperature that decides.
-        margins = pipeline.margins(store, critical_temperature=1000.0)
-    errors = (one.temperature_error for one in margins)
-    known = (math.inf if error is None else error for error in errors)
-    temperatures = (one.decisive_temperature for one in margins)
-    found = [*zip(temperatures, known, strict=True)]
+        found = _decisive(store)
     return [*_hottest(chosen, found)]
+
+
+def _decisive(store: Path) -> list[tuple[float, float]]:
+    """Temperatures that decide and their errors [K], of the rows of a store."""
+    # The critical temperature moves none of them.
+    table = pipeline.margin_table(store, critical_temperature=1000.0)
+    temperatures = table["decisive temperature [°C]"].astype(float) + 273.15
+    errors = table["temperature error [K]"].astype(float).fillna(math.inf)
+    return [*zip(temperatures.tolist(), errors.tolist(), strict=True)]
 
 
 def _hottest(meshes: Sequence[Mesh], found: Sequence[tuple[float, float]]) -> Iterator[Simulated]:
