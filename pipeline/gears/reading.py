@@ -11,7 +11,7 @@ from typing import Any
 
 from pipeline.gears.involute import Involutes, fitting_distance
 from pipeline.gears.pair import Duty, Pair
-from pipeline.gears.rules import duty_at
+from pipeline.gears.rules import warm_duty
 from pipeline.scene.compounds import Entry, List, Optional, Table, Tables
 from pipeline.scene.document import read_document, with_entries
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, quoted
@@ -169,7 +169,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
         raise SceneFileError(given, [*map(document.line, faults)])
     written = {key: filled[key] for key in ("materials", "oil") if filled.get(key) is not None}
     try:
-        return _made(file.stem, tables, oil, written, sources)
+        return _make_pair(file.stem, tables, oil, written, sources)
     except InputError as error:
         raise SceneFileError(given, [str(error)]) from error
 
@@ -188,7 +188,7 @@ def _check_oil(oil: Mapping[str, Any] | None, faults: Faults) -> None:
         faults.note("oil.density", "missing; a kinematic viscosity needs one")
 
 
-def _made(
+def _make_pair(
     name: str,
     tables: Mapping[str, Any],
     oil: Oil | None,
@@ -235,7 +235,7 @@ def _made(
         sources=sources,
         **tables["surface"],
     )
-    return pair.changed(duty=duty_at(pair, *load, bulk, duty["load_factor"]))
+    return pair.changed(duty=warm_duty(pair, *load, bulk, duty["load_factor"]))
 
 
 def tip_diameter(

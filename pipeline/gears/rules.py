@@ -122,7 +122,7 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
 def integral_temperature(pair: Pair, duty: Duty) -> Integral:
     """Integral temperature of a pair at a duty, Eqs. (17) to (45), without tip relief.
 
-    The bulk temperature is that of the duty, which `duty_at` finds from the oil's.
+    The bulk temperature is that of the duty, which `warm_duty` finds from the oil's.
     """
     gears = pair.gears
     friction = friction_coefficient(pair, duty) if pair.friction is None else pair.friction
@@ -154,7 +154,7 @@ def integral_temperature(pair: Pair, duty: Duty) -> Integral:
     return Integral(friction, at_tip, mean, duty.bulk + _WEIGHT * mean)
 
 
-def duty_at(
+def warm_duty(
     pair: Pair, torque: float, speed: float, bulk: float | None = None, load_factor: float = 1.0
 ) -> Duty:
     """A duty of a pair, with the bulk temperature that is given, or else found.

@@ -13,7 +13,7 @@ from pipeline.gears.fzg import Critical
 from pipeline.gears.model import Simulated, simulate
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import SPEED, TORQUE
-from pipeline.gears.rules import duty_at
+from pipeline.gears.rules import warm_duty
 from pipeline.scene.compounds import Entry, Optional, Table
 from pipeline.scene.faults import Faults, in_lines
 from pipeline.scene.format import BULK
@@ -132,7 +132,7 @@ def read_spectrum(
     """Read a table of duties, each with its hours, and the headings that are not used.
 
     Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
-    ``load factor``, in place of those of the pair; see `duty_at`.
+    ``load factor``, in place of those of the pair; see `warm_duty`.
     """
     is_file = isinstance(source, str | PathLike)
     name = fspath(source) if isinstance(source, str | PathLike) else "points"
@@ -151,7 +151,7 @@ def read_spectrum(
     duties = [
         (
             row["hours"],
-            duty_at(
+            warm_duty(
                 pair,
                 row["torque"],
                 row["speed"],
