@@ -153,9 +153,10 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     bodies = {body: {"material": name} for body, name in named.items()}
     filled, sources = with_library(entries | bodies, faults)
     tables = PAIR.read({k: v for k, v in filled.items() if k not in _BODIES}, "", faults)
+    materials = tables["materials"] or {}
     for body, gear in _BODIES.items():
-        if isinstance(named[body], str) and named[body] not in tables["materials"]:
-            known = ", ".join(map(quoted, tables["materials"])) or "a table [materials]"
+        if isinstance(named[body], str) and named[body] not in materials:
+            known = ", ".join(map(quoted, materials)) or "a table [materials]"
             faults.note(
                 f"{gear}.material",
                 f"{quoted(named[body])} is neither in the library nor in {known}; give one of it",

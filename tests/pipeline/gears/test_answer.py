@@ -228,6 +228,7 @@ def test_a_short_file_has_what_it_leaves_out(irg, tmp_path):
         (('"3 mm"', '"3 kg"'), 'mesh.module: "3 kg" cannot be converted to mm'),
         (('"157 rad/s"', '"25 1/s"'), "is not in rpm or rad/s"),
         (("face_width", "facewidth"), "mesh.facewidth: unknown key"),
+        (("title", "materials = 3\ntitle"), "materials: 3 is not a table"),
         (('"bronze CuSn12"', '"bronce"'), "wheel.material"),
         (('like = "ISO VG 46"', 'density = "866 kg/m^3"'), "one of kinematic_viscosity and"),
     ],
