@@ -32,6 +32,16 @@ They stand in ``__init__.pyi``. Each is loaded when it is first used, so that im
 the package costs next to nothing.
 """
 
+from importlib import import_module
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+from pipeline import extras
+
+_named, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name, or an extra, when it is first used."""
+    return import_module(f"{__name__}.{name}") if name in extras.present() else _named(name)

@@ -17,7 +17,7 @@ import pandas as pd
 import pipeline
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
-from pipeline.cli.parser import COMMANDS, parse
+from pipeline.cli.parser import commands, parse
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import TEST, TRANSITION
@@ -28,8 +28,9 @@ from tribo import InputError
 
 _OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
 _READING_ORDER = (
-    "first-hour", "your-system", "your-tests", "choosing", "model", "physics", "scene", "dataset",
-    "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes", "paper",
+    "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
+    "scene", "dataset", "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes",
+    "paper",
 )  # fmt: skip
 _NAMES = {"README": "paper"}
 _SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"
@@ -79,12 +80,12 @@ def help_(options: argparse.Namespace) -> Result:
         return Result(
             titles, ["pages, in the order of reading:", *lines, "a command: irg COMMAND --help"]
         )
-    commands = [command.name for command in COMMANDS]
-    if topic in commands:
+    names = [command.name for command in commands()]
+    if topic in names:
         parse([topic, "--help"])
     page = _name(Path(topic))
     if page not in pages:
-        near = get_close_matches(topic, [*pages, *commands], 1)
+        near = get_close_matches(topic, [*pages, *names], 1)
         meant = f' (did you mean "{near[0]}"?)' if near else ""
         raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
     text = pages[page].read_text(encoding="utf-8")

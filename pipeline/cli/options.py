@@ -30,6 +30,17 @@ class Group(NamedTuple):
     options: tuple[Option, ...]
 
 
+class Command(NamedTuple):
+    """A command: its group, its function as ``module:name``, its help, and its options."""
+
+    group: str
+    name: str
+    function: str
+    purpose: str
+    example: str
+    takes: tuple[Option | Group, ...]
+
+
 def _flag(name: str, use: str, *short: str) -> Option:
     return Option(*short, name, action="store_true", help=use)
 

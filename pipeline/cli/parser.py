@@ -11,22 +11,13 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
+from pipeline import extras
 from pipeline.cli import options as o
-
-
-class Command(NamedTuple):
-    """A command: its group, its function as ``module:name`` here, its help, and its options."""
-
-    group: str
-    name: str
-    function: str
-    purpose: str
-    example: str
-    takes: tuple[o.Option | o.Group, ...]
-
+from pipeline.cli.options import Command
 
 GROUPS = ("run", "ask", "show", "look after")
 _AT = '--load "500 N" --velocity "2 m/s"'
@@ -156,6 +147,12 @@ COMMANDS = (
 )  # fmt: skip
 
 
+@cache
+def commands() -> tuple[Command, ...]:
+    """All commands, those of extras last."""
+    return (*COMMANDS, *(one for module in extras.modules("commands") for one in module.COMMANDS))
+
+
 class _Help(argparse.HelpFormatter):
     """Help in which an example stays on one line, so that it can be copied."""
 
@@ -199,7 +196,7 @@ def whole_parser() -> argparse.ArgumentParser:
     )
     parser.set_defaults(parser=parser)
     parsers = parser.add_subparsers(metavar="COMMAND", help="one of these; see irg COMMAND --help")
-    for command in COMMANDS:
+    for command in commands():
         _add(parsers, command)
     return parser
 
@@ -208,7 +205,7 @@ def _listed() -> Iterator[str]:
     """Commands by their groups, with their purposes."""
     for group in GROUPS:
         yield f"{group}:"
-        for command in COMMANDS:
+        for command in commands():
             if command.group == group:
                 begin = f"  {command.name:<13} "
                 rest = " " * len(begin)
@@ -246,9 +243,9 @@ def _version() -> str:
 
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
     """Function of a command, whose module is imported now, for this command alone."""
-    function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(
-        f"pipeline.cli.{options.command}"
-    )
+    is_whole = options.command.startswith("pipeline.")  # as of an extra
+    name = options.command if is_whole else f"pipeline.cli.{options.command}"
+    function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(name)
     return function
 
 

@@ -360,7 +360,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
     rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*listed.values(), strict=True), 1)]
     sheet = _with_places(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, needed)
     for name, place in sheet.places.items():
-        unit = "" if sheet.headings[place].unit else f" {UNITS[name]}"
+        unit = "" if sheet.headings[place].unit else f" {UNITS.get(name, '')}"
         for row in rows:
             cell: Any = row.cells[place]
             if not isinstance(cell, str):

@@ -100,3 +100,11 @@ def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, check)
         ": boundary lubrication",
     ):
         assert words in said
+
+
+def test_the_load_that_a_film_carries_is_sized_where_there_is_one(irg):
+    said = " ".join(irg("check", "irg_transition").split())
+    assert "not counted: the load that it carries, at Λ of 0.35 to 0.9 about a fifth" in said
+    assert "by −7 to −19 %, or, if its shear heats evenly, by up to +17 %" in said
+    slow = ("--set", 'sweep.velocities=["0.5 m/s"]')
+    assert "the load that it carries" not in irg("check", "irg_transition", *slow)

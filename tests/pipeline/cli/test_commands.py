@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from pipeline.cli import main
-from pipeline.cli.parser import COMMANDS
+from pipeline.cli.parser import commands
 from tests.helpers.scenes import MEASURED, SCENE
 
 # An error that is known needs no probe.
@@ -229,7 +229,7 @@ def test_the_help_lists_every_command_in_one_of_four_groups(irg):
     heads = [lines.index(f"{group}:") for group in ("run", "ask", "show", "look after")]
     assert heads == sorted(heads)
     listed = [line.split()[0] for line in lines[heads[0] :] if line[:2] == "  " and line[2] != " "]
-    assert set(listed) >= {command.name for command in COMMANDS}
+    assert set(listed) >= {command.name for command in commands()}
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
-from pipeline.cli.parser import COMMANDS, function_of, parse
+from pipeline.cli.parser import commands, function_of, parse
 from tests.helpers.scenes import SCENE
 
 
@@ -56,7 +56,7 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     assert "3 of 3 points done" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=[command.name for command in COMMANDS])
+@pytest.mark.parametrize("command", commands(), ids=[command.name for command in commands()])
 def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
     program, *words = shlex.split(irg(command.name, "--help").splitlines()[-1])
     assert program == "irg"

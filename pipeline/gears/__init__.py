@@ -1,0 +1,18 @@
+"""Gears: from the drawing of a pair to the contact at each place of mesh, and to a scene.
+
+The contact that is simulated is in boundary lubrication, while gears run mixed: what a film carries
+is shown, and not counted. Nothing here is held against scuffing tests of gears but FZG's own rule.
+
+The public names, each loaded when it is first used:
+
+- pairs: `read_pair`, `shipped_pairs`, `Pair`, `Duty`, `Involutes`
+- contact: `mesh`, `Mesh`, `MeshPlace`, `load_share`, `flash_rise`, `draw_mesh`, `scene_toml`
+- simulation: `critical_temperature`, `Critical`, `predict_stages`, `Prediction`, `judge_spectrum`,
+  `Spectrum`
+- the rule of the standard: `STAGES`, `stage_torque`, `stage_bulk`, `scuffing_integral`,
+  `friction_coefficient`, `integral_temperature`
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

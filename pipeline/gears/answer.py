@@ -1,0 +1,273 @@
+"""What the command ``irg gears`` answers: as a document, in words and tables, as a figure."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import pandas as pd
+
+from pipeline.analysis.tables import TABLES, as_dict, frame_of, short, writable_path, write_text
+from pipeline.cli import output
+from pipeline.cli.given import settings_in
+from pipeline.cli.output import Result
+from pipeline.gears.contact import Mesh, MeshPlace, mesh
+from pipeline.gears.fzg import (
+    Critical,
+    Prediction,
+    critical_temperature,
+    predict_stages,
+    stage_duty,
+)
+from pipeline.gears.pair import Pair
+from pipeline.gears.reading import read_pair
+from pipeline.gears.rules import integral_temperature
+from pipeline.gears.scene import scene_toml
+from pipeline.gears.spectrum import Spectrum, judge_spectrum
+from pipeline.scene.units import display
+from tribo import InputError, lubrication_regime
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+T = TypeVar("T")
+
+LIMITS = (
+    "Not validated: no scuffing test of gears was held against this. The simulated contact is in "
+    "boundary lubrication, while gears run mixed; what a film carries is not counted, nor tip "
+    "relief. Pressure, flash and film are of smooth flanks, in closed form."
+)
+_CRITICAL_HEADS = (
+    "failure load stage", "critical temperature [°C]", "doubt [K]", "passed [°C]", "failed [°C]",
+    "scuffing integral temperature [°C]",
+)  # fmt: skip
+_DRAWN = 400  # places of the figure, so that the load steps where it steps
+_WIDE = ("reduced radius [mm]", "load per length [N/mm]", "half-width [µm]")
+"""Columns for which a terminal is too narrow."""
+
+
+def gears(options: argparse.Namespace) -> Result:
+    """Print the contact along a mesh; write its scene; simulate FZG's test, or a spectrum."""
+    pair = read_pair(options.pair, settings_in(options))
+    if options.critical_temperature is not None:
+        pair = pair.changed(critical=options.critical_temperature)
+    _check(options, pair)
+    if options.stage:
+        pair = pair.changed(duty=stage_duty(pair, options.stage))
+    one = mesh(pair, options.places)
+    document: dict[str, Any] = {"title": pair.title, "limits": LIMITS, **_document(one)}
+    if options.failure_stage or options.stages or options.points:
+        answers, text, table = _simulated(options, pair)
+        document |= answers
+    else:
+        table = frame_of(_HEADS, map(_cells, one.places))
+        text = [frame_of(("subject", "value"), [*_facts(one)]), "", short(table, _WIDE)]
+    if options.scene:
+        note = f"Written by irg gears {options.pair}."
+        document["scene"] = str(write_text(scene_toml([one], note), options.scene))
+        store = options.scene.with_suffix(".zarr").name
+        text += ["", f"{options.scene} is written; its margins, place by place:"]
+        text += [f"  irg run {options.scene} -o {store}", f"  irg margin {store}"]
+    is_drawn = options.output and options.output.suffix.lower() not in TABLES
+    draw = partial(_draw, pair) if is_drawn else None
+    return Result(document, [pair.title, LIMITS, "", *text], frames=[table], draw=draw)
+
+
+def _check(options: argparse.Namespace, pair: Pair) -> None:
+    """Refuse options that do not go together, before anything is simulated."""
+    if options.stages and options.points:
+        raise InputError("--stages and --points are two questions; ask one at a time")
+    if options.sheet and not options.points:
+        raise InputError("--sheet is one of a workbook of --points; give that too, or leave it out")
+    if options.failure_stage and options.critical_temperature is not None:
+        raise InputError(
+            "--failure-stage finds the critical temperature, which --critical-temperature gives; "
+            "give one of them"
+        )
+    if (options.stages or options.points) and not options.failure_stage and pair.critical is None:
+        raise InputError(
+            "--stages and --points need a critical temperature; give --failure-stage or "
+            "--critical-temperature, or temperature.critical in the file"
+        )
+    if options.scene:
+        writable_path(options.scene, (".toml",))
+
+
+def _simulated(
+    options: argparse.Namespace, pair: Pair
+) -> tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame]:
+    """What is answered by simulation: as plain data, in words, and as a table."""
+
+    def found(simulate: Callable[..., T], *given: Any, **named: Any) -> T:
+        with output.run_line() as progress:
+            chosen = {"preset": options.preset, "workers": options.workers, "progress": progress}
+            return simulate(*given, **chosen, **named)
+
+    critical = Critical(pair.critical or 0.0, 0.0)
+    document, text, table = dict[str, Any](), list[str | pd.DataFrame](), pd.DataFrame()
+    if options.failure_stage:
+        critical = found(critical_temperature, pair, options.failure_stage)
+        document["critical_temperature"] = asdict(critical)
+        text, table = [*critical.words], frame_of(_CRITICAL_HEADS, [critical.cells])
+    if options.stages:
+        predicted = found(predict_stages, pair, critical)
+        table = _stage_frame(predicted)
+        ends = {name: getattr(predicted, name) for name in ("fails", "soonest", "latest")}
+        document["stages"] = ends | as_dict(table)
+        text += [*predicted.words(critical), "", table]
+    if options.points:
+        judged = found(judge_spectrum, pair, options.points, critical, sheet=options.sheet)
+        table = _spectrum_frame(judged)
+        document["spectrum"] = {
+            "verdict": judged.verdict,
+            "binding_row": judged.binding.number,
+            "sentence": judged.sentence,
+            "columns_not_used": [*judged.unused],
+            "rows": as_dict(table),
+        }
+        text += [judged.sentence, "", table, *judged.remarks]
+    return document, text, table
+
+
+def _draw(pair: Pair) -> Figure:
+    """The figure, with Matplotlib, which takes its time."""
+    from pipeline.gears.figure import draw_mesh
+
+    return draw_mesh(mesh(pair, _DRAWN))
+
+
+_HEADS = (
+    "place", "position [mm]", "radius 1 [mm]", "radius 2 [mm]", "reduced radius [mm]",
+    "rolling 1 [m/s]", "rolling 2 [m/s]", "sliding [m/s]", "share", "load [N]",
+    "half-width [µm]", "pressure [GPa]", "flash [K]", "temperature [°C]", "film [µm]", "Λ",
+)  # fmt: skip
+
+
+def _cells(place: MeshPlace) -> tuple[Any, ...]:
+    return (
+        place.letter, place.position, place.radius_1, place.radius_2, place.reduced_radius,
+        place.rolling_1, place.rolling_2, place.sliding, place.share, place.load,
+        place.half_width, place.pressure, place.flash, place.temperature, place.film,
+        place.film_parameter,
+    )  # fmt: skip
+
+
+def _alone(one: Mesh) -> float:
+    """Pressure at the pitch point if one pair carries all, as tables of the test give it [Pa]."""
+    pitch = next(place for place in one.places if place.position == 0)
+    return pitch.pressure / math.sqrt(pitch.share)
+
+
+def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
+    """What holds for the whole mesh, a row for each subject."""
+    pair, gears = one.pair, one.pair.gears
+    duty = one.duty
+    yield (
+        "duty",
+        f"{duty.torque:.4g} N m at {duty.speed * 30 / math.pi:.4g} rpm on the pinion, teeth at "
+        f"{duty.bulk - 273.15:.4g} °C",
+    )
+    yield (
+        "contact ratio",
+        f"{gears.contact_ratio:.4g}"
+        + (f", overlap {gears.overlap_ratio:.3g}" if gears.overlap_ratio else ""),
+    )
+    angle = math.degrees(gears.working_angle)
+    yield (
+        "mesh",
+        f"working pressure angle {angle:.5g}°, centre distance "
+        + display(gears.centre_distance, "mm"),
+    )
+    velocity = one.duty.speed * gears.base_radii[0] / math.cos(gears.working_angle)
+    yield "pitch line", f"{velocity:.4g} m/s, {1e-9 * _alone(one):.4g} GPa if one pair carries all"
+    yield "load", f"{one.normal_load:.6g} N normal to the flanks; {_sharing(one)}"
+    source = "as given" if pair.friction is not None else "mean, by ISO/TR 13989-2, Eq. 1"
+    yield "friction", f"{one.friction:.3g}, {source}"
+    hot = one.hottest
+    yield (
+        "hottest",
+        (
+            f"{hot.temperature - 273.15:.0f} °C at {1e3 * hot.position:.3g} mm, by Blok's flash "
+            f"temperature of {hot.flash:.0f} K"
+        ),
+    )
+    parameters = [place.film_parameter for place in one.places if place.film_parameter is not None]
+    if parameters:
+        low, high = min(parameters), max(parameters)
+        regimes = dict.fromkeys(map(lubrication_regime, (low, high)))
+        yield "film", f"Λ {low:.2g} to {high:.2g}: {' to '.join(regimes)}"
+    if pair.oil is not None:
+        rule = integral_temperature(pair, one.duty)
+        yield (
+            "integral",
+            (f"{rule.integral - 273.15:.0f} °C, by the rule of ISO/TR 13989-2 for this bulk"),
+        )
+    taken: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in pair.sources:
+        table, _, name = key.rpartition(".")
+        taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in taken.items():
+        yield "library", f"{table}: {', '.join(values)}; from {source}"
+
+
+def _sharing(one: Mesh) -> str:
+    """The rule by which pairs of teeth share the load, in words."""
+    gears = one.pair.gears
+    if gears.overlap_ratio:
+        return "helical: shared as lines of contact are long, 1/εα from an overlap of 1 on"
+    if gears.contact_ratio >= 2:
+        return "shared equally by the pairs in mesh"
+    return "all on one pair from B to D, beyond from a third at A and E to two thirds, AGMA 925-A03"
+
+
+def _document(one: Mesh) -> dict[str, Any]:
+    """The mesh as plain data in SI."""
+    pair, gears = one.pair, one.pair.gears
+    rule = integral_temperature(pair, one.duty) if pair.oil is not None else None
+    return {
+        "duty": asdict(one.duty),
+        "contact_ratio": gears.contact_ratio,
+        "overlap_ratio": gears.overlap_ratio,
+        "working_pressure_angle": gears.working_angle,
+        "centre_distance": gears.centre_distance,
+        "base_pitch": gears.base_pitch,
+        "normal_load": one.normal_load,
+        "load_sharing": _sharing(one),
+        "friction": one.friction,
+        "pitch_pressure_of_one_pair": _alone(one),
+        "integral": None if rule is None else asdict(rule),
+        "library": [source._asdict() for source in pair.sources],
+        "places": [asdict(place) for place in one.places],
+    }
+
+
+def _stage_frame(predicted: Prediction) -> pd.DataFrame:
+    heads = (
+        "stage", "torque [N m]", "bulk temperature [°C]", "hottest place [mm]",
+        "decisive temperature [°C]", "temperature error [K]", "integral temperature [°C]",
+    )  # fmt: skip
+    rows = []
+    for number, one in enumerate(predicted.stages, 1):
+        duty, pair = one.mesh.duty, one.mesh.pair
+        integral = integral_temperature(pair, duty).integral if pair.oil is not None else None
+        rows.append((number, duty.torque, duty.bulk, one.place.position, one.temperature,
+                     one.error, integral))  # fmt: skip
+    return frame_of(heads, rows)
+
+
+def _spectrum_frame(judged: Spectrum) -> pd.DataFrame:
+    heads = (
+        "row", "torque [N m]", "speed [rpm]", "hours", "bulk temperature [°C]",
+        "hottest place [mm]", "verdict", "decisive temperature [°C]", "distance [K]", "error [K]",
+    )  # fmt: skip
+    rows = []
+    for row in judged.rows:
+        one, duty = row.simulated, row.simulated.mesh.duty
+        rows.append((row.number, duty.torque, duty.speed * 30 / math.pi, row.hours, duty.bulk,
+                     one.place.position, row.verdict, one.temperature, row.distance,
+                     row.error))  # fmt: skip
+    return short(frame_of(heads, rows))

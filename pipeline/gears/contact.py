@@ -1,0 +1,223 @@
+"""Contact of the flanks along the path of contact: velocities, load, pressure, heat and film.
+
+All is of smooth flanks in closed form; what the rough and worn contact does is simulated from the
+scene that `pipeline.gears.scene` writes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.gears.involute import Involutes
+from pipeline.gears.pair import Duty, Pair
+from pipeline.gears.rules import friction_coefficient
+from tribo import analytic, contact_modulus, minimum_line_film
+from tribo.analytic.heat import ROLLING_SLIDING_PEAK
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeshPlace:
+    """The contact at one place of mesh, of the pinion (1) on the wheel (2).
+
+    Radii are across the line of contact; velocities are those of the flanks past it.
+    """
+
+    position: float  #: Distance from the pitch point, positive towards the pinion's tip [m].
+    letter: str  #: Name of the place, as A to E; empty between.
+    radius_1: float  #: Radius of curvature of the pinion's flank [m].
+    radius_2: float  #: Radius of curvature of the wheel's flank [m].
+    reduced_radius: float  #: ρ1 ρ2/(ρ1 + ρ2) [m].
+    rolling_1: float  #: Velocity of the pinion's flank [m/s].
+    rolling_2: float  #: Velocity of the wheel's flank [m/s].
+    sliding: float  #: rolling_1 − rolling_2, positive where the pinion's flank is faster [m/s].
+    share: float  #: Share of the load that this pair of teeth carries.
+    load: float  #: Normal load on this pair of teeth [N].
+    load_per_length: float  #: Of the line of contact [N/m].
+    half_width: float  #: Of the contact, Hertz [m].
+    pressure: float  #: Highest pressure, Hertz [Pa].
+    flash: float  #: Highest rise of the temperature, Blok [K].
+    temperature: float  #: Bulk temperature and flash [K].
+    film: float | None = None  #: Minimum film thickness [m]; None without an oil.
+    film_parameter: float | None = None  #: Λ, over the Rq of both flanks.
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """Places along the path of contact of a pair at one duty."""
+
+    pair: Pair
+    duty: Duty
+    friction: float  #: Mean coefficient of friction, as given or by the rule of the standard.
+    normal_load: float  #: Load on all pairs of teeth in mesh, normal to the flanks [N].
+    places: tuple[MeshPlace, ...]
+
+    @property
+    def hottest(self) -> MeshPlace:
+        """The place of the highest temperature."""
+        return max(self.places, key=lambda place: place.temperature)
+
+
+def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
+    """Contact along the path of contact.
+
+    With the torque T and the angular velocity ω1 of the pinion: ui = ωi ρi in the transverse
+    section; the load normal to the flanks is K T/(rb1 cos βb), K the load factor. A pair of teeth
+    carries the share `load_share` of it on a line of b/cos βb. Hertz after Johnson, *Contact
+    Mechanics*, Eqs. 4.43 and 4.45; flash temperature after `flash_rise`; film after
+    `tribo.minimum_line_film` (Dowson & Higginson) with the oil at the bulk temperature.
+
+    Parameters
+    ----------
+    pair : Pair
+        A pair of `read_pair`.
+    places : int
+        Number of even steps along the path, beside the places with a letter.
+    duty : Duty, optional
+        Torque, speed and temperatures in place of the pair's own.
+
+    Returns
+    -------
+    Mesh
+        Its places stand in the order of their position; at B and D one pair is alone.
+
+    Examples
+    --------
+    >>> import pipeline.gears
+    >>> mesh = pipeline.gears.mesh(pipeline.gears.read_pair("fzg_a"))
+    >>> tip = mesh.places[-1]
+    >>> f"{tip.letter}: {tip.sliding:.2f} m/s, {1e-6 * tip.pressure:.0f} MPa"
+    'E: 5.59 m/s, 1140 MPa'
+    """
+    duty, gears = duty or pair.duty, pair.gears
+    at = gears.path
+    letters = {at.a: "A", at.b: "B", 0.0: "C", at.d: "D", at.e: "E"}
+    if gears.contact_ratio >= 2:
+        letters = {at.a: "A", 0.0: "C", at.e: "E"}
+    even = np.linspace(at.a, at.e, max(places, 2)).tolist()
+    positions = sorted({*even, *letters} - {p for p in even if _is_near(p, letters, at.e - at.a)})
+    coefficient = pair.friction
+    if coefficient is None:
+        coefficient = friction_coefficient(pair, duty)
+    total = duty.load_factor * duty.torque / gears.base_radii[0]
+    normal = total / math.cos(gears.base_helix_angle)
+    found = tuple(
+        _place(pair, duty, coefficient, normal, position, letters.get(position, ""))
+        for position in positions
+    )
+    return Mesh(pair, duty, coefficient, normal, found)
+
+
+def _is_near(position: float, letters: dict[float, str], length: float) -> bool:
+    """True of a place that all but coincides with one that has a letter."""
+    return any(0 < abs(position - letter) < 1e-6 * length for letter in letters)
+
+
+def _place(
+    pair: Pair, duty: Duty, friction: float, normal: float, position: float, letter: str
+) -> MeshPlace:
+    gears = pair.gears
+    first, second = gears.radii(position)
+    lean = math.cos(gears.base_helix_angle)
+    reduced = first * second / (first + second)
+    # Radii in the transverse section, in which the gears turn.
+    u1, u2 = duty.speed * first * lean, duty.speed / gears.ratio * second * lean
+    share = load_share(gears, position, pair.quality)
+    line = share * normal * lean / gears.face_width
+    modulus = contact_modulus(*pair.materials)
+    half_width = analytic.hertz_line_half_width(line, reduced, modulus)
+    efforts = pair.materials[0].thermal_effusivity, pair.materials[1].thermal_effusivity
+    flash = flash_rise(friction, line, half_width, (u1, u2), efforts)
+    film = parameter = None
+    if pair.oil is not None and pair.oil.pressure_coefficients is not None:
+        thick = pair.oil.viscosity(duty.bulk), pair.oil.pressure_coefficient(duty.bulk)
+        film = minimum_line_film((u1 + u2) / 2, *thick, line, reduced, modulus)
+        parameter = film / pair.rms_roughness if pair.rms_roughness else None
+    return MeshPlace(
+        position=position,
+        letter=letter,
+        radius_1=first,
+        radius_2=second,
+        reduced_radius=reduced,
+        rolling_1=u1,
+        rolling_2=u2,
+        # Exactly 0 at the pitch point, where the difference of both would be one of rounding.
+        sliding=position * duty.speed * (1 + 1 / gears.ratio),
+        share=share,
+        load=share * normal,
+        load_per_length=line,
+        half_width=half_width,
+        pressure=analytic.hertz_line_peak_pressure(line, reduced, modulus),
+        flash=flash if position else 0.0,
+        temperature=duty.bulk + (flash if position else 0.0),
+        film=film,
+        film_parameter=parameter,
+    )
+
+
+def load_share(gears: Involutes, position: float, quality: int) -> float:
+    """Share of the load that one pair of teeth carries at a place.
+
+    Spur gears without tip relief: 1 between B and D; it rises from 1/3 at A to 2/3 at B, and falls
+    from 2/3 at D to 1/3 at E (AGMA 925-A03, Eqs. 45 to 47), so that both pairs carry all of it.
+    Coarser than class 7 the pairs share worse: (Q − 2)/15 at the ends, and 1/3 more at B and D, 1
+    at most (ISO/TR 13989-1:2000, 9.2). From a contact ratio of 2 on: equally among the pairs in
+    mesh. Helical gears with an overlap ratio εβ of at least 1: 1/εα, the mean along all lines of
+    contact (ISO/TR 13989-1, 9.6, without buttressing); below, linear in εβ between both, as Zε² of
+    ISO 6336-2.
+
+    Parameters
+    ----------
+    gears : Involutes
+        The pair.
+    position : float
+        Place on the path of contact [m].
+    quality : int
+        Flank tolerance class of ISO 1328-1.
+
+    Examples
+    --------
+    >>> import pipeline.gears
+    >>> gears = pipeline.gears.read_pair("fzg_a").gears
+    >>> [round(load_share(gears, place, 5), 3) for place in (gears.path.a, 0.002, gears.path.e)]
+    [0.333, 1.0, 0.333]
+    """
+    at, pitch = gears.path, gears.base_pitch
+    ratio, overlap = gears.contact_ratio, min(gears.overlap_ratio, 1.0)
+    if ratio >= 2:
+        turns = np.arange(-math.ceil(ratio), math.ceil(ratio) + 1) * pitch + position
+        inside = (turns >= at.a - 1e-12) & (turns <= at.e + 1e-12)
+        alone = 1 / int(inside.sum())
+    elif at.b <= position <= at.d:
+        alone = 1.0
+    else:
+        at_end = (max(quality, 7) - 2) / 15
+        far = (position - at.a) if position < at.b else (at.e - position)
+        alone = min(at_end + far / (at.b - at.a) / 3, 1.0)
+    return (1 - overlap) * alone + overlap / ratio
+
+
+def flash_rise(
+    friction: float,
+    load_per_length: float,
+    half_width: float,
+    velocities: tuple[float, float],
+    effusivities: tuple[float, float],
+) -> float:
+    """Highest flash temperature of a line contact of two bodies that roll and slide [K].
+
+    ``θ = 1.11 µ w |u1 − u2|/((e1 √u1 + e2 √u2) √(2b))``: Blok (1937), for the heat of a Hertzian
+    pressure in bodies of unlike effusivities e = √(Kρc), as in ISO/TR 13989-1:2000, Eq. (3) and
+    AGMA 925-A03. Of like bodies it is `tribo.analytic.heat.rolling_sliding_rise`.
+
+    Examples
+    --------
+    >>> f"{flash_rise(0.05, 1e5, 1e-4, (15.0, 25.0), (12844.05, 12844.05)):.1f} K"
+    '34.5 K'
+    """
+    (u1, u2), (e1, e2) = velocities, effusivities
+    heat = friction * load_per_length * abs(u1 - u2)
+    spread = e1 * math.sqrt(u1) + e2 * math.sqrt(u2)
+    return ROLLING_SLIDING_PEAK["hertz"] * heat / (spread * math.sqrt(2 * half_width))

@@ -1,0 +1,176 @@
+"""FZG's test A/8.3/90: from a failure load stage to a critical temperature, and back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.gears.contact import mesh
+from pipeline.gears.model import Simulated, simulate
+from pipeline.gears.pair import Duty, Pair
+from pipeline.gears.reading import read_pair
+from pipeline.gears.rules import STAGES, scuffing_integral, stage_bulk, stage_torque
+from tribo import InputError
+
+_FZG = "fzg_a"
+
+
+@dataclass(frozen=True, slots=True)
+class Critical:
+    """A critical temperature [K], by the last stage passed and the one that failed."""
+
+    value: float  #: In the middle between both.
+    doubt: float  #: Standard deviation: even between both, and the simulation's error.
+    passed: float | None = None  #: Temperature of its hottest place, in the last stage passed.
+    failed: float | None = None  #: The same in the stage that failed.
+    stage: int | None = None  #: That failed.
+    integral: float | None = None  #: Scuffing integral temperature of the rule of the standard.
+
+    @property
+    def cells(self) -> tuple[float | None, ...]:
+        """Cells of a table."""
+        return self.stage, self.value, self.doubt, self.passed, self.failed, self.integral
+
+    @property
+    def words(self) -> Iterator[str]:
+        """The critical temperature in lines, beside the rule of the standard."""
+        yield (
+            f"critical temperature: {self.value - 273.15:.0f} ± {self.doubt:.0f} °C by this model, "
+            f"of an oil that fails in load stage {self.stage} of FZG A/8.3/90"
+        )
+        if self.passed is not None and self.failed is not None:
+            yield (
+                f"the hottest place was at {self.passed - 273.15:.0f} °C in the stage before, and "
+                f"at {self.failed - 273.15:.0f} °C in that stage"
+            )
+        if self.integral is not None:
+            yield (
+                f"scuffing integral temperature: {self.integral - 273.15:.0f} °C by the rule of "
+                "ISO/TR 13989-2, Eq. 94, of which it is the limit; not one of this model"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """Load stages of the test, simulated for a pair, and those in which it fails."""
+
+    stages: tuple[Simulated, ...]
+    fails: int | None  #: First stage above the critical temperature; None if none is.
+    soonest: int | None  #: The same, with the critical temperature less its doubt.
+    latest: int | None  #: The same, with it and its doubt.
+
+    def words(self, critical: Critical) -> Iterator[str]:
+        """The stage that fails in lines, and what the doubt moves it by."""
+        beyond, limit = f"beyond {len(STAGES)}", f"{critical.value - 273.15:.0f} °C"
+        said = f"fails in load stage {self.fails}" if self.fails else "passes all load stages"
+        yield f"{said}, by a critical temperature of {limit}"
+        if critical.doubt and self.soonest != self.latest:
+            ends = f"{self.soonest or beyond} to {self.latest or beyond}"
+            yield f"by its doubt of {critical.doubt:.0f} K in stage {ends}"
+
+
+def stage_duty(pair: Pair, stage: int) -> Duty:
+    """Duty of the test gears in a load stage; its bulk is that of the rule of the standard."""
+    bulk = stage_bulk(stage, pair.lubricant_factor)
+    return Duty(stage_torque(stage), read_pair(_FZG).duty.speed, bulk)
+
+
+def rig_pair(pair: Pair) -> Pair:
+    """The test gears with the oil of a pair, and the friction of its lubricant."""
+    rig = read_pair(_FZG)
+    if pair.gears == rig.gears:
+        return pair
+    if pair.oil is None:
+        raise InputError(
+            "the oil of the pair is not given, and a failure load stage is one of an oil; give "
+            "[oil] in the file"
+        )
+    return rig.changed(
+        oil=pair.oil,
+        lubricant_factor=pair.lubricant_factor,
+        written={**rig.written, "oil": pair.written["oil"]},
+        correlation_length=pair.correlation_length,
+        hurst_exponent=pair.hurst_exponent,
+        specific_wear_rate=pair.specific_wear_rate,
+    )
+
+
+def critical_temperature(
+    pair: Pair,
+    stage: int,
+    preset: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[Any], None] | None = None,
+) -> Critical:
+    """Critical temperature of an oil that fails in a load stage, by simulating that test.
+
+    It lies between the temperatures that decide at the hottest place in the last stage passed and
+    in the one that failed. It is that of this model, of its friction and bulk temperature, and of
+    no other.
+
+    Parameters
+    ----------
+    pair : Pair
+        The pair whose oil it is; of the test gears themselves their roughness counts, too.
+    stage : int
+        Failure load stage in A/8.3/90, from 2 to 12.
+    preset, workers, progress
+        See `simulate`.
+
+    Raises
+    ------
+    InputError
+        If the test has no such stage, or the pair has no oil.
+    """
+    if not 2 <= stage <= len(STAGES):
+        raise InputError(
+            f"failure load stage is {stage}; give 2 to {len(STAGES)}, of A/8.3/90. An oil that "
+            f"passes stage {len(STAGES)} has no failure stage: --failure-stage {len(STAGES)} is "
+            "then a lower bound"
+        )
+    gears = rig_pair(pair)
+    meshes = [mesh(gears, duty=stage_duty(gears, number)) for number in (stage - 1, stage)]
+    passed, failed = simulate(meshes, preset, workers, progress)
+    error, oil = max(passed.error, failed.error), gears.oil
+    return Critical(
+        value=(passed.temperature + failed.temperature) / 2,
+        doubt=math.hypot((failed.temperature - passed.temperature) / math.sqrt(12), error),
+        passed=passed.temperature,
+        failed=failed.temperature,
+        stage=stage,
+        integral=None
+        if oil is None
+        else scuffing_integral(stage, oil.viscosity(313.15) / oil.density, gears.lubricant_factor),
+    )
+
+
+def predict_stages(
+    pair: Pair,
+    critical: Critical,
+    preset: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[Any], None] | None = None,
+) -> Prediction:
+    """Simulate a pair in all load stages of the test, and find the first one in which it fails.
+
+    Parameters
+    ----------
+    pair : Pair
+        The test gears, with any oil and roughness, or gears of one's own in their place.
+    critical : Critical
+        Critical temperature.
+    preset, workers, progress
+        See `simulate`.
+    """
+    stages = range(1, len(STAGES) + 1)
+    meshes = [mesh(pair, duty=stage_duty(pair, number)) for number in stages]
+    found = simulate(meshes, preset, workers, progress)
+
+    def first(limit: float) -> int | None:
+        pairs = zip(stages, found, strict=True)
+        return next((number for number, one in pairs if one.temperature > limit), None)
+
+    low, high = critical.value - critical.doubt, critical.value + critical.doubt
+    return Prediction((*found,), first(critical.value), first(low), first(high))

@@ -1,0 +1,316 @@
+"""Geometry of a pair of external involute gears, spur or helical, in the transverse section.
+
+Places on the path of contact are distances g [m] from the pitch point along the line of action,
+positive towards the tip of the pinion. Equations and letters are those of ISO 21771:2007: contact
+runs from A, the tip of the wheel, to E, the tip of the pinion, with one pair of teeth alone from B
+to D.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from tribo import InputError
+
+_TOOL_ADDENDUM = 1.0  # straight part of a standard rack's tooth beyond its pitch line, in modules
+_MISFIT = 0.1  # modules between the centre distance given and that of the profile shifts
+
+
+class Path(NamedTuple):
+    """Places of the path of contact [m]: its ends A and E, and the single contact from B to D."""
+
+    a: float
+    b: float
+    d: float
+    e: float
+
+
+def involute(angle: float) -> float:
+    """Involute function, inv α = tan α − α.
+
+    Examples
+    --------
+    >>> f"{involute(math.radians(20)):.6f}"
+    '0.014904'
+    """
+    return math.tan(angle) - angle
+
+
+def involute_angle(value: float) -> float:
+    """Angle of an involute function of at least 0 [rad].
+
+    Examples
+    --------
+    >>> f"{math.degrees(involute_angle(0.034317)):.4f}"
+    '26.0888'
+    """
+    root = scipy.optimize.brentq(lambda x: involute(x) - value, 0.0, 1.5, xtol=1e-15)
+    return float(root)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Involutes:
+    """Two external involute gears in mesh: the pinion first, the wheel second.
+
+    Parameters
+    ----------
+    module : float
+        Normal module [m].
+    pressure_angle : float
+        Normal pressure angle [rad].
+    helix_angle : float
+        Helix angle at the reference circle [rad]; 0 of spur gears.
+    teeth : tuple of int
+        Numbers of teeth.
+    profile_shifts : tuple of float
+        Profile shift coefficients x.
+    centre_distance : float
+        [m].
+    tip_diameters : tuple of float
+        [m].
+    face_width : float
+        Common face width [m].
+
+    Raises
+    ------
+    InputError
+        If the pair cannot run: in one line what is wrong, the value and what is allowed.
+
+    Examples
+    --------
+    The test gears A of FZG:
+
+    >>> pair = Involutes(
+    ...     module=4.5e-3, pressure_angle=math.radians(20), helix_angle=0.0, teeth=(16, 24),
+    ...     profile_shifts=(0.8532, -0.5), centre_distance=91.5e-3,
+    ...     tip_diameters=(88.77e-3, 112.5e-3), face_width=20e-3,
+    ... )
+    >>> f"{pair.contact_ratio:.2f}, {math.degrees(pair.working_angle):.2f}°"
+    '1.36, 22.44°'
+    """
+
+    module: float
+    pressure_angle: float
+    helix_angle: float
+    teeth: tuple[int, int]
+    profile_shifts: tuple[float, float]
+    centre_distance: float
+    tip_diameters: tuple[float, float]
+    face_width: float
+
+    def __post_init__(self) -> None:
+        bases = sum(self.base_radii)
+        if self.centre_distance <= bases:
+            raise InputError(
+                f"mesh.centre_distance is {_mm(self.centre_distance)}; the base circles need more "
+                f"than {_mm(bases)} between them"
+            )
+        self._check_shifts()
+        for name, tip, base in zip(_GEARS, self.tip_diameters, self.base_radii, strict=True):
+            if tip <= 2 * base:
+                raise InputError(
+                    f"{name}.tip_diameter is {_mm(tip)}, within the base circle of {_mm(2 * base)}"
+                    ", where there is no involute; give a larger one"
+                )
+        self._check_teeth()
+        self._check_path()
+
+    @property
+    def transverse_angle(self) -> float:
+        """Pressure angle in the transverse section, tan αt = tan αn/cos β [rad]."""
+        return math.atan(math.tan(self.pressure_angle) / math.cos(self.helix_angle))
+
+    @property
+    def reference_radii(self) -> tuple[float, float]:
+        """Radii of the reference circles, r = z mn/(2 cos β) [m]."""
+        half = self.module / math.cos(self.helix_angle) / 2
+        return self.teeth[0] * half, self.teeth[1] * half
+
+    @property
+    def base_radii(self) -> tuple[float, float]:
+        """Radii of the base circles, r cos αt [m]."""
+        first, second = self.reference_radii
+        return first * math.cos(self.transverse_angle), second * math.cos(self.transverse_angle)
+
+    @property
+    def working_angle(self) -> float:
+        """Working transverse pressure angle, cos αwt = (rb1 + rb2)/a [rad]."""
+        return math.acos(sum(self.base_radii) / self.centre_distance)
+
+    @property
+    def base_helix_angle(self) -> float:
+        """Helix angle on the base circle, sin βb = sin β cos αn [rad]."""
+        return math.asin(math.sin(self.helix_angle) * math.cos(self.pressure_angle))
+
+    @property
+    def base_pitch(self) -> float:
+        """Transverse base pitch, 2π rb1/z1 [m]."""
+        return 2 * math.pi * self.base_radii[0] / self.teeth[0]
+
+    @property
+    def ratio(self) -> float:
+        """Gear ratio z2/z1."""
+        return self.teeth[1] / self.teeth[0]
+
+    @property
+    def path(self) -> Path:
+        """Places where contact begins, where one pair is alone, and where it ends."""
+        (rb1, rb2), (da1, da2) = self.base_radii, self.tip_diameters
+        first, second = self.tangents
+        e = math.sqrt(da1**2 / 4 - rb1**2) - first
+        a = second - math.sqrt(da2**2 / 4 - rb2**2)
+        return Path(a, e - self.base_pitch, a + self.base_pitch, e)
+
+    @property
+    def tangents(self) -> tuple[float, float]:
+        """Distances from the pitch point to where the base circles touch the line of action [m]."""
+        tangent = math.tan(self.working_angle)
+        return self.base_radii[0] * tangent, self.base_radii[1] * tangent
+
+    @property
+    def contact_ratio(self) -> float:
+        """Transverse contact ratio εα, the path of contact over the base pitch."""
+        return (self.path.e - self.path.a) / self.base_pitch
+
+    @property
+    def overlap_ratio(self) -> float:
+        """Overlap ratio εβ = b sin β/(π mn)."""
+        return self.face_width * math.sin(self.helix_angle) / (math.pi * self.module)
+
+    def radii(self, place: float) -> tuple[float, float]:
+        """Radii of curvature of both flanks at a place, across the line of contact [m].
+
+        In the transverse section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g; across a line of
+        contact that lies at βb to the axis they are longer by 1/cos βb.
+        """
+        first, second = self.tangents
+        lean = math.cos(self.base_helix_angle)
+        return (first + place) / lean, (second - place) / lean
+
+    def _check_shifts(self) -> None:
+        """Compare the centre distance with that at which the profile shifts leave no backlash."""
+        fitting = fitting_distance(
+            self.module, self.pressure_angle, self.helix_angle, self.teeth, self.profile_shifts
+        )
+        if abs(self.centre_distance - fitting) > _MISFIT * self.module:
+            raise InputError(
+                f"mesh.centre_distance is {_mm(self.centre_distance)}, and profile shifts of "
+                f"{self.profile_shifts[0]:g} and {self.profile_shifts[1]:g} fit {_mm(fitting)}; "
+                f"give one within {_mm(_MISFIT * self.module)} of that, or other shifts"
+            )
+
+    def _check_teeth(self) -> None:
+        """Refuse pointed teeth."""
+        angle, tangent = self.transverse_angle, math.tan(self.pressure_angle)
+        for k, name in enumerate(_GEARS):
+            at_tip = math.acos(2 * self.base_radii[k] / self.tip_diameters[k])
+            half = (math.pi / 2 + 2 * self.profile_shifts[k] * tangent) / self.teeth[k]
+            thickness = self.tip_diameters[k] * (half + involute(angle) - involute(at_tip))
+            if thickness <= 0:
+                raise InputError(
+                    f"{name}.tip_diameter is {_mm(self.tip_diameters[k])}: the teeth are pointed "
+                    "below it; give a smaller one, or a smaller profile shift"
+                )
+
+    def _check_path(self) -> None:
+        """Refuse a path that is too short, or that leaves the involutes."""
+        path, (first, second) = self.path, self.tangents
+        if path.e <= path.a:
+            raise InputError(
+                f"the tips do not reach each other at a centre distance of "
+                f"{_mm(self.centre_distance)}; give larger tip diameters"
+            )
+        total = self.contact_ratio + self.overlap_ratio
+        if self.contact_ratio < 1:
+            helical = f" ({total:.3g} with the overlap)" if self.overlap_ratio else ""
+            raise InputError(
+                f"the transverse contact ratio is {self.contact_ratio:.3g}{helical}; it must be at "
+                "least 1, by larger tip diameters or more teeth"
+            )
+        if not path.a < 0 < path.e:
+            raise InputError(
+                f"contact runs from {_mm(path.a)} to {_mm(path.e)} about the pitch point, and not "
+                "through it; give other profile shifts or tip diameters"
+            )
+        for name, other, left in (("pinion", "wheel", second - path.e),
+                                  ("wheel", "pinion", first + path.a)):  # fmt: skip
+            if left <= 0:
+                raise InputError(
+                    f"{name}.tip_diameter: its tip interferes with the flank of the {other}, "
+                    f"{_mm(-left)} beyond the end of the involute; give a smaller tip diameter, "
+                    "other profile shifts or more teeth"
+                )
+        for k, left in ((0, first + path.a), (1, second - path.e)):
+            if left < (cut := self.undercut(k)):
+                raise InputError(
+                    f"{_GEARS[k]}.profile_shift is {self.profile_shifts[k]:g}: undercut takes the "
+                    f"involute up to a radius of curvature of {_mm(cut)}, and contact begins at "
+                    f"{_mm(left)}; give {self.least_shift(k):.3g} or more, or more teeth"
+                )
+
+    def least_shift(self, gear: int) -> float:
+        """Profile shift below which a standard rack undercuts: x = 1 − z sin² αt/(2 cos β)."""
+        sine = math.sin(self.transverse_angle)
+        return _TOOL_ADDENDUM - self.teeth[gear] * sine**2 / 2 / math.cos(self.helix_angle)
+
+    def undercut(self, gear: int) -> float:
+        """Radius of curvature of the involute up to which a standard rack cuts it away [m].
+
+        The corner of the rack, a depth H below the pitch line, is at (rφ − H tan αt, r − H) when
+        the gear has turned by φ; what it cuts there lies outside of the involute down to where both
+        meet. 0 without undercut.
+        """
+        r, rb = self.reference_radii[gear], self.base_radii[gear]
+        if self.profile_shifts[gear] >= self.least_shift(gear):
+            return 0.0
+        depth = (_TOOL_ADDENDUM - self.profile_shifts[gear]) * self.module
+        angle = self.transverse_angle
+        turned = np.linspace(-1.5, 1.5, 20001)
+        along, above = r * turned - depth * math.tan(angle), r - depth
+        radius = np.hypot(along, above)
+        flank = np.sqrt(np.maximum((radius / rb) ** 2 - 1, 0.0))
+        # Polar angles from the pitch point, of the corner in the gear and of the flank there.
+        corner = np.arctan2(along, above) - turned
+        cut = corner - (flank - np.arctan(flank)) + involute(angle)
+        inside = (radius > rb) & (radius < r) & (cut > 0)
+        return float(rb * flank[inside].max()) if inside.any() else 0.0
+
+
+_GEARS = ("pinion", "wheel")
+
+
+def fitting_distance(
+    module: float,
+    pressure_angle: float,
+    helix_angle: float,
+    teeth: tuple[int, int],
+    profile_shifts: tuple[float, float],
+) -> float:
+    """Centre distance without backlash [m], a = (r1 + r2) cos αt/cos αwt (ISO 21771:2007).
+
+    inv αwt = inv αt + 2 tan αn (x1 + x2)/(z1 + z2).
+
+    Examples
+    --------
+    >>> f"{fitting_distance(3e-3, math.radians(20), 0.0, (12, 24), (0.6, 0.36)):.6f}"
+    '0.056500'
+    """
+    transverse = math.atan(math.tan(pressure_angle) / math.cos(helix_angle))
+    shift = 2 * math.tan(pressure_angle) * sum(profile_shifts) / sum(teeth)
+    value = involute(transverse) + shift
+    if value <= 0:
+        raise InputError(
+            f"profile shifts of {profile_shifts[0]:g} and {profile_shifts[1]:g} fit no centre "
+            "distance; their sum is too small for so few teeth"
+        )
+    reference = module / math.cos(helix_angle) * sum(teeth) / 2
+    return reference * math.cos(transverse) / math.cos(involute_angle(value))
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.4g} mm"

@@ -1,0 +1,93 @@
+"""What the pipeline answers on places of mesh: the simulation of their rough, worn contact.
+
+All that is asked of the rest of `pipeline` about temperatures and verdicts is asked here.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pipeline
+from pipeline.gears.contact import Mesh, MeshPlace
+from pipeline.gears.scene import scene_toml
+
+
+@dataclass(frozen=True, slots=True)
+class Simulated:
+    """The hottest simulated place of a mesh, by the temperature that decides."""
+
+    mesh: Mesh
+    place: MeshPlace
+    temperature: float  #: That decides about severe wear [K].
+    error: float  #: Error of that temperature [K]; infinite where it is not known.
+
+
+def decisive_places(one: Mesh) -> Mesh:
+    """The mesh with the places alone that may decide: the letters with sliding, and the hottest."""
+    kept = [place for place in one.places
+            if place.sliding and (place.letter or place is one.hottest)]  # fmt: skip
+    return Mesh(one.pair, one.duty, one.friction, one.normal_load, tuple(kept))
+
+
+def simulate(
+    meshes: Sequence[Mesh],
+    preset: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[Any], None] | None = None,
+) -> list[Simulated]:
+    """Simulate the places that may decide, and take the hottest of each mesh.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh
+        Of one pair at one duty or several.
+    preset : str, optional
+        Preset of the numerical choices; ``"standard"`` by default.
+    workers : int, optional
+        Number of processes; one for each core by default.
+    progress : callable, optional
+        Called with a `Progress` of `pipeline.run_sweep`.
+
+    Raises
+    ------
+    TriboError
+        If a place cannot be simulated.
+    """
+    chosen = [decisive_places(one) for one in meshes]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "mesh.toml"
+        file.write_text(scene_toml(chosen), encoding="utf-8")
+        sweep = pipeline.load_scene(file, preset)
+        store = Path(folder) / "mesh.zarr"
+        outcome = pipeline.run_sweep(sweep, store, workers, progress=progress or _silent)
+        if outcome.failed:
+            raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
+        found = _decisive(store)
+    return [*_hottest(chosen, found)]
+
+
+def _decisive(store: Path) -> list[tuple[float, float]]:
+    """Temperatures that decide and their errors [K], of the rows of a store."""
+    # The critical temperature moves none of them.
+    table = pipeline.margin_table(store, critical_temperature=1000.0)
+    temperatures = table["decisive temperature [°C]"].astype(float) + 273.15
+    errors = table["temperature error [K]"].astype(float).fillna(math.inf)
+    return [*zip(temperatures.tolist(), errors.tolist(), strict=True)]
+
+
+def _hottest(meshes: Sequence[Mesh], found: Sequence[tuple[float, float]]) -> Iterator[Simulated]:
+    begin = 0
+    for one in meshes:
+        here = found[begin : begin + len(one.places)]
+        begin += len(one.places)
+        best = max(range(len(here)), key=lambda k: here[k][0])
+        yield Simulated(one, one.places[best], *here[best])
+
+
+def _silent(_: Any) -> None:
+    """Show no progress."""

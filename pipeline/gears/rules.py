@@ -1,0 +1,214 @@
+"""The rule of the standard for scuffing, by the integral temperature.
+
+ISO/TR 13989-2:2000, before it DIN 3990-4, after it ISO/TS 6336-21:2022. Equations are numbered as
+there; they were read in programs that cite them, not in the standard itself. They hold for external
+gears with contact ratios up to 2.5 and pitch line velocities from 1 to 50 m/s. The rule was fitted
+to tests of gears: oils by FZG's, in stages of the load.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from pipeline.gears.pair import Duty, Pair
+from tribo import InputError, contact_modulus
+
+STAGES = (
+    3.3, 13.7, 35.25, 60.75, 94.1, 135.3, 183.35, 239.25, 302.0, 372.6, 450.1, 534.5,
+)  # fmt: skip
+"""Torque on the pinion in FZG's test A/8.3/90, by load stage from 1 on [N m] (ISO 14635-1)."""
+_LEAST_LOAD = 150.0  # [N/mm] of the face width, below which friction no longer falls (clause 5.1)
+_FASTEST = 50.0  # [m/s], at which the rule for friction ends
+_BULK_SHARE, _WEIGHT = 0.7, 1.5  # C1 and C2
+_ROUNDS = 10  # in which friction and bulk temperature meet within 1e-9 K
+
+
+@dataclass(frozen=True, slots=True)
+class Integral:
+    """Integral temperatures of the rule; all but the safety in K."""
+
+    friction: float  #: Mean coefficient of friction, Eq. (1).
+    tip_flash: float  #: Flash temperature at the pinion's tip, as if it carried all, Eq. (19).
+    mean_flash: float  #: Its mean along the path of contact, Eq. (18).
+    integral: float  #: Integral temperature of the pair: its bulk and 1.5 mean flashes, Eq. (17).
+
+
+def stage_torque(stage: int) -> float:
+    """Torque on the pinion in a load stage of FZG's test A/8.3/90 [N m].
+
+    Examples
+    --------
+    >>> stage_torque(12)
+    534.5
+    """
+    if not 1 <= stage <= len(STAGES):
+        raise InputError(f"load stage is {stage}; FZG A/8.3/90 has 1 to {len(STAGES)}")
+    return STAGES[stage - 1]
+
+
+def stage_bulk(stage: int, lubricant_factor: float = 1.0) -> float:
+    """Bulk temperature of the test gears in a load stage [K], 80 °C + 0.23 T1 XL, Eq. (95).
+
+    T1 in N m, XL the factor of the lubricant, 1 of mineral oils.
+
+    Examples
+    --------
+    >>> f"{stage_bulk(12) - 273.15:.1f} °C"
+    '202.9 °C'
+    """
+    return 273.15 + 80 + 0.23 * stage_torque(stage) * lubricant_factor
+
+
+def scuffing_integral(
+    stage: int,
+    viscosity_40: float,
+    lubricant_factor: float = 1.0,
+    welding_factor: float = 1.0,
+) -> float:
+    """Scuffing integral temperature of an oil that fails in a load stage [K], Eq. (94).
+
+    θ = θM + 1.5 XW θfl with θM of `stage_bulk` and θfl = 0.2 T1 (100/ν40)^0.02 XL, Eq. (96).
+
+    Parameters
+    ----------
+    stage : int
+        Failure load stage in FZG A/8.3/90.
+    viscosity_40 : float
+        Kinematic viscosity at 40 °C [m²/s].
+    lubricant_factor, welding_factor : float
+        XL: 1 mineral, 0.8 polyalphaolefin, 0.7 or 0.6 polyglycol, 1.3 phosphate ester, 1.5 traction
+        fluid; XW: 1 case-hardened steel, 1.5 nitrided steel.
+
+    Examples
+    --------
+    >>> f"{scuffing_integral(10, 100e-6) - 273.15:.1f} °C"
+    '277.5 °C'
+    """
+    torque = stage_torque(stage)
+    thin: float = (100 / (1e6 * viscosity_40)) ** 0.02
+    flash = 0.2 * torque * thin * lubricant_factor
+    return stage_bulk(stage, lubricant_factor) + _WEIGHT * welding_factor * flash
+
+
+def friction_coefficient(pair: Pair, duty: Duty) -> float:
+    """Mean coefficient of friction of a mesh, Eq. (1).
+
+    µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load w [N/mm] on the face width, at least
+    150, the sum velocity vΣC [m/s] and the reduced radius ρC [mm] at the pitch point, the viscosity
+    η [mPa s] of the oil, here at the bulk temperature, and XR = 2.2 (Ra/ρC)^0.25, Ra [µm] that of
+    both flanks in the mean.
+    """
+    if pair.oil is None:
+        raise InputError(
+            "friction.coefficient is not given, and without an oil there is no rule for it; give "
+            "one or the other"
+        )
+    gears = pair.gears
+    load = _unit_load(pair, duty) * 1e-3  # [N/mm]
+    speed = min(_line_velocity(pair, duty), _FASTEST)
+    total = 2 * speed * math.tan(gears.working_angle) * math.cos(gears.transverse_angle)
+    if total == 0:
+        raise InputError("duty.speed is 0; give the speed of the pinion, above 0")
+    first, second = gears.radii(0.0)
+    radius = 1e3 * first * second / (first + second)  # [mm]
+    rough = 2.2 * (1e6 * sum(pair.roughness) / 2 / radius) ** 0.25
+    thin = (1e3 * pair.oil.viscosity(duty.bulk)) ** -0.05
+    helical = _helical_load(gears.contact_ratio + gears.overlap_ratio)
+    loaded = (max(load, _LEAST_LOAD) * helical / (total * radius)) ** 0.2
+    return float(0.045 * loaded * thin * rough * pair.lubricant_factor)
+
+
+def integral_temperature(pair: Pair, duty: Duty) -> Integral:
+    """Integral temperature of a pair at a duty, Eqs. (17) to (45), without tip relief.
+
+    The bulk temperature is that of the duty, which `warm_duty` finds from the oil's.
+    """
+    gears = pair.gears
+    friction = friction_coefficient(pair, duty) if pair.friction is None else pair.friction
+    (rb1, _), tip_radius = gears.base_radii, gears.tip_diameters[0] / 2
+    u, a, working = gears.ratio, gears.centre_distance, gears.working_angle
+    tip = 1e3 * math.sqrt(tip_radius**2 - rb1**2)  # [mm]
+    other = 1e3 * a * math.sin(working) - tip
+    geometry = (
+        0.51 * math.sqrt(u + 1) * (math.sqrt(tip) - math.sqrt(other / u)) / (tip * other) ** 0.25
+    )
+    angle = (
+        1.22 * (math.sin(working) * math.cos(gears.pressure_angle) * math.cos(gears.helix_angle))
+        ** 0.25 / math.sqrt(math.cos(working) * math.cos(gears.transverse_angle))
+    )  # fmt: skip
+    # XM of Eq. (11) for unlike bodies, by the mean effusivity; 50.0 of the standard's steel.
+    effusivity = sum(body.thermal_effusivity for body in pair.materials) / 2
+    modulus = 2 * contact_modulus(*pair.materials) * 1e-6  # E/(1 − ν²) [N/mm²]
+    heat = math.sqrt(1000) * modulus**0.25 / (effusivity * 1e-3)
+    eps1, eps2 = gears.path.e / gears.base_pitch, -gears.path.a / gears.base_pitch
+    load = 1e-3 * _unit_load(pair, duty) * _helical_load(gears.contact_ratio + gears.overlap_ratio)
+    top = max(eps1, eps2)
+    relief = 1 + 0.06 * top + 0.02 * top**2
+    approach = min(max(1.4 - 4 / 15 * eps2 / eps1, 0.6), 1.0)
+    at_tip = (
+        friction * heat * geometry * angle * load**0.75 * math.sqrt(_line_velocity(pair, duty))
+        / (1e3 * a) ** 0.25 / (approach * relief)
+    )  # fmt: skip
+    mean = at_tip * _path_mean(eps1, eps2)
+    return Integral(friction, at_tip, mean, duty.bulk + _WEIGHT * mean)
+
+
+def warm_duty(
+    pair: Pair, torque: float, speed: float, bulk: float | None = None, load_factor: float = 1.0
+) -> Duty:
+    """A duty of a pair, with the bulk temperature that is given, or else found.
+
+    If the pair gives the temperature θ of the oil into which its teeth dip, their bulk is θ + 0.7
+    mean flash, Eq. (20); friction, by the viscosity there, is found together with it. Otherwise it
+    is the pair's own.
+
+    Parameters
+    ----------
+    pair : Pair
+        The pair.
+    torque, speed : float
+        Of the pinion [N m, rad/s].
+    bulk : float, optional
+        Bulk temperature of the teeth [K].
+    load_factor : float
+        Factor of the load.
+    """
+    duty = Duty(torque, speed, bulk or pair.duty.bulk, load_factor)
+    if bulk or pair.oil_temperature is None:
+        return duty
+    for _ in range(_ROUNDS):
+        warmer = _BULK_SHARE * integral_temperature(pair, duty).mean_flash
+        duty = replace(duty, bulk=pair.oil_temperature + warmer)
+    return duty
+
+
+def _unit_load(pair: Pair, duty: Duty) -> float:
+    """Load on the reference circle over the face width [N/m], Eq. (4)."""
+    radius = pair.gears.reference_radii[0]
+    return duty.load_factor * duty.torque / radius / pair.gears.face_width
+
+
+def _line_velocity(pair: Pair, duty: Duty) -> float:
+    return duty.speed * pair.gears.reference_radii[0]
+
+
+def _helical_load(ratio: float) -> float:
+    """KBγ of a total contact ratio, Eq. (5)."""
+    if ratio <= 2:
+        return 1.0
+    return 1 + 0.2 * math.sqrt((ratio - 2) * (5 - ratio)) if ratio < 3.5 else 1.3
+
+
+def _path_mean(eps1: float, eps2: float) -> float:
+    """Contact ratio factor Xε: mean flash over that of the tip, Eqs. (39) to (44)."""
+    total = eps1 + eps2
+    if total < 2 and max(eps1, eps2) < 1:
+        value = 0.70 * (eps1**2 + eps2**2) - 0.22 * total + 0.52 - 0.60 * eps1 * eps2
+    elif total < 2:
+        long, short = max(eps1, eps2), min(eps1, eps2)
+        value = 0.18 * long**2 + 0.70 * short**2 + 0.82 * long - 0.52 * short - 0.30 * long * short
+    else:
+        long, short = max(eps1, eps2), min(eps1, eps2)
+        value = 0.44 * long**2 + 0.59 * short**2 + 0.30 * (long - short) - 0.15 * long * short
+    return value / (2 * total * eps1)

@@ -1,0 +1,145 @@
+"""The scene of a pair: the rough, worn contact at each place of mesh, for the whole pipeline.
+
+The pinion is the pin, a cylinder of the reduced radius, and the wheel the disk, which has the
+roughness of both flanks. Both move through the contact. A point of the pinion's flank comes back
+once a turn, so that its wear spreads over a track of 2π ρ1, and the wheel's over one of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from pipeline.gears.contact import Mesh, MeshPlace
+from pipeline.scene.document import as_toml
+from tribo import InputError
+
+_RAMP = 10.0  # [s] in which the load of each place is reached
+_ROOM = 1.2  # width of the window in that of the widest contact
+_PEAKS = 3.0  # Rq by which peaks reach beyond the smooth contact, as irg check counts
+_ALONG_Y = 240  # pixels
+_MOST_PIXELS = 6000  # along x
+_PIXELS_A_LENGTH = 4  # of the roughness
+_PIXELS_A_WIDTH = 80  # at least, of the widest contact of Hertz
+
+
+def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
+    """Write the scene of the places of mesh, of one pair at one duty or several.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh
+        Places of one pair; those without sliding, which no friction heats, are left out.
+    note : str
+        Words on how the scene was made, for its head.
+
+    Returns
+    -------
+    str
+        A scene file with a row of ``[sweep] along`` for each place.
+
+    Raises
+    ------
+    InputError
+        If the contact is so wide that the roughness would take too many pixels.
+
+    Examples
+    --------
+    >>> import pipeline.gears
+    >>> mesh = pipeline.gears.mesh(pipeline.gears.read_pair("fzg_a"), places=2)
+    >>> scene_toml([mesh]).count("motion.slide_roll_ratio")  # at A, B, D and E
+    4
+    """
+    pair = meshes[0].pair
+    places = [(number, one, place) for number, one in enumerate(meshes, 1)
+              for place in one.places if place.sliding]  # fmt: skip
+    hertz = max(2 * place.half_width for _, _, place in places)
+    peaks = 8 * _PEAKS * pair.rms_roughness
+    widest = max(
+        math.sqrt(4 * place.half_width**2 + peaks * place.reduced_radius) for _, _, place in places
+    )
+    along, across = (length / _PIXELS_A_LENGTH for length in pair.correlation_length)
+    side = min(along, hertz / _PIXELS_A_WIDTH), across
+    count = 8 * math.ceil(_ROOM * widest / side[0] / 8)  # as presets average pixels
+    if count > _MOST_PIXELS:
+        raise InputError(
+            f"surface.correlation_length is {1e6 * pair.correlation_length[0]:.3g} µm along the "
+            f"sliding, on a contact {1e3 * widest:.3g} mm wide: {count} pixels of a quarter of it "
+            f"are more than {_MOST_PIXELS}; give a longer one"
+        )
+    highest = max(place.load for _, _, place in places)
+    width = pair.gears.face_width / math.cos(pair.gears.base_helix_angle)
+    names = pair.written["names"]
+    rows = [_row(number if len(meshes) > 1 else 0, one, place) for number, one, place in places]
+    temperature: dict[str, Any] = {"bulk": _celsius(meshes[0].duty.bulk)}
+    if pair.critical is not None:
+        temperature["critical"] = _celsius(pair.critical)
+    rough = math.hypot(*pair.roughness)
+    wear_rate = f"{1e9 * pair.specific_wear_rate:.7g} mm^3/(N m)"
+    tables: dict[str, dict[str, Any]] = {
+        **{f"materials.{as_toml(name)}": {k: v for k, v in table.items() if k != "like"}
+           for name, table in pair.written["materials"].items() if name in names},
+        "pin": {"shape": "cylinder", "radius": rows[0]["pin.radius"], "length": _mm(width),
+                "material": names[0]},
+        "disk": {"material": names[1]},
+        "window": {"pixels": [count, _ALONG_Y], "pixel_size": [*map(_um, side)]},
+        "loading": {"rate": f"{highest / _RAMP:.7g} N/s", "reference_load": f"{highest:.7g} N"},
+        "wear": {"specific_wear_rate": wear_rate, "pattern": "swept"},
+        "friction": {"coefficient": round(meshes[0].friction, 6)},
+        "temperature": temperature,
+    }  # fmt: skip
+    if rough:
+        tables["disk.roughness"] = {
+            "ra": _um(rough),
+            "hurst_exponent": pair.hurst_exponent,
+            "correlation_length": [*map(_um, pair.correlation_length)],
+        }
+    if "oil" in pair.written:
+        tables["oil"] = {k: v for k, v in pair.written["oil"].items() if k != "like"}
+    lines = [*_head(note), "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
+    for name, table in tables.items():
+        lines += ["", f"[{name}]", *(f"{key} = {as_toml(value)}" for key, value in table.items())]
+    lines += ["", "[sweep]", "along = [", *(f"  {as_toml(row)}," for row in rows), "]"]
+    return "\n".join([*lines, ""])
+
+
+def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
+    """A row of the table of pairs; the conditions are there where duties differ."""
+    track = 2 * math.pi * place.radius_1 * math.cos(mesh.pair.gears.base_helix_angle)
+    row: dict[str, str | float] = {"position": f"{place.position:.7g} m"}
+    if number:
+        row |= {"duty": str(number), "friction": round(mesh.friction, 6),
+                "bulk_temperature": _celsius(mesh.duty.bulk)}  # fmt: skip
+    mean = (place.rolling_1 + place.rolling_2) / 2
+    return row | {
+        "load": f"{place.load:.7g} N",
+        "velocity": f"{abs(place.sliding):.7g} m/s",
+        "pin.radius": _mm(place.reduced_radius),
+        "motion.slide_roll_ratio": round(-place.sliding / mean, 7),
+        "motion.track_length": _mm(track),
+    }
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.7g} mm"
+
+
+def _um(length: float) -> str:
+    return f"{1e6 * length:.7g} um"
+
+
+def _celsius(temperature: float) -> str:
+    return f"{temperature - 273.15:.7g} degC"
+
+
+def _head(note: str) -> Iterator[str]:
+    """Lines of comment at the head of the file."""
+    words = (
+        note,
+        "Places of mesh of a pair of gears: the margin of the rough, worn contact at each.",
+        "Gears run mixed; this contact is in boundary lubrication.",
+        "Chosen   the load of each place grows in 10 s, while the pinion wears; what no drawing",
+        "         gives (correlation length, Hurst exponent, wear rate) is that of [surface].",
+    )
+    return (f"# {line}" for line in words if line)

@@ -1,0 +1,204 @@
+"""A duty spectrum: rows of torque and speed with their hours, and one verdict on all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+from pipeline.gears.contact import mesh
+from pipeline.gears.fzg import Critical
+from pipeline.gears.model import Simulated, simulate
+from pipeline.gears.pair import Duty, Pair
+from pipeline.gears.reading import SPEED, TORQUE
+from pipeline.gears.rules import warm_duty
+from pipeline.scene.compounds import Entry, Optional, Table
+from pipeline.scene.faults import Faults, in_lines
+from pipeline.scene.format import BULK
+from pipeline.scene.headings import listed_faults, read_sheet, sheet_of
+from pipeline.scene.kinds import Number, Quantity
+from tribo import InputError
+
+
+class _Hours(Quantity):
+    """A duration in hours; a bare number is one of hours."""
+
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            value = f"{value} h"
+        return super()._read(value, place, faults) / 3600
+
+
+_ROW = Table(
+    {
+        "torque": Entry(TORQUE),
+        "speed": Entry(SPEED),
+        "hours": Optional(_Hours("a duration", "100 h", zero=True)),
+        "bulk_temperature": Optional(BULK),
+        "load_factor": Optional(Number(above=0)),
+    }
+)
+SEVERE, MILD, NOT_DECIDED = "severe", "mild", "not decided"
+
+
+@dataclass(frozen=True, slots=True)
+class SpectrumRow:
+    """A row of the spectrum, its hottest place, and the verdict there."""
+
+    number: int  #: Row of the file, from 1 on.
+    hours: float | None
+    simulated: Simulated
+    distance: float  #: Critical less deciding temperature [K].
+    error: float  #: Of that distance [K].
+
+    @property
+    def verdict(self) -> str:
+        """``"mild"`` or ``"severe"`` beyond the error, else ``"not decided"``."""
+        if abs(self.distance) <= self.error:
+            return NOT_DECIDED
+        return MILD if self.distance > 0 else SEVERE
+
+
+@dataclass(frozen=True, slots=True)
+class Spectrum:
+    """Rows of a spectrum, and the verdict on all: that of the row with the least distance."""
+
+    rows: tuple[SpectrumRow, ...]
+    critical: Critical
+    unused: tuple[str, ...] = ()  #: Columns that no answer depends on.
+
+    @property
+    def binding(self) -> SpectrumRow:
+        """The row that decides: scuffing has no memory, so the worst one does."""
+        return min(self.rows, key=lambda row: row.distance)
+
+    @property
+    def verdict(self) -> str:
+        """Verdict on the spectrum: severe if any row is, mild if all are."""
+        said = [row.verdict for row in self.rows]
+        return next((one for one in (SEVERE, NOT_DECIDED) if one in said), MILD)
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence, for those who decide."""
+        row = self.binding
+        duty, place = row.simulated.mesh.duty, row.simulated.place
+        share = self._share()
+        begin = {
+            SEVERE: f"Scuffing is predicted {share}",
+            NOT_DECIDED: f"Whether the gears scuff is not decided {share}",
+            MILD: f"No scuffing is predicted {share}",
+        }[self.verdict]
+        beyond = "below" if row.distance >= 0 else "above"
+        towards = "pinion" if place.position > 0 else "wheel"
+        return (
+            f"{begin}. Row {row.number}, {duty.torque:.4g} N m at {_rpm(duty.speed):.4g} rpm, "
+            f"binds: {abs(row.distance):.0f} ± {row.error:.0f} K {beyond} the critical "
+            f"temperature of {self.critical.value - 273.15:.0f} °C, "
+            f"{1e3 * abs(place.position):.3g} mm from the pitch point towards the {towards}'s tip."
+        )
+
+    @property
+    def remarks(self) -> Iterator[str]:
+        """The verdict on the whole, and columns that no answer depends on, in lines."""
+        count = len(self.rows)
+        yield (
+            f"verdict on {count} {'row' if count == 1 else 'rows'}: {self.verdict}; hours are "
+            "counted, and wear over them is not"
+        )
+        if self.unused:
+            yield f"columns not used: {', '.join(self.unused)}"
+
+    def _share(self) -> str:
+        """Rows and hours with the verdict, in words."""
+        rows = [row for row in self.rows if row.verdict == self.verdict]
+        said = f"in {len(rows)} of {len(self.rows)} rows"
+        hours = [row.hours for row in self.rows]
+        if None in hours or not (total := sum(filter(None, hours))):
+            return said
+        own = sum(row.hours or 0.0 for row in rows)
+        return f"{said}, {own:.6g} of {total:.6g} h"
+
+
+def _rpm(speed: float) -> float:
+    return speed * 9.549296585513721  # 30/π
+
+
+def read_spectrum(
+    source: str | PathLike[str] | Mapping[str, Sequence[Any]], pair: Pair, sheet: str | None = None
+) -> tuple[list[tuple[float | None, Duty]], tuple[str, ...]]:
+    """Read a table of duties, each with its hours, and the headings that are not used.
+
+    Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
+    ``load factor``, in place of those of the pair; see `warm_duty`.
+    """
+    is_file = isinstance(source, str | PathLike)
+    name = fspath(source) if isinstance(source, str | PathLike) else "points"
+    needed = ("torque", "speed")
+    read = (
+        read_sheet(Path(name), _ROW.keys, needed, is_log=set(needed).issubset, sheet_name=sheet)
+        if is_file
+        else sheet_of(source, _ROW.keys, needed)
+    )
+    _, rows, wrong = read.entries(_ROW, {})
+    faults = [*read.faults, *read.of_rows, *listed_faults(wrong)]
+    if not read.rows and not faults:
+        faults = ['there are no rows; begin with a line "torque [N m],speed [rpm],hours"']
+    if faults:
+        raise InputError(in_lines(name, faults))
+    duties = [
+        (
+            row["hours"],
+            warm_duty(
+                pair,
+                row["torque"],
+                row["speed"],
+                row["bulk_temperature"],
+                row["load_factor"] or pair.duty.load_factor,
+            ),
+        )
+        for row in rows
+    ]
+    return duties, tuple(read.headings[place].label for place in read.others)
+
+
+def judge_spectrum(
+    pair: Pair,
+    points: str | PathLike[str] | Mapping[str, Sequence[Any]],
+    critical: Critical,
+    preset: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[Any], None] | None = None,
+    sheet: str | None = None,
+) -> Spectrum:
+    """Simulate a duty spectrum, and judge it by its worst row.
+
+    Parameters
+    ----------
+    pair : Pair
+        The pair.
+    points : path or mapping of str to sequence
+        A .csv or .xlsx file of duties, or columns by heading; see `read_spectrum`.
+    critical : Critical
+        Critical temperature, whose doubt counts in each verdict.
+    preset, workers, progress
+        See `simulate`.
+    sheet : str, optional
+        Sheet of a workbook.
+
+    Raises
+    ------
+    InputError
+        If the table has faults, all of which are named.
+    """
+    duties, unused = read_spectrum(points, pair, sheet)
+    found = simulate([mesh(pair, duty=duty) for _, duty in duties], preset, workers, progress)
+    rows = (
+        SpectrumRow(
+            number, hours, one, critical.value - one.temperature, critical.doubt + one.error
+        )
+        for number, ((hours, _), one) in enumerate(zip(duties, found, strict=True), 1)
+    )
+    return Spectrum((*rows,), critical, unused)

@@ -1,0 +1,311 @@
+"""What the command says: tables, documents, figures, scenes that run, and mistakes in a line."""
+
+import json
+import math
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import pipeline
+import pipeline.gears as gears
+from pipeline.gears import model
+from pipeline.gears.model import Simulated
+
+ROOT = Path(__file__).parents[3]
+DUTY = "torque [Nm],speed [rpm],hours,bulk temperature [degC],name\n"
+CRITICAL = ("--critical-temperature", "250 degC")
+
+
+@pytest.fixture
+def warm(monkeypatch):
+    """A simulation that finds the temperature of smooth flanks, and an error of 1 K."""
+
+    def simulate(meshes, preset=None, workers=None, progress=None):
+        return [Simulated(one, one.hottest, one.hottest.temperature, 1.0) for one in meshes]
+
+    for name in ("fzg", "spectrum"):
+        monkeypatch.setattr(f"pipeline.gears.{name}.simulate", simulate)
+
+
+def test_places_are_told_in_si(irg):
+    document = irg("gears", "fzg_a", "--places", "7", "--json")
+    places = document["places"]
+    assert [place["letter"] for place in places if place["letter"]] == ["A", "C", "B", "D", "E"]
+    for name in ("position", "radius_1", "radius_2", "rolling_1", "rolling_2", "sliding", "load"):
+        assert all(isinstance(place[name], float) for place in places)
+    first, last = places[0], places[-1]
+    assert (first["position"], last["position"]) == pytest.approx(
+        (-3.3177e-3, 14.7637e-3), rel=1e-4
+    )
+    assert last["radius_1"] == pytest.approx(28.734e-3, rel=1e-4)
+    assert "boundary lubrication" in document["limits"]
+
+
+def test_limits_are_the_first_paragraph(irg):
+    title, paragraph, blank = irg("gears", "fzg_a").splitlines()[:3]
+    assert title == "FZG test gears A, A/8.3/90"
+    assert paragraph.startswith("Not validated: no scuffing test of gears")
+    assert blank == ""
+
+
+def test_a_load_stage_is_a_duty(irg):
+    twelve = irg("gears", "fzg_a", "--stage", "12", "--json")
+    assert twelve["duty"]["torque"] == 534.5
+    assert twelve["duty"]["bulk"] == pytest.approx(273.15 + 80 + 0.23 * 534.5)
+    assert twelve["pitch_pressure_of_one_pair"] == pytest.approx(1.84e9, rel=5e-3)
+    assert "has 1 to 12" in irg("gears", "fzg_a", "--stage", "13", code=2)
+
+
+def test_teeth_are_warmer_than_their_oil_by_the_rule(irg):
+    document = irg("gears", "fzg_a", "--set", "without=temperature.bulk", "--set",
+                   "temperature.oil=90 degC", "--json")  # fmt: skip
+    warmer = document["duty"]["bulk"] - 363.15
+    assert warmer == pytest.approx(0.7 * document["integral"]["mean_flash"], rel=1e-9)
+    both = irg("gears", "fzg_a", "--set", "temperature.oil=90 degC", code=2)
+    assert "temperature: give one of bulk, that of the teeth, and oil" in both
+
+
+def test_a_table_and_a_figure_are_written(irg, tmp_path):
+    irg("gears", "fzg_a", "--places", "5", "-o", tmp_path / "mesh.csv")
+    table = pd.read_csv(tmp_path / "mesh.csv")
+    assert table["sliding [m/s]"].abs().min() == 0
+    assert table["half-width [µm]"].max() == pytest.approx(231, abs=1)
+    irg("gears", "fzg_a", "-o", tmp_path / "mesh.png")
+    assert (tmp_path / "mesh.png").stat().st_size > 10_000
+    velocities, pressures, temperatures, film = gears.draw_mesh(
+        gears.mesh(gears.read_pair("fzg_a"))
+    ).axes
+    assert film.get_ylabel() == "Λ"
+    assert temperatures.get_xlabel().endswith("from the pitch point [mm]")
+    (sliding,) = (line for line in velocities.lines if line.get_label() == "sliding")
+    assert sliding.get_ydata()[-1] == pytest.approx(5.59, abs=5e-3)
+    assert max(pressures.lines[0].get_ydata()) == pytest.approx(1.625, abs=1e-3)
+
+
+def test_a_scene_runs_and_its_margins_are_by_place(irg, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = irg("gears", "fzg_a", "--places", "2", "--scene", "mesh.toml", *CRITICAL)
+    assert "irg run mesh.toml -o mesh.zarr" in told
+    irg("run", "mesh.toml", "-o", "mesh.zarr", "--preset", "draft", "--workers", "1")
+    margins = pipeline.margins("mesh.zarr")
+    places = [p for p in gears.mesh(gears.read_pair("fzg_a"), 2).places if p.sliding]
+    assert len(margins) == len(places) == 4
+    for margin, place in zip(margins, places, strict=True):
+        # Rough flanks are hotter than smooth ones, and half as much at most.
+        rise, smooth = margin.decisive_temperature - 438.85, place.flash
+        assert smooth < rise < 1.6 * smooth
+    assert "position [mm]" in irg("margin", "mesh.zarr")
+
+
+def test_a_simulation_takes_the_hottest_place_of_each_duty():
+    pair = gears.read_pair("fzg_a")
+    duties = [gears.Duty(torque, pair.duty.speed, 373.15) for torque in (372.6, 100.0)]
+    meshes = [gears.mesh(pair, 2, duty) for duty in duties]
+    hot, cool = model.simulate(meshes, "draft", workers=1)
+    assert hot.place.letter == "D"
+    assert hot.mesh.duty.torque == 372.6
+    assert cool.temperature < hot.temperature
+    assert 1.0 < (hot.temperature - 373.15) / hot.place.flash < 1.5
+
+
+@pytest.mark.usefixtures("warm")
+def test_a_failure_stage_is_a_temperature_between_two_stages(irg):
+    said = irg("gears", "fzg_a", "--failure-stage", "10")
+    assert "in the stage before, and at" in said
+    assert "278 °C by the rule of ISO/TR 13989-2, Eq. 94" in said
+    critical = irg("gears", "fzg_a", "--failure-stage", "10", "--json")["critical_temperature"]
+    assert critical["value"] == (critical["passed"] + critical["failed"]) / 2
+    spread = (critical["failed"] - critical["passed"]) / math.sqrt(12)
+    assert critical["doubt"] == pytest.approx(math.hypot(spread, 1.0))
+    assert critical["failed"] == pytest.approx(331 + 273.15, abs=1)
+
+
+@pytest.mark.usefixtures("warm")
+def test_the_stage_that_is_predicted_is_the_one_that_was_told(irg):
+    """An oil that fails in stage 10 fails there again, and on rougher flanks sooner."""
+    given = ("gears", "fzg_a", "--failure-stage", "10", "--stages", "--json")
+    assert irg(*given)["stages"]["fails"] == 10
+    told = irg("gears", "fzg_a", "--failure-stage", "10", "--json")["critical_temperature"]
+    limit = f"{told['value'] - 273.15} degC"
+    rough = ("--set", "pinion.roughness=1 um", "--set", "wheel.roughness=1 um")
+    rougher = irg("gears", "fzg_a", "--stages", "--critical-temperature", limit, *rough, "--json")
+    assert rougher["stages"]["fails"] < 10
+    passes = irg("gears", "fzg_a", "--stages", "--critical-temperature", "900 degC")
+    assert "passes all load stages" in passes
+
+
+@pytest.mark.usefixtures("warm")
+def test_the_oil_of_a_pair_is_tested_on_the_test_gears(tmp_path):
+    (tmp_path / "own.toml").write_text(OWN)
+    own = gears.read_pair(tmp_path / "own.toml")
+    thin = gears.critical_temperature(own, 9)
+    rig = gears.read_pair("fzg_a", {"oil": "ISO VG 46"})
+    assert thin.value == gears.critical_temperature(rig, 9).value
+    without = own.changed(oil=None, friction=0.05)
+    with pytest.raises(pipeline.gears.involute.InputError, match="oil of the pair is not given"):
+        gears.critical_temperature(without, 9)
+
+
+@pytest.mark.usefixtures("warm")
+def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
+    duty = tmp_path / "duty.csv"
+    duty.write_text(
+        DUTY + "150,1500,1800,100,cruise\n372.6,2170,150,165.7,climb\n9,100,50,,start\n"
+    )
+    given = "gears", "fzg_a", "--points", duty
+    severe = irg(*given, *CRITICAL)
+    assert "Scuffing is predicted in 1 of 3 rows, 150 of 2000 h. Row 2, 372.6 N m" in severe
+    assert "binds: 81 ± 1 K above the critical temperature of 250 °C" in severe
+    assert "columns not used: name" in severe
+    document = irg(*given, "--critical-temperature", "400 degC", "--json")["spectrum"]
+    assert (document["verdict"], document["binding_row"]) == ("mild", 2)
+    assert document["rows"]["hours"] == [1800, 150, 50]
+    assert document["rows"]["verdict"] == ["mild"] * 3
+    assert "in 3 of 3 rows, 2000 of 2000 h" in document["sentence"]
+    undecided = irg(*given, "--critical-temperature", "331 degC", "--json")["spectrum"]
+    assert undecided["verdict"] == "not decided"
+
+
+@pytest.mark.usefixtures("warm")
+def test_the_doubt_of_a_critical_temperature_counts_in_each_verdict():
+    pair = gears.read_pair("fzg_a")
+    points = {"torque": ["372.6 N m"], "speed": ["2170 rpm"], "bulk temperature": ["165.7 degC"]}
+    near = gears.Critical(pair.duty.bulk + 190, 0.0)
+    assert gears.judge_spectrum(pair, points, near).verdict == "mild"
+    doubtful = gears.Critical(near.value, 40.0)
+    assert gears.judge_spectrum(pair, points, doubtful).verdict == "not decided"
+
+
+OWN = """
+title = "A pair of our own"
+[mesh]
+module = "3 mm"
+face_width = "25 mm"
+[pinion]
+teeth = 21
+material = "nitrided 31CrMoV9"
+roughness = "0.4 um"
+[wheel]
+teeth = 60
+material = "bronze CuSn12"
+roughness = "0.6 um"
+[duty]
+torque = "20 Nm"
+speed = "157 rad/s"
+[temperature]
+bulk = "70 degC"
+[oil]
+like = "ISO VG 46"
+"""
+
+
+def test_a_short_file_has_what_it_leaves_out(irg, tmp_path):
+    (tmp_path / "own.toml").write_text(OWN)
+    document = irg("gears", tmp_path / "own.toml", "--json")
+    assert document["centre_distance"] == pytest.approx(121.5e-3)
+    assert document["contact_ratio"] == pytest.approx(1.68, abs=0.02)
+    sources = {one["source"] for one in document["library"]}
+    assert any("31" in source or "1.8519" in source for source in sources)
+    without = OWN[: OWN.index("[oil]")] + "[friction]\ncoefficient = 0.05\n"
+    (tmp_path / "own.toml").write_text(without)
+    said = irg("gears", tmp_path / "own.toml")
+    assert "0.05, as given" in said
+    assert "Λ" not in said
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (("teeth = 21", "teeth = 12"), "tip interferes with the flank of the pinion"),
+        (("teeth = 21", "teeth = 2.5"), "pinion.teeth: 2.5 is not a whole number"),
+        (('"3 mm"', '"3 kg"'), 'mesh.module: "3 kg" cannot be converted to mm'),
+        (('"157 rad/s"', '"25 1/s"'), "is not in rpm or rad/s"),
+        (("face_width", "facewidth"), "mesh.facewidth: unknown key"),
+        (("title", "materials = 3\ntitle"), "materials: 3 is not a table"),
+        (('"bronze CuSn12"', '"bronce"'), "wheel.material"),
+        (('like = "ISO VG 46"', 'density = "866 kg/m^3"'), "one of kinematic_viscosity and"),
+    ],
+)
+def test_mistakes_in_a_file_are_said_in_a_line(irg, tmp_path, wrong, said):
+    (tmp_path / "own.toml").write_text(OWN.replace(*wrong))
+    told = irg("gears", tmp_path / "own.toml", code=2)
+    assert said in told
+    assert "Traceback" not in told
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--stages"], "need a critical temperature"),
+        (["--points", "duty.csv"], "need a critical temperature"),
+        (["--failure-stage", "13"], "give 2 to 12, of A/8.3/90"),
+        (["--failure-stage", "9", *CRITICAL], "give one of them"),
+        (["--stages", "--points", "duty.csv", *CRITICAL], "ask one at a time"),
+        (["--sheet", "one"], "a workbook of --points"),
+        (["--scene", "mesh.csv"], "suffix must be .toml"),
+        (["--set", "duty.torque=1 N m", "--set", "duty.torque=2 N m"], "given more than once"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused_before_anything_runs(irg, options, said):
+    assert said in irg("gears", "fzg_a", *options, code=2)
+
+
+def test_faults_of_a_spectrum_are_all_named(irg, tmp_path):
+    (tmp_path / "duty.csv").write_text("torque [N m],speed\n1,2\nx,3 rpm\n")
+    told = irg("gears", "fzg_a", "--points", tmp_path / "duty.csv", *CRITICAL, code=2)
+    assert "row 2, speed" in told
+    assert "row 3, torque" in told
+
+
+def test_the_page_leads_from_a_drawing_to_a_verdict(irg, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "workflows" / "YOUR_GEARS.md").read_text(encoding="utf-8")
+    pair, duty = re.findall(r"```(?:toml)?\n((?:title|torque).*?)```", page, flags=re.DOTALL)
+    Path("pair.toml").write_text(pair, encoding="utf-8")
+    Path("duty.csv").write_text(duty, encoding="utf-8")
+    written = gears.read_pair("pair.toml")
+    usual = {name: getattr(written, name) for name in ("correlation_length", "hurst_exponent")}
+    assert usual == {"correlation_length": (4e-6, 4e-6), "hurst_exponent": 0.8}
+    (command,) = re.findall(r"^irg (gears pair.toml .*--points.*)$", page, flags=re.MULTILINE)
+    said = irg(*shlex.split(command))
+    assert "No scuffing is predicted in 3 of 3 rows, 10000 of 10000 h. Row 2" in said
+    (critical,) = re.findall(r"critical temperature: (\d+ ± \d+ °C) by this model", said)
+    (limit,) = re.findall(r"scuffing integral temperature: (\d+ °C) by the rule", said)
+    assert critical in page
+    assert f"is {limit}" in page
+    assert Path("verdicts.csv").read_text().count("mild") == 3
+
+
+def test_without_its_folder_the_rest_works(tmp_path):
+    for package in ("tribo", "pipeline", "workflows"):
+        kept = shutil.ignore_patterns("gears", "__pycache__", "*.png")
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=kept)
+    (tmp_path / "pipeline" / "gears" / "__pycache__").mkdir(parents=True)  # as git leaves it
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+
+    def run(*words):
+        command = [sys.executable, "-m", "pipeline", *words]
+        return subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+
+    assert "gears" not in (listed := run("--help").stdout)
+    assert "boundary" in listed
+    assert run("gears", "fzg_a").returncode == 2
+    few = ["--set", 'sweep.loads=["600 N"]', "--workers", "1", "-o", "first.zarr"]
+    assert run("run", "first_try", *few).returncode == 0
+    margin = run("margin", "first.zarr", "--load", "600 N", "--velocity", "2.2 m/s", "--json")
+    assert json.loads(margin.stdout)["verdict"] in ("mild", "severe", "not decided")
+    where = "import pipeline; print(pipeline.__file__, hasattr(pipeline, 'gears'))"
+    command = [sys.executable, "-c", where]
+    told = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+    )
+    assert told.stdout.split() == [str(tmp_path / "pipeline" / "__init__.py"), "False"]

@@ -1,0 +1,172 @@
+"""Geometry of involutes against closed forms, worked examples, and drawings of mistakes."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from pipeline.gears.involute import Involutes, fitting_distance
+from pipeline.gears.reading import tip_diameter
+from tribo import InputError
+
+TWENTY = math.radians(20)
+FZG = {
+    "module": 4.5e-3, "pressure_angle": TWENTY, "helix_angle": 0.0, "teeth": (16, 24),
+    "profile_shifts": (0.8532, -0.5), "centre_distance": 91.5e-3,
+    "tip_diameters": (88.77e-3, 112.5e-3), "face_width": 20e-3,
+}  # fmt: skip
+
+
+def pair(**changed):
+    return Involutes(**FZG | changed)
+
+
+def plain(z1, z2, module=1.0, angle=TWENTY, helix=0.0, shifts=(0.0, 0.0)):
+    """A pair at its centre distance without backlash, with tips of the basic rack."""
+    toothing = module, angle, helix
+    apart = fitting_distance(*toothing, (z1, z2), shifts)
+    tips = [tip_diameter(module, helix, (z1, z2), shifts, apart, k) for k in (0, 1)]
+    return Involutes(
+        module=module, pressure_angle=angle, helix_angle=helix, teeth=(z1, z2),
+        profile_shifts=shifts, centre_distance=apart, tip_diameters=tuple(tips), face_width=10.0,
+    )  # fmt: skip
+
+
+def test_a_worked_example_of_shifted_gears():
+    """bolsover.com, *Profile Shifted External Spur Gears*: m 3 mm, 12 and 24 teeth, x 0.6, 0.36."""
+    gears = plain(12, 24, module=3.0, shifts=(0.6, 0.36))
+    assert gears.centre_distance == pytest.approx(56.4999, abs=1e-4)
+    assert math.degrees(gears.working_angle) == pytest.approx(26.0886, abs=3e-4)
+    assert 2 * gears.base_radii[0] == pytest.approx(33.8289, abs=5e-5)
+    assert 2 * gears.base_radii[1] == pytest.approx(67.6579, abs=5e-5)
+    assert gears.tip_diameters == pytest.approx((44.840, 79.400), abs=5e-4)
+    assert gears.contact_ratio == pytest.approx(1.202, abs=5e-4)
+
+
+def test_the_test_gears_of_fzg_by_hand():
+    """ISO 14635-1 gives the dimensions; by hand: inv αwt 0.021332, αwt 22.44°, εα 1.36."""
+    gears = pair()
+    value = math.tan(gears.working_angle) - gears.working_angle
+    by_shifts = 0.0149044 + 2 * 0.3639702 * 0.3532 / 40
+    assert value == pytest.approx(by_shifts, rel=2e-4)
+    e = math.sqrt(44.385**2 - 33.829**2) - 33.829 * math.tan(gears.working_angle)
+    assert 1e3 * gears.path.e == pytest.approx(e, abs=2e-3)
+    pitch = math.pi * 4.5 * math.cos(TWENTY)
+    assert 1e3 * gears.base_pitch == pytest.approx(pitch)
+    assert gears.contact_ratio == pytest.approx((e + 3.3177) / pitch, abs=2e-4)
+
+
+@pytest.mark.parametrize("teeth", [20, 37, 80])
+def test_equal_gears_mesh_symmetrically(teeth):
+    a, b, d, e = plain(teeth, teeth).path
+    assert a == pytest.approx(-e)
+    assert b == pytest.approx(-d)
+
+
+def test_a_wheel_of_very_many_teeth_is_a_rack():
+    """On a rack the path beyond the pitch point on its side is m/sin α, its radius infinite."""
+    gears = plain(24, 1_000_000)
+    assert gears.path.a == pytest.approx(-1 / math.sin(TWENTY), rel=1e-4)
+    assert gears.radii(0.0)[1] > 1e5
+    first, second = gears.radii(0.3)
+    assert first * second / (first + second) == pytest.approx(12 * math.sin(TWENTY) + 0.3, rel=1e-4)
+
+
+def test_neighbouring_teeth_are_a_base_pitch_apart():
+    gears = pair()
+    assert gears.path.e - gears.path.b == pytest.approx(gears.base_pitch)
+    assert gears.path.d - gears.path.a == pytest.approx(gears.base_pitch)
+    both = [radius * 2 * math.pi / z for radius, z in zip(gears.base_radii, (16, 24), strict=True)]
+    assert both[0] == pytest.approx(both[1])
+
+
+def test_radii_add_up_to_the_distance_between_the_base_circles():
+    gears = pair()
+    for place in gears.path:
+        assert sum(gears.radii(place)) == pytest.approx(91.5e-3 * math.sin(gears.working_angle))
+
+
+def test_a_worked_example_of_a_helical_pair():
+    """KHK, *Gear technical reference*: mn 3 mm, αn 20°, β 30°, 12 and 60 teeth, x1 0.09809."""
+    gears = plain(12, 60, module=3.0, helix=math.radians(30), shifts=(0.09809, 0.0))
+    assert math.degrees(gears.transverse_angle) == pytest.approx(22.79588, abs=1e-5)
+    assert math.degrees(gears.working_angle) == pytest.approx(23.1126, abs=1e-4)
+    assert gears.centre_distance == pytest.approx(125.0, abs=1e-3)
+
+
+def test_a_helical_pair_is_a_spur_pair_of_its_transverse_section():
+    helix = math.radians(15)
+    helical = plain(20, 31, helix=helix)
+    module = 1 / math.cos(helix)
+    spur = Involutes(
+        module=module, pressure_angle=helical.transverse_angle, helix_angle=0.0, teeth=(20, 31),
+        profile_shifts=(0.0, 0.0), centre_distance=helical.centre_distance,
+        tip_diameters=helical.tip_diameters, face_width=10.0,
+    )  # fmt: skip
+    assert helical.path == pytest.approx(spur.path)
+    lean = math.cos(helical.base_helix_angle)
+    for mine, plane in zip(helical.radii(0.1), spur.radii(0.1), strict=True):
+        assert mine * lean == pytest.approx(plane)
+    assert helical.overlap_ratio == pytest.approx(10 * math.sin(helix) / math.pi)
+
+
+def drawn_undercut(teeth):
+    """Radius of curvature up to which a rack takes the involute of gears of module 1, drawn.
+
+    The flank, a curve in the gear, is turned under the tooth of the rack; what lies within goes.
+    """
+    r, rb, tangent = teeth / 2, teeth / 2 * math.cos(TWENTY), math.tan(TWENTY)
+    curvature = np.linspace(1e-4, 1.2, 2000)
+    radius, unrolled = np.hypot(rb, curvature), curvature / rb
+    angle = math.tan(TWENTY) - TWENTY - (unrolled - np.arctan(unrolled))
+    gone = np.zeros(len(radius), bool)
+    for turned in np.linspace(-1.0, 1.0, 4001):
+        x, y = radius * np.sin(angle + turned), radius * np.cos(angle + turned) - r
+        # A tooth of the rack to the right of the flank that runs through the pitch point.
+        gone |= (y > -1.0) & (x - r * turned > -y * tangent + 1e-9) & (x - r * turned < 1.2)
+    return curvature[gone].max() if gone.any() else 0.0
+
+
+@pytest.mark.parametrize("teeth", [8, 10, 12])
+def test_undercut_is_what_a_drawn_rack_takes_away(teeth):
+    gears = object.__new__(Involutes)  # not one that could run
+    for name, value in FZG.items():
+        object.__setattr__(gears, name, value)
+    for name, value in (("module", 1.0), ("teeth", (teeth, 24)), ("profile_shifts", (0.0, 0.0))):
+        object.__setattr__(gears, name, value)
+    assert gears.undercut(0) == pytest.approx(drawn_undercut(teeth), abs=4e-3)
+    object.__setattr__(gears, "profile_shifts", (gears.least_shift(0) + 1e-3, 0.0))
+    assert gears.undercut(0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"centre_distance": 95e-3}, "mesh.centre_distance is 95 mm, and profile shifts of 0.8532"),
+        ({"centre_distance": 80e-3}, "base circles need more than 84.57 mm"),
+        ({"tip_diameters": (60e-3, 112.5e-3)}, "pinion.tip_diameter is 60 mm, within the base"),
+        ({"tip_diameters": (88.77e-3, 108e-3)}, "contact ratio is 0.924"),
+        ({"tip_diameters": (72e-3, 109e-3)}, "tips do not reach each other"),
+        ({"tip_diameters": (95e-3, 112.5e-3)}, "pinion.tip_diameter is 95 mm: the teeth are point"),
+        ({"profile_shifts": (-3.0, -2.0)}, "fit no centre distance"),
+    ],
+)
+def test_a_mistake_is_said_in_a_line(changed, said):
+    with pytest.raises(InputError, match=r"^[^\n]+$") as error:
+        pair(**changed)
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("teeth", "said"),
+    [((12, 24), "wheel.tip_diameter: its tip interferes with the flank of the pinion"),
+     ((14, 14), "pinion.profile_shift is 0: undercut takes the involute")],
+)  # fmt: skip
+def test_few_teeth_interfere_or_are_undercut(teeth, said):
+    with pytest.raises(InputError, match=said):
+        plain(*teeth)
+
+
+def test_places_lie_in_their_order():
+    assert all(x < y for x, y in pairwise(pair().path))
