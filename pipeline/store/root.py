@@ -290,7 +290,7 @@ def copied(place: StorePlace, names: Iterable[str]) -> Copies:
         stations = json.loads(copies["stations"])
         facts = {"generation": 0, "axes": axes, "points_per_chunk": dict(block)}
         return Copies(
-            build(Stations, stations | {"loads": tuple(stations["loads"])}),
+            build(Stations, stations | {"holds": tuple(stations["holds"])}),
             build(Facts, facts | json.loads(copies["versions"])),
             arrays,
         )

@@ -25,7 +25,7 @@ from distributed import Client, LocalCluster, SchedulerPlugin, Security
 import pipeline
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
-from pipeline.run.cluster import Connection, client_of, connected, sent_once, threads_of
+from pipeline.run.cluster import Connection, client_of, connected, threads_of
 from pipeline.run.sweep import run_sweep
 from pipeline.run.work import ExecutionError, hash_of_code, versions
 from pipeline.store.progress import summary
@@ -262,7 +262,7 @@ def test_where_no_scheduler_answers_no_store_is_made(tmp_path, irg):
 
 
 class Tasks(SchedulerPlugin):
-    """The names of all tasks that a scheduler is given, and what each depends on."""
+    """All tasks that a scheduler is given, and what each depends on."""
 
     name = "tasks"
 
@@ -300,8 +300,7 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     named = {key.rsplit("-", 2)[0]: below for key, below in given.items()}
     places = itertools.product(SWEEP.plane.loads, SWEEP.plane.velocities)
     assert named.keys() == {f"point-{load:g}N-{velocity:g}ms" for load, velocity in places}
-    assert [below.rsplit("-", 2)[0] for below in named["point-600N-1ms"]] == ["point-250N-1ms"]
-    assert named["point-150N-1ms"] == []
+    assert sum(map(len, named.values())) == 0
 
 
 def test_what_is_no_client_is_refused(tmp_path):
@@ -342,10 +341,6 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_
         began = client.run(lambda: psutil.Process().environ())
         for name, value in forkserver.WORKER_ENVIRONMENT.items():
             assert all(environment[name] == value for environment in began.values())
-        # Or Dask would give every task to the one worker that has it.
-        shared = sent_once(link, bytes(100_000))
-        assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
-        assert shared.result(timeout=30) == bytes(100_000)
         address = client.scheduler.address
         info = client.scheduler_info(n_workers=-1)
         worker, _ = info["workers"].items()

@@ -28,7 +28,6 @@ from tests.helpers.stores import (
     make,
     opened,
     record,
-    stations_of,
 )
 from tests.pipeline.conftest import commit_all
 
@@ -123,7 +122,7 @@ ADDED = {
 
 def resumed(path, sweep, tell=None):
     """Run a sweep from records; the number of points that were computed."""
-    records = {point: record(point, stations_of(path)) for point in points(sweep)}
+    records = {point: record(point) for point in points(sweep)}
     with computing(records, pace=0.0):
         return run_sweep(sweep, path, workers=1, tell=tell).computed
 

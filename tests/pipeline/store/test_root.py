@@ -157,7 +157,7 @@ def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone, siz
         (("sweep", "about", "measured", 0, "velocity"), "", "Measurement.velocity"),
         (("sweep", "about", "measured", 0, "colour"), 1.0, "Measurement.colour"),
         (("sweep", "scene", "fidelity", "increments"), True, "Fidelity.increments"),
-        (("sweep", "record", "stations", "loads"), None, "Stations.loads"),
+        (("sweep", "record", "stations", "holds"), None, "Stations.holds"),
         (("sweep", "about", "same_rig"), None, "About.same_rig"),
         (("sweep", "scene", "wear"), {"type": "Own"}, "'Own' is unknown"),
         (("store", "later_versions"), [[1, 2]], "Facts.later_versions"),
