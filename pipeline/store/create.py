@@ -28,6 +28,7 @@ from pipeline.store.layout import (
     chunk_numbers,
     documents,
     grown_axes,
+    made_coordinates,
 )
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
@@ -153,7 +154,7 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
         facts = replace(facts, points_per_chunk=chunk, generation=facts.generation + 1)
     root = Root(kept, facts, {})
     wanted["step"] = wanted["step"]._replace(attributes=copied_attributes(root))
-    values: dict[str, Any] = dict(axes)
+    values: dict[str, Any] = axes | made_coordinates(kept, axes)
     if arrays:
         wanted[INPUTS] = inputs_variable(arrays)
         values |= {DIM: range(len(held := joined_arrays(arrays))), INPUTS: held}

@@ -29,6 +29,7 @@ from tribo.types import Array
 
 Moment = Mapping[str, float | Array]
 
+_MADE = ("time", "normal_load", "sliding_distance")  # which follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
@@ -78,7 +79,10 @@ class PointResult:
         fields = self.fields if with_fields else {}
         return PointRecord(
             point=self.point,
-            data={**self.columns, **{k: v.astype(np.float32) for k, v in fields.items()}},
+            data={
+                **{name: v for name, v in self.columns.items() if name not in _MADE},
+                **{name: v.astype(np.float32) for name, v in fields.items()},
+            },
             message="; ".join(map(str, self.warnings)),
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
             wall_time=self.wall_time,
@@ -169,17 +173,17 @@ def run_points(
     lead = sweep.variant(name_of_lead).scene
     places = [(one.scene, point.velocity) for one, point in zip(variants, points, strict=True)]
     different = tuple(dict.fromkeys(places))
-    asked = stations.asked(lead, load)
-    note = None
+    asked, kept = stations.asked(lead, load), stations.kept(lead, load)
+    note, own = None, {station.index for station in kept}
     if stations.steps == "course":
         note = Note(different, lambda state: [_on_way(*place, state) for place in different])
-    steps = sum(1 for _ in lead.stations(load, asked)) if progress else 0
+        own = {one.index for one in kept if one.index in asked or one.normal_load >= load}
     hot: list[list[State]] = []  # by moment and place
     for contact in contacts(lead, load, first, trunks, asked, note):
-        if contact.is_asked or (contact.heat is not None and contact.normal_load >= load):
+        if contact.index in own:
             hot.append([_with_heat(*place, contact) for place in different])
         if progress:
-            progress(contact.index, steps)
+            progress(contact.index, kept[-1].index)
     duration = (time.perf_counter() - began) / len(points)
     results = []
     for point, variant, place in zip(points, variants, places, strict=True):
@@ -202,10 +206,10 @@ def run_points(
 
 def _with_heat(scene: Scene, velocity: float, contact: State) -> State:
     """A contact with its temperature in a scene, at a velocity of its wear number [m/s]."""
-    if contact.heat is not None or not contact.pressure.any():
-        return contact
-    distance = abs(velocity) * contact.time
-    return replace(contact, sliding_distance=distance, heat=heat(scene, contact, velocity))
+    warm = contact.heat
+    if warm is None and contact.pressure.any():
+        warm = heat(scene, contact, velocity)
+    return replace(contact, sliding_distance=abs(velocity) * contact.time, heat=warm)
 
 
 def _on_way(scene: Scene, velocity: float, contact: State) -> Moment:
@@ -223,7 +227,11 @@ def _stacked(records: Sequence[Moment]) -> dict[str, Array]:
 def record_at(scene: Scene, state: State) -> Moment:
     """Values at one moment of a point, by variable of the dataset."""
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
-    record: dict[str, float | Array] = {**measures(scene, state), "rise_quantile": quantiles}
+    record: dict[str, float | Array] = {
+        "own_grid": state.pressure.size >= math.prod(scene.grid.shape),
+        **measures(scene, state),
+        "rise_quantile": quantiles,
+    }
     if scene.unequal_bulks:
         of_bulk = state.heat.bulk_rise_quantile if state.heat else None
         record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if of_bulk is None else of_bulk

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from tribo import MeasuredLoad, Scene
+from tribo.loading import Station
 
 Steps = Literal["course", "end"]
 """Every step of a point, or those alone that can decide."""
@@ -44,18 +46,26 @@ class Stations:
         )
         return frozenset([*kept, *tested])
 
-    def count(self, scene: Scene, load: float) -> int:
-        """Stations of a point at a load at most, its end included."""
+    def kept(self, scene: Scene, load: float) -> list[Station]:
+        """Steps of a point at a load that are stored, its end last."""
         asked = self.asked(scene, load)
         steps = list(scene.stations(load, asked))
         keeps_heat = scene.remembers_heat and not scene.fidelity.fewest_elements
-        return sum(
-            step is steps[-1]
+        return [
+            step
+            for step in steps
+            if step is steps[-1]
             or step.index in asked
             or (step.normal_load >= load and (not step.holding or keeps_heat))
             or self.steps == "course"
-            for step in steps
-        )
+        ]
+
+
+def ramp_of(scene: Scene) -> Hashable:
+    """What the steps of a scene's points depend on."""
+    fewest = scene.fidelity.fewest_elements
+    memory = scene.remembers_steps, scene.remembers_heat, fewest > 0
+    return scene.loading, scene.fidelity.increments, *memory
 
 
 def _growing(count: int) -> set[int]:

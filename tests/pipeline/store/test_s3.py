@@ -109,8 +109,8 @@ def test_a_sweep_runs_resumes_and_is_repaired_with_few_requests(address, monkeyp
         requests.clear()
         store.commit([record(OTHER)])
         assert len(requests) <= 60
-    delete(f"{address}/time/c.0.0.0")
-    with pytest.raises(StoreError, match="time cannot be read; irg verify"):
+    delete(f"{address}/mean_rise/c.0.0.0")
+    with pytest.raises(StoreError, match="mean_rise cannot be read; irg verify"):
         open_sweep(address)
 
 

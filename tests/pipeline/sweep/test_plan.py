@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.store.schema import COLUMNS
+from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
@@ -44,10 +44,9 @@ def test_tasks_of_a_ramp_ascend_in_load():
 @pytest.mark.parametrize(("load", "count"), [(150.0, 3), (400.0, 4)])
 def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, count):
     result = run_point(SWEEP, load, 1.0)
-    assert choose_stations(SWEEP).count(SWEEP.scene, load) == count
-    assert {name: len(values) for name, values in result.columns.items()} == dict.fromkeys(
-        COLUMNS, count
-    )
+    assert len(choose_stations(SWEEP).kept(SWEEP.scene, load)) == count
+    names = COLUMNS.keys() | MADE.keys()
+    assert {k: len(values) for k, values in result.columns.items()} == dict.fromkeys(names, count)
     assert result.columns["normal_load"][-1] == load
     assert result.columns["rise_quantile"].shape == (count, len(tribo.QUANTILES))
     assert all(np.isfinite(values).all() for values in result.columns.values())
@@ -102,7 +101,7 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps, l
     for load in (150.0, 250.0, 600.0, 625.0, 250.0):
         (result,) = run_points(sweep, [Point(load, 1.0)], trunks)
         assert same(result, run_point(sweep, load, 1.0))
-        assert len(result.columns["time"]) == choose_stations(sweep).count(sweep.scene, load)
+        assert len(result.columns["time"]) == len(choose_stations(sweep).kept(sweep.scene, load))
         assert all(np.isfinite(values).all() for values in result.columns.values())
 
 
