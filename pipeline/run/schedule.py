@@ -1,8 +1,8 @@
 """Computes the points of a sweep as tasks of Dask, none of which depends on another.
 
-A worker with a free place gets a task, so that each thread has one point waiting: the graph depends
-on no time. About once a second each worker is asked for the records that lie there; the writer
-commits them, and only then are they told as done.
+A worker with a free place gets a task, so that each has one waiting: the graph depends on no time.
+About once a second each worker is asked for the records that lie there; the writer commits them,
+and only then are they told as done.
 
 Points that were on a worker as it died are suspected, and tried again in the end, each alone on a
 worker; those fail that kill even that, time after time.
@@ -45,7 +45,7 @@ TRIALS = 5
 STARTS = 3
 """Workers that may leave in the midst of a point before it is called failed."""
 
-_AHEAD = 2  # points for each thread: one that it computes, and one that waits
+_AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there
 _SOONER = 0.1  # of the time since the beginning between them, until that is more
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
@@ -133,6 +133,7 @@ class _Run:
         self._looked = -_POLL
         self._warm: set[str] = set()  # workers that have told of a point
         self._noted: set[str] = set()  # versions that the user was told of
+        self._is_idle_told = False
         self.running: list[_Running] = []
         self.computed: dict[str, _Running] = {}
         self.computes = True
@@ -147,11 +148,9 @@ class _Run:
         """Fill the workers' places, as a death counts against all there; last suspects alone."""
         busy = Counter(one.worker for one in self.running)
         for places in range(1, _AHEAD + 1):  # first those where nothing runs
-            for worker, threads in self._workers.items():
-                # One that has not answered yet may run other code, and has no scene.
-                while self._reports.knows(worker) and busy[worker] < places * threads:
-                    if not self._waiting:
-                        break
+            # One that has not answered yet may run other code, and has no scene.
+            for worker in filter(self._reports.knows, self._workers):
+                while self._waiting and busy[worker] < places:
                     self._start(self._waiting.take(worker), worker)
                     busy[worker] += 1
         if self._waiting or not self._losses or any(not one.is_alone for one in self.running):
@@ -200,12 +199,24 @@ class _Run:
         if now - self._looked >= pause or (is_last and are_there):
             self._looked = now
             self._workers = threads_of(self._connection)
+            self._tell_idle()
             self._reports.ask(self._workers, list(self.computed))
         for worker, answer in self._reports.answers():
             self._take(worker, answer, now)
         self.computes = self._reports.computes(self._workers)
         for task in [task for task in self.running if self._is_given_up(task)]:
             self.running.remove(task)
+
+    def _tell_idle(self) -> None:
+        """Tell, once, of threads that have nothing to do."""
+        idle = self._workers.total() - len(self._workers)
+        if idle and not self._is_idle_told:
+            self._is_idle_told = True
+            self._connection.tell(
+                f"{idle} of {self._workers.total()} threads of the Dask workers stand idle, since "
+                "each process computes one point at a time; start workers of one thread, as "
+                "Client(threads_per_worker=1) and dask worker --nthreads 1 do"
+            )
 
     def _end(self, task: _Running) -> None:
         if task.future.status == "finished":

@@ -39,7 +39,7 @@ function showCourse(i, j) {
       if (isMark) inside.append(mark("unjudged", frame.x(load[k]), frame.y(value), 5));
     });
   }
-  const text = "While the load grows: the line on the larger elements of the history, marks on the point’s own.";
+  const text = "While the load grows: the line on larger elements of the history, marks on the point’s own.";
   element("course-caption").textContent = text;
   root.setAttribute("role", "img");
   root.setAttribute("aria-label", text);
