@@ -121,7 +121,7 @@ def require_same_code(theirs: Versions, worker: str) -> None:
         )
 
 
-# Threads of one process gain 6 % at most (tests/benchmarks/threads.py), and each takes memory.
+# Threads of one process gain 6 % at most: tests/benchmarks/threads.py.
 _one_at_a_time = threading.Lock()
 _now: str | None = None  # name of the task that holds it
 _trunks = Trunks()

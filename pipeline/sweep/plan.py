@@ -128,11 +128,12 @@ class Task(NamedTuple):
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
     """Points by the contacts that they share; ramp by ramp, loads ascending."""
-    scene = functools.cache(lambda variant: sweep.variant(variant).scene)
+    scene = functools.cache(lambda lead: sweep.variant(lead).scene)
+    increment = functools.cache(lambda lead, load: scene(lead).trunk(load))
 
     def place(point: Point) -> tuple[Any, ...]:
         velocity, lead = sweep.contact_of(point)
-        return lead, velocity, scene(lead).trunk(point.load), point.load
+        return lead, velocity, increment(lead, point.load), point.load
 
     ordered = sorted(todo, key=lambda point: (*place(point), point.variant))
     groups = itertools.groupby(ordered, key=place)

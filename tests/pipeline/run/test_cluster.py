@@ -286,8 +286,8 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client, tell=said.append)
         assert [line for line in said if "threads" in line] == [
             "4 of 6 threads of the Dask workers stand idle, since each process computes one point "
-            "at a time; start workers of one thread, as Client(threads_per_worker=1) and dask worker "
-            "--nthreads 1 do"
+            "at a time; start workers of one thread, as Client(threads_per_worker=1) and "
+            "dask worker --nthreads 1 do"
         ]
         given = dict(tasks.below)
         many = tuple(0.5 + 0.01 * number for number in range(60))  # that none computes meanwhile
