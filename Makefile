@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many measured bench bench-peers release clean
+.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many measured scaling bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -89,6 +89,9 @@ many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and 
 
 measured:             ## list the figures of workflows/MEASURED.md that are older than what they speak of
 	$(PYTHON) -m tests.helpers.campaigns
+
+scaling: .venv/test   ## how a sweep scales with workers, replayed with the costs of real points, in a minute
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.cluster.scaling irg_transition standard
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

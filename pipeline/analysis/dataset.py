@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import AT_END, COORDINATES, INPUTS, PLANE, STEPPED
+from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED
 from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
@@ -135,15 +135,29 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a sweep, opened if given by its path; what Dask holds but fields is read."""
+    """The dataset of a sweep, opened if given by its path; what Dask holds but fields is read.
+
+    What is known of each step is a variable of each point.
+    """
     if not isinstance(source, xr.Dataset):
-        return open_sweep(source)
+        return _of_points(open_sweep(source))
     _text(source)
     lazy = {
         n: source[n].compute() for n in source.variables if source[n].chunks and n not in AT_END
     }
     coords = {name: lazy.pop(name) for name in [*lazy] if name in source.coords}
-    return ordered(source.assign_coords(coords).assign(lazy))
+    return _of_points(ordered(source.assign_coords(coords).assign(lazy)))
+
+
+def _of_points(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset with time, load and distance of each step at each point."""
+    names = [name for name in (*MADE, "own_grid") if name in ds.coords]
+    ds = ds.reset_coords(names)
+    if "status" not in ds:
+        return ds
+    status = ds["status"]
+    spread = {name: ds[name].broadcast_like(status) for name in names}
+    return ds.assign({name: array.transpose(*status.dims, ...) for name, array in spread.items()})
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
@@ -291,7 +305,7 @@ def with_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
         raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
     if "step" in ds.dims:
         return ds
-    stepped = [name for name in ds.data_vars if name in STEPPED]
+    stepped = [name for name in ds.data_vars if name in STEPPED or name in MADE]
     return ds.drop_vars("step", errors="ignore").assign(
         {name: ds[name].drop_vars("step", errors="ignore").expand_dims("step") for name in stepped}
     )
@@ -334,4 +348,5 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.00029
     """
-    return with_steps(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")
+    end = with_steps(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")
+    return end.set_coords([name for name in (*MADE, "own_grid") if name in end])

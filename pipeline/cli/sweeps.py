@@ -275,7 +275,7 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
         yield "points", f"{cost.points}: {asked}"
     yield "steps", f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not searched:
-        yield "chains", f"{cost.chains}, each computed by one worker: more workers would be idle"
+        yield "tasks", f"{cost.tasks}, none of which waits for another: more workers would be idle"
     workers = counted(cost.workers, "worker", "workers")
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
     size = cost.disk_bytes / 1e6

@@ -35,11 +35,18 @@ def chosen_points(
     load: float | str | Iterable[float | str] | None,
     velocity: float | str | Iterable[float | str] | None,
     conditions: Conditions,
+    nearest: bool = False,
 ) -> list[tuple[int, int]]:
-    """Find the indices of the points asked for, or of the one nearest to the transition."""
+    """Find the indices of the points asked for, or of the one nearest to the transition.
+
+    A load or velocity that the sweep does not hold is refused, or stands for the nearest.
+    """
     rises = decisive_rise(ds, conditions).values
     is_finite = np.isfinite(rises)
-    loads, velocities = indices_of(ds, "load", load), indices_of(ds, "velocity", velocity)
+    loads, velocities = (
+        indices_of(ds, axis, values, nearest)
+        for axis, values in (("load", load), ("velocity", velocity))
+    )
     points, reached = list[tuple[int, int]](), np.flatnonzero(is_finite.any(axis=1))
     for i in loads or reached[-1:].tolist() or [0]:
         require_done_at(ds["load"].values[i], is_finite[i])
@@ -69,19 +76,38 @@ def require_done_at(load: float, is_done: Mask) -> None:
 
 
 def indices_of(
-    ds: xr.Dataset, axis: str, values: float | str | Iterable[float | str] | None
+    ds: xr.Dataset,
+    axis: str,
+    values: float | str | Iterable[float | str] | None,
+    nearest: bool = False,
 ) -> list[int]:
     """Find the indices of one load or velocity or several; none if none is given."""
-    several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     available, found = ds[axis].values, []
-    for value in (in_si(axis, value, _LIKE[axis]) for value in several):
+    for value in _places(axis, values):
         found.append(int(np.abs(available - value).argmin()))
-        if not math.isclose(available[found[-1]], value, rel_tol=1e-9):
+        if not (nearest or math.isclose(available[found[-1]], value, rel_tol=1e-9)):
             raise InputError(
                 f"{axis} is {value:g} {UNITS[axis]}, which the sweep does not hold; the nearest is "
                 f"{available[found[-1]]:g} {UNITS[axis]}"
             )
     return found
+
+
+def _places(axis: str, values: float | str | Iterable[float | str] | None) -> list[float]:
+    """Loads or velocities that were asked for [SI]."""
+    several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
+    return [in_si(axis, value, _LIKE[axis]) for value in several]
+
+
+def nearest_to(ds: xr.Dataset, **asked: float | str | Iterable[float | str] | None) -> str:
+    """Say which loads and velocities of those asked for the sweep does not hold; empty if none."""
+    missing = [
+        f"{value:g} {UNITS[axis]}"
+        for axis, values in asked.items()
+        for value in _places(axis, values)
+        if not np.isclose(ds[axis].values, value, rtol=1e-9).any()
+    ]
+    return f", nearest to {' and '.join(missing)}" if missing else ""
 
 
 def point_name(ds: xr.Dataset, point: tuple[int, int]) -> str:

@@ -16,9 +16,14 @@ from pipeline.analysis.dataset import one_row, sweep_at_bulks
 from pipeline.analysis.decisive import conditions_of, decisive_rise
 from pipeline.analysis.transition import along_friction, crossing
 from pipeline.figures import style
-from pipeline.figures.fields import chosen_points, indices_of, point_name, require_done_at
+from pipeline.figures.fields import (
+    chosen_points,
+    indices_of,
+    nearest_to,
+    point_name,
+    require_done_at,
+)
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
-from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import contact_temperature, rise_limit
 from tribo import Criterion, InputError
@@ -37,10 +42,14 @@ def ramp(
     show: str | None = None,
     **changed: Any,
 ) -> Figure:
-    """Draw contact, wear and temperature, or one variable, at stations while the load grows."""
+    """Draw contact, wear and temperature, or one variable, of points while their load grows.
+
+    Those nearest to a load or velocity that the sweep does not hold, which their names then say.
+    Steps on the grid of the history and on the point's own are not joined.
+    """
     conditions = conditions_of(ds, **changed)
     ds = one_row(ds, realization)
-    points = chosen_points(ds, load, velocity, conditions)
+    points = chosen_points(ds, load, velocity, conditions, nearest=True)
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
     volume = 1e9 * ds["wear_volume"].values
@@ -63,8 +72,9 @@ def ramp(
     lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
     _load_axis(temperature, ds, points)
     figure.suptitle(style.title_of(ds), wrap=True)
+    said = nearest_to(ds, load=load, velocity=velocity)
     lines = [
-        Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point))
+        Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point) + said)
         for k, point in enumerate(points)
     ]
     style.legend_below(
@@ -84,10 +94,9 @@ def _temperatures(
         looks.append({"label": decisive.temperature, **_DECIDING})
     for number, point in enumerate(points):
         for rise, look in zip(rises, looks, strict=True):
-            time, kelvin = _along_ramp(ds, rise, point)
-            temperature = style.celsius(contact_temperature(kelvin, conditions))
+            temperature = style.celsius(contact_temperature(rise, conditions))
             look = look | {"color": f"C{number}", "zorder": _order(point)}
-            axes.plot(time, temperature, **look)
+            _draw(axes, ds, temperature, point, **look)
     key = [Line2D([], [], color=BLACK, **look) for look in looks]
     if conditions.critical_temperature is not None:
         critical = style.celsius(conditions.critical_temperature)
@@ -114,23 +123,13 @@ def _order(point: tuple[int, int]) -> float:
     return 2 + 1 / (1 + point[0])
 
 
-def _along_ramp(ds: xr.Dataset, rise: Array, point: tuple[int, int]) -> tuple[Array, Array]:
-    """Take the times and values of `rise` (load, velocity, step) on the ramp up to the point."""
-    i, j = point
-    done = ds["status"].values[: i + 1, j] == DONE
-    time, rise = ds["time"].values[: i + 1, j][done].ravel(), rise[: i + 1, j][done].ravel()
-    load = ds["normal_load"].values[: i + 1, j][done].ravel()
-    is_finite = np.isfinite(rise)
-    # A lower load that is held, or that was reached in another way, lies elsewhere at that time.
-    steps = np.isfinite(ds["time"].values[point])
-    times, loads = (
-        np.append(0.0, ds[name].values[point][steps]) for name in ("time", "normal_load")
-    )
-    is_finite[is_finite] = np.isclose(
-        load[is_finite], np.interp(time[is_finite], times, loads), rtol=1e-9
-    )
-    time, first = np.unique(time[is_finite], return_index=True)
-    return time, rise[is_finite][first]
+def _draw(axes: Axes, ds: xr.Dataset, values: Array, point: tuple[int, int], **look: Any) -> None:
+    """Draw values (load, velocity, step) at the steps of a point, its end as a mark."""
+    time, own, marker = ds["time"].values[point], ds["own_grid"].values[point], look.pop("marker")
+    known = np.isfinite(values[point])
+    for part, marks in ((known & ~own, {}), (known & own, {"marker": marker, "markevery": [-1]})):
+        if part.any():
+            axes.plot(time[part], values[point][part], **look, **marks)
 
 
 def _pair(
@@ -147,12 +146,8 @@ def _pair(
     # The right axis has more room, so that quantities in proportion do not lie on each other.
     for axes, (label, values), ls, room in ((left, solid, "-", 1.2), (right, dashed, "--", 1.5)):
         for number, point in enumerate(points):
-            time, column, marker = ds["time"].values[point], values[point], ""
-            steps = np.isfinite(time)
-            if np.isnan(column[steps]).any() or steps.sum() == 1:  # of the ends of loads alone
-                (time, column), marker = _along_ramp(ds, values, point), "."
-            color, order = f"C{number}", _order(point)
-            axes.plot(time, column, color=color, ls=ls, marker=marker, zorder=order)
+            look = {"color": f"C{number}", "ls": ls, "zorder": _order(point), "marker": "."}
+            _draw(axes, ds, values, point, **look)
         axes.set_ylabel(label)
         axes.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
         axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
@@ -161,14 +156,14 @@ def _pair(
 
 
 def _shown(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], name: str) -> None:
-    """Draw a stored variable at each station against time, in its unit."""
+    """Draw a stored variable at each step against time, in its unit."""
     usual = ("load", "velocity", "step")
     names = sorted(str(one) for one in ds.data_vars if ds[one].dims == usual)
     if name not in names:
         raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
     for number, point in enumerate(points):
-        time, values = _along_ramp(ds, ds[name].values, point)
-        axes.plot(time, values, color=f"C{number}", marker="o", zorder=_order(point))
+        look = {"color": f"C{number}", "zorder": _order(point), "marker": "o"}
+        _draw(axes, ds, ds[name].values.astype(float), point, **look)
     axes.set_ylabel(f"{name} [{ds[name].attrs.get('units', '1')}]")
 
 

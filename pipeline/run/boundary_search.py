@@ -24,7 +24,7 @@ from pipeline.scene.scenefile import sweep_of
 from pipeline.store.create import restore_root
 from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import find_root
-from pipeline.store.schema import DONE, FAILED, STEPPED
+from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit, worst_rises
@@ -282,8 +282,7 @@ def follow_boundary(
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
     """Decisive rise of each point of a store that is done [K], and points that failed."""
-    names = [name for name in STEPPED if name in store.arrays]
-    columns = {name: store.read(name, ...) for name in names}
+    columns = store.read_steps()
     inner = len(store.dims) - store.dims.index(store.along("load"))  # dimensions, with the step
     loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
     variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}

@@ -11,13 +11,13 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
 import dask
-from distributed import Client, Future, LocalCluster, Security, Status
+from distributed import Client, LocalCluster, Security, Status
 from distributed.utils import silence_logging_cmgr
 
 from pipeline.run import forkserver
@@ -49,9 +49,6 @@ CONFIGURATION = {
     # Dask gives up a worker that is away at this time after a death, although its nanny may just
     # be starting it again: with its 15 s, sweeps with deadly points ended without any worker.
     "distributed.deploy.lost-worker-timeout": "1000 days",
-    # Dask would take heavy shared content from all workers but one: 24 tasks of 0.3 s then took
-    # 3.0 s in place of 2.4.
-    "distributed.scheduler.active-memory-manager.start": False,
 }
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
 LOST = f"the Dask scheduler is lost; {SAFE}"
@@ -62,9 +59,7 @@ _STARTS = 3  # to start workers, one of which may be killed meanwhile
 _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
-_ATTEMPTS = 3  # to share content with workers, which may be killed meanwhile
 _OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
-_LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 
 
 def unheard(line: str) -> None:
@@ -188,21 +183,6 @@ def client_of(
     # lock of Dask's that this one holds, and both wait for ever.
     gc.collect()
     raise ExecutionError(reason)
-
-
-def sent_once(connection: Connection, content: bytes) -> bytes | Future:
-    """Content for many tasks: itself if light, else a result that every worker holds a copy of."""
-    if len(content) <= _LIGHT:
-        return content
-    for _ in range(_ATTEMPTS):
-        # A task's result, since Dask computes it again if the workers that hold it die; on every
-        # worker, since Dask prefers those that hold a task's inputs, and would leave others idle.
-        shared = connection.client.submit(bytes, content, pure=False)
-        with _losses_named(), suppress(TimeoutError, ValueError):  # the latter without any worker
-            connection.client.replicate([shared], callback_timeout=connection.patience)
-        if shared.status != "error":
-            return shared
-    raise ExecutionError(f"the Dask workers cannot run this program: {shared.exception()}")
 
 
 def threads_of(connection: Connection) -> Counter[str]:

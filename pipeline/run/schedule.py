@@ -1,8 +1,8 @@
-"""Computes the points of a sweep as tasks of Dask, each after that of the next lower load.
+"""Computes the points of a sweep as tasks of Dask, none of which depends on another.
 
-Of the ramps only so many are under way that each thread has one point waiting: the graph depends on
-no time. About once a second each worker is asked for the records that lie there; the writer commits
-them, and only then are they told as done.
+A worker with a free place gets a task, so that each has one waiting: the graph depends on no time.
+About once a second each worker is asked for the records that lie there; the writer commits them,
+and only then are they told as done.
 
 Points that were on a worker as it died are suspected, and tried again in the end, each alone on a
 worker; those fail that kill even that, time after time.
@@ -14,41 +14,38 @@ import itertools
 import pickle
 import threading
 import uuid
-from collections import Counter, defaultdict, deque
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
 
-import numpy as np
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import LOST, Connection, sent_once, threads_of
+from pipeline.run.cluster import LOST, Connection, threads_of
 from pipeline.run.tally import Reports
 from pipeline.run.work import (
     SAFE,
     ExecutionError,
+    UnsentError,
     WorkerReport,
     compute_points,
     other_packages,
     packages_of,
     require_same_code,
 )
-from pipeline.store.schema import FAILED
 from pipeline.store.write import Writer
+from pipeline.sweep.hand_out import HandOut
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.plan import PointRecord, Task
 from pipeline.sweep.stages import duration
-from pipeline.sweep.variants import Variant
 
 TRIALS = 5
 """Times that a point may be lost alone before it is called failed."""
 STARTS = 3
 """Workers that may leave in the midst of a point before it is called failed."""
 
-_RampName = tuple[float, Variant]  # velocity and variant of its points
-
-_AHEAD = 2  # points for each thread: one that it computes, and one that waits
+_AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there
 _SOONER = 0.1  # of the time since the beginning between them, until that is more
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
@@ -64,43 +61,42 @@ _TOO_LONG = (
 
 
 @dataclass(slots=True, eq=False)
-class _Ramp:
-    """Points still to compute on one ramp, a task for each load, and the task below the next."""
-
-    loads: deque[tuple[Point, ...]]
-    below: Future | None = None
-
-
-@dataclass(slots=True, eq=False)
-class _Task:
-    """Points that a task computes, its ramp, and its worker, if they are tried alone.
+class _Running:
+    """A task on the worker that it was given to, perhaps alone.
 
     `begun` are the workers that were seen computing it, and when first and last [s].
     """
 
-    points: tuple[Point, ...]
+    task: Task
     future: Future
-    ramp: _Ramp
-    alone_on: str | None = None
+    worker: str
+    is_alone: bool
     begun: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Points of the task."""
+        return self.task.points
 
 
 def compute(
     connection: Connection,
     sweep: Sweep,
     writer: Writer,
-    waiting: Iterable[tuple[Point, ...]],
+    waiting: Iterable[Task],
     learn: Callable[[Iterable[PointRecord]], None],
     report: Callable[[list[PointRecord]], None],
 ) -> None:
-    """Compute chains of points, until the writer has written each of them as done or failed.
+    """Compute tasks, until the writer has written each of their points as done or failed.
 
     `learn` is called with records as they come from a worker, but not with its first, `report` with
     those written. `StoreError` if points cannot be written, `ExecutionError` if nothing moves.
     """
-    news = threading.Event()
-    with Reports(connection, news) as reports:
-        run = _Run(connection, sweep, writer, reports, learn, map(_ramp_of, waiting))
+    news, label = threading.Event(), uuid.uuid4().hex[:8]  # a scheduler may know other runs
+    asked = sweep.changed(chosen=None, stations=writer.store.sweep.record.stations)
+    parcel = pickle.dumps((asked, "pressure" in writer.store.arrays))
+    with Reports(connection, news, label, parcel) as reports:
+        run = _Run(connection, label, writer, reports, learn, waiting)
         silence = _Silence(connection)
         while run.is_under_way():
             moved = run.look()
@@ -113,84 +109,70 @@ def compute(
     report(writer.written())
 
 
-def _ramp_of(chain: Iterable[Point]) -> _Ramp:
-    loads = itertools.groupby(chain, key=lambda point: point.load)
-    return _Ramp(deque(tuple(points) for _, points in loads))
-
-
 class _Run:
-    """Ramps of which the next point can begin, and tasks.
+    """Tasks that wait, and those that are `running`, or `computed`, with records on a worker.
 
-    They are `running`, or `computed`, with records on a worker. `computes` is true if a worker said
-    so when it was asked last.
+    `computes` is true if a worker said so when it was asked last.
     """
 
     def __init__(
         self,
         connection: Connection,
-        sweep: Sweep,
+        label: str,
         writer: Writer,
         reports: Reports,
         learn: Callable[[Iterable[PointRecord]], None],
-        ramps: Iterable[_Ramp],
+        waiting: Iterable[Task],
     ) -> None:
         self._connection, self._writer, self._reports = connection, writer, reports
-        self._learn = learn
-        with_fields, store = "pressure" in writer.store.arrays, writer.store
-        asked = sweep.changed(chosen=None, stations=store.sweep.record.stations)
-        self._pickled = pickle.dumps((asked, with_fields))
-        self._parcel = sent_once(connection, self._pickled)
+        self._label, self._learn, self._waiting = label, learn, HandOut(waiting)
         self._numbers = itertools.count()
-        self._label = uuid.uuid4().hex[:8]  # a scheduler may know tasks of other runs
-        self._ramps = deque(ramps)
         self._losses: dict[Point, int] = {}  # of suspects, each while it was tried alone
-        self._waiting: list[tuple[set[Point], _Ramp]] = []
-        self._failed: dict[_RampName, set[Point]] = defaultdict(set)
-        for point in store.points_at(np.nonzero(store.flags == FAILED)):
-            self._failed[point[1:]].add(point)
         self._workers: Counter[str] = Counter()
         self._began = connection.clock()
         self._looked = -_POLL
         self._warm: set[str] = set()  # workers that have told of a point
         self._noted: set[str] = set()  # versions that the user was told of
-        self.running: list[_Task] = []
-        self.computed: dict[str, _Task] = {}
+        self._is_idle_told = False
+        self.running: list[_Running] = []
+        self.computed: dict[str, _Running] = {}
         self.computes = True
 
     def is_under_way(self) -> bool:
         """True as long as a point is not known as done or failed."""
-        return bool(self._ramps or self.running or self.computed or self._losses)
+        return bool(self._waiting or self.running or self.computed or self._losses)
 
     # Tasks begin
 
     def submit(self) -> None:
-        """Give the workers few points, as a death counts against all; in the end suspects alone."""
-        # One that has not answered yet may run other code.
-        threads = sum(n for worker, n in self._workers.items() if self._reports.knows(worker))
-        while self._ramps and len(self.running) < _AHEAD * threads:
-            ramp = self._ramps.popleft()
-            self._start(ramp, ramp.loads.popleft())
-        is_usual = self._ramps or any(task.alone_on is None for task in self.running)
-        if is_usual or not self._losses:
+        """Fill the workers' places, as a death counts against all there; last suspects alone."""
+        busy = Counter(one.worker for one in self.running)
+        for places in range(1, _AHEAD + 1):  # first those where nothing runs
+            # One that has not answered yet may run other code, and has no scene.
+            for worker in filter(self._reports.knows, self._workers):
+                while self._waiting and busy[worker] < places:
+                    self._start(self._waiting.take(worker), worker)
+                    busy[worker] += 1
+        if self._waiting or not self._losses or any(not one.is_alone for one in self.running):
             return
         self._workers = threads_of(self._connection)  # one that is gone would count as a loss
-        tried = {task.points[0] for task in (*self.running, *self.computed.values())}
-        free = set(self._workers) - {task.alone_on for task in self.running}
+        tried = {one.points[0] for one in (*self.running, *self.computed.values())}
+        free = {*filter(self._reports.knows, self._workers)} - {one.worker for one in self.running}
         suspects = sorted(self._losses, key=self._losses.__getitem__)
         untried = (point for point in suspects if point not in tried)
         for worker, point in zip(free, untried, strict=False):
-            self._start(_Ramp(deque()), (point,), worker)
+            self._start(Task((point,), ()), worker, is_alone=True)
 
-    def _start(self, ramp: _Ramp, points: tuple[Point, ...], alone_on: str | None = None) -> None:
-        parcel = self._parcel
-        if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
-            parcel = self._parcel = sent_once(self._connection, self._pickled)
-        name = f"point-{_in_short(points)}-{self._label}-{next(self._numbers)}"
-        failed = sorted(other for point in points for other in self._failed[point[1:]])
-        arguments = (compute_points, name, parcel, points, ramp.below, tuple(failed))
-        future = self._connection.client.submit(*arguments, key=name, workers=alone_on)
+    def _start(self, task: Task, worker: str, is_alone: bool = False) -> None:
+        number = next(self._numbers)
+        name = f"point-{_in_short(task.points)}-{self._label}-{number}"
+        # Without a priority Dask orders tasks of one moment by chance.
+        future = self._connection.client.submit(
+            compute_points, name, self._label, task.points,
+            key=name, workers=worker, allow_other_workers=not is_alone, priority=-number,
+        )  # fmt: skip
         future.add_done_callback(self._reports.wake)
-        self.running.append(_Task(points, future, ramp, alone_on))
+        self.running.append(_Running(task, future, worker, is_alone))
 
     # Tasks end
 
@@ -211,12 +193,13 @@ class _Run:
 
     def _look_at_workers(self) -> None:
         """Now and then, ask them for records; take what they have answered meanwhile."""
-        now, is_last = self._connection.clock(), not (self._ramps or self.running)
+        now, is_last = self._connection.clock(), not (self._waiting or self.running)
         are_there = any(task.future.status == "finished" for task in self.computed.values())
         pause = min(_POLL, _SOONER * (now - self._began))
         if now - self._looked >= pause or (is_last and are_there):
             self._looked = now
             self._workers = threads_of(self._connection)
+            self._tell_idle()
             self._reports.ask(self._workers, list(self.computed))
         for worker, answer in self._reports.answers():
             self._take(worker, answer, now)
@@ -224,18 +207,22 @@ class _Run:
         for task in [task for task in self.running if self._is_given_up(task)]:
             self.running.remove(task)
 
-    def _end(self, task: _Task) -> None:
-        if task.future.status != "finished":
-            self._recover(task)
-            return
-        task.ramp.below = task.future
-        self._go_on(task.ramp)
-        task.ramp = _Ramp(deque())  # if its record is lost, its points are alone
-        self.computed[task.future.key] = task
+    def _tell_idle(self) -> None:
+        """Tell, once, of threads that have nothing to do."""
+        idle = self._workers.total() - len(self._workers)
+        if idle and not self._is_idle_told:
+            self._is_idle_told = True
+            self._connection.tell(
+                f"{idle} of {self._workers.total()} threads of the Dask workers stand idle, since "
+                "each process computes one point at a time; start workers of one thread, as "
+                "Client(threads_per_worker=1) and dask worker --nthreads 1 do"
+            )
 
-    def _go_on(self, ramp: _Ramp) -> None:
-        if ramp.loads:
-            self._ramps.appendleft(ramp)
+    def _end(self, task: _Running) -> None:
+        if task.future.status == "finished":
+            self.computed[task.future.key] = task
+        else:
+            self._recover(task)
 
     def _take(self, worker: str, answer: WorkerReport, now: float) -> None:
         """Take the records that a worker has, and note what it computes."""
@@ -264,46 +251,33 @@ class _Run:
         self._writer.add(records)
         for record in records:
             self._losses.pop(record.point, None)
-            if record.data is None:
-                self._failed[record.point[1:]].add(record.point)
-        settled = {record.point for record in records}
-        for suspects, _ in self._waiting:
-            suspects -= settled
-        for suspects, ramp in self._waiting:
-            if not suspects:
-                self._go_on(ramp)
-        self._waiting = [(suspects, ramp) for suspects, ramp in self._waiting if suspects]
 
-    def _recover(self, task: _Task) -> None:
+    def _recover(self, task: _Running) -> None:
         """Go on after a loss; suspect the points of the task if it was lost itself."""
         error = task.future.exception() if task.future.status == "error" else None
         if error is None or isinstance(error, CancelledError):
             raise ExecutionError(LOST)
+        if isinstance(error, UnsentError):  # a worker that has come, or come back, meanwhile
+            self._reports.send_again()
+            self._waiting.put_back(task.task)
+            return
         if isinstance(error, ExecutionError):  # of a worker that cannot run this program
             raise error
-        if isinstance(error, KilledWorker) and error.task != task.future.key:
-            # What it depends on was lost too often: its ramp begins again.
-            task.ramp.below = None
-            task.ramp.loads.appendleft(task.points)
-            self._go_on(task.ramp)
-        else:
-            killed = isinstance(error, KilledWorker)
-            self._accuse(task, _KILLED if killed else f"{type(error).__name__}: {error}")
+        killed = isinstance(error, KilledWorker)
+        self._accuse(task, _KILLED if killed else f"{type(error).__name__}: {error}")
 
-    def _accuse(self, task: _Task, reason: str) -> None:
-        """Suspect the points of a task; its ramp waits, as what they come to are its stations."""
-        alone = task.alone_on is not None
+    def _accuse(self, task: _Running, reason: str) -> None:
+        """Suspect the points of a task; those fail that were lost alone too often."""
         for point in task.points:
-            self._losses[point] = self._losses.get(point, 0) + alone
+            self._losses[point] = self._losses.get(point, 0) + task.is_alone
         guilty = [point for point in task.points if self._losses[point] >= TRIALS]
-        self._waiting.append((set(task.points), task.ramp))
         self._settle(PointRecord(point, None, reason) for point in guilty)
 
-    def _has_lost_its_worker(self, task: _Task) -> bool:
+    def _has_lost_its_worker(self, task: _Running) -> bool:
         """True of a task that may run nowhere, since the worker that it was given alone is gone."""
-        return task.alone_on is not None and task.alone_on not in self._workers
+        return task.is_alone and task.worker not in self._workers
 
-    def _is_given_up(self, task: _Task) -> bool:
+    def _is_given_up(self, task: _Running) -> bool:
         """True of a task whose own worker is gone, and of one that worker after worker leaves."""
         if self._has_lost_its_worker(task):
             self._accuse(task, _KILLED)
@@ -315,7 +289,6 @@ class _Run:
         spans = ", ".join(duration(last - first) for first, last in left)
         reason = _TOO_LONG.format(len(left), spans)
         self._settle(PointRecord(point, None, reason) for point in task.points)
-        self._go_on(task.ramp)
         return True
 
 
@@ -333,7 +306,7 @@ class _Silence:
         self._ended = self._computed = connection.clock()
         self._word = _WORD
 
-    def watch(self, moved: bool, computes: bool, running: Sequence[_Task]) -> None:
+    def watch(self, moved: bool, computes: bool, running: Sequence[_Running]) -> None:
         """Tell the user if nothing has ended for long; raise if no worker computes any more."""
         now = self._connection.clock()
         if moved:

@@ -1,4 +1,4 @@
-"""A sweep on a Dask cluster: each point continues the ramp of the one below it."""
+"""A sweep on a Dask cluster, a task for each point."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ from pipeline.store.verify import changed_chunks, note_files, repaired
 from pipeline.store.versions import package_versions
 from pipeline.store.write import Store, Writer
 from pipeline.sweep.codec import differences
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import chains
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import Task, tasks
 from tribo import InputError
 
 _SHARE = 10  # velocities, of which the coarse pass takes one
@@ -132,13 +132,13 @@ def run_sweep(
         tally = Tally(store, report, began)
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
-            # Points that come later may have more chains than those that wait now.
+            # More tasks may come later than those that wait now.
             most = len(first[2]) if further is None else CPU_COUNT
             count = min(workers or CPU_COUNT, most)
             with connected(client, count, patience, tell, dashboard) as link:
                 threading.Thread(target=_import_readers, daemon=True).start()
                 for asked, store, waiting in itertools.chain([first], rounds):
-                    tally.begin(store, link, waiting)
+                    tally.begin(store, link)
                     with Writer(store) as writer:
                         compute(link, asked, writer, waiting, tally.learn, tally.note)
         summary = summarized(store)
@@ -174,8 +174,8 @@ def _require_cluster(client: Client | None, dashboard: bool) -> None:
         )
 
 
-_Round = tuple[Sweep, Store, tuple[tuple[Point, ...], ...]]
-"""A sweep, its store, and its pending points in chains."""
+_Round = tuple[Sweep, Store, tuple[Task, ...]]
+"""A sweep, its store, and the tasks of its pending points."""
 
 
 def _rounds(
@@ -184,7 +184,7 @@ def _rounds(
     """Pending points of the sweep, then of each that follows it."""
     asked: Sweep | None = sweep
     while asked is not None:
-        if waiting := chains(store.pending(), asked):
+        if waiting := tasks(store.pending(), asked):
             in_order = waiting if further else coarse_first(waiting, asked.plane.velocities)
             yield asked, store, in_order
         asked = further(store) if further else None
@@ -228,14 +228,12 @@ def _notes(store: Store, before: Sweep) -> Iterator[str]:
             )
 
 
-def coarse_first(
-    chains: Sequence[tuple[Point, ...]], velocities: Collection[float]
-) -> tuple[tuple[Point, ...], ...]:
-    """Put chains of a tenth of the velocities first, 200 at most, with both ends.
+def coarse_first(tasks: Sequence[Task], velocities: Collection[float]) -> tuple[Task, ...]:
+    """Put tasks of a tenth of the velocities first, 200 at most, with both ends.
 
-    So a diagram of a running sweep soon shows the whole boundary. Chains and velocities ascend.
+    So a diagram of a running sweep soon shows the whole boundary. Velocities ascend.
     """
     axis = list(velocities)
     count = min(max(_FEWEST, -(-len(axis) // _SHARE)), _MOST, len(axis))
     coarse = {axis[round(place)] for place in np.linspace(0, len(axis) - 1, count)}
-    return tuple(sorted(chains, key=lambda chain: chain[0].velocity not in coarse))
+    return tuple(sorted(tasks, key=lambda task: task.points[0].velocity not in coarse))

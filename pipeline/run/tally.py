@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -19,10 +19,8 @@ from pipeline.run.cluster import Connection
 from pipeline.run.work import INSTALL, ExecutionError, WorkerReport, records_here
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
-from tribo.types import Mask
 
 _SEVERAL = 4  # points on each worker that tell the pace
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
@@ -66,14 +64,12 @@ class Tally:
         self._looked: float | None = None
         self._failures: Counter[str] = Counter()
         self.computed = 0
-        self._take(store, ())
+        self._take(store)
         self._report()
 
-    def begin(
-        self, store: Store, connection: Connection, waiting: Sequence[Sequence[Point]]
-    ) -> None:
-        """Take note that chains of points begin to be computed into a store."""
-        self._take(store, waiting)
+    def begin(self, store: Store, connection: Connection) -> None:
+        """Take note that points begin to be computed into a store."""
+        self._take(store)
         self._connection = connection
 
     def learn(self, records: Iterable[PointRecord]) -> None:
@@ -105,14 +101,10 @@ class Tally:
         if records:
             self._report()
 
-    def _take(self, store: Store, waiting: Sequence[Sequence[Point]]) -> None:
+    def _take(self, store: Store) -> None:
         self._store = store
         times = store.read("wall_time", ...)
         self._durations = np.where(store.flags == DONE, times, np.nan)
-        self._chains = np.zeros(store.flags.shape, int)
-        for number, chain in enumerate(waiting):
-            for point in chain:
-                self._chains[store.index(point)] = number
 
     def _report(self) -> None:
         if self._progress is None:
@@ -122,15 +114,13 @@ class Tally:
         pending = asked & (flags != DONE) & (flags != FAILED) & np.isnan(self._durations)
         time_to_go = None
         if self._connection and np.isfinite(self._durations).any():
-            time_to_go = self._time_to_go(pending, self._connection)
+            points = int(np.count_nonzero(pending))
+            rounds = max(points / self._connection.workers, min(points, 1))
+            time_to_go = self._slowness(self._connection) * float(
+                rounds * np.nanmean(self._durations)
+            )
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
-
-    def _time_to_go(self, pending: Mask, link: Connection) -> float:
-        """Mean time of all points on all workers, or of the longest chain of them on one [s]."""
-        in_chains = np.bincount(self._chains[pending], minlength=1)
-        points = max(in_chains.sum() / link.workers, in_chains.max())
-        return self._slowness(link) * float(points * np.nanmean(self._durations))
 
     def _slowness(self, link: Connection) -> float:
         """Time of a worker for a second of work [s]; 1 as long as few points tell it."""
@@ -168,8 +158,10 @@ _ANSWER = 10.0  # [s] that a worker may take; one that is frozen must not hold u
 class Reports:
     """Requests to workers, one at a time to each, and their answers, which are `news`."""
 
-    def __init__(self, connection: Connection, news: threading.Event) -> None:
-        self._client, self._news = connection.client, news
+    def __init__(
+        self, connection: Connection, news: threading.Event, run: str, parcel: bytes
+    ) -> None:
+        self._client, self._news, self._run, self._parcel = connection.client, news, run, parcel
         self._threads = ThreadPoolExecutor(_THREADS, "reports")
         self._asked: dict[str, Future[Any]] = {}
         self._now: dict[str, str | None] = {}
@@ -188,32 +180,40 @@ class Reports:
         """Ask workers that have answered before for the records of these tasks."""
         for worker in workers:
             if worker not in self._asked:
-                self._asked[worker] = self._threads.submit(self._answer, worker, keys)
+                parcel = None if self.knows(worker) else self._parcel
+                self._asked[worker] = self._threads.submit(self._answer, worker, keys, parcel)
                 self._asked[worker].add_done_callback(self.wake)
 
     def answers(self) -> Iterator[tuple[str, WorkerReport]]:
         """Answers that have come since the last call, by worker."""
         for worker in [worker for worker, asked in self._asked.items() if asked.done()]:
-            answer = self._asked.pop(worker).result()
-            self._now[worker] = answer.now if answer else None
-            if answer:
+            if answer := self._asked.pop(worker).result():
+                self._now[worker] = answer.now
                 yield worker, answer
+            elif self.knows(worker):
+                self._now[worker] = None
 
     def knows(self, worker: str) -> bool:
-        """True if a worker has answered, or was given up."""
+        """True if a worker has answered, and has what is to be computed."""
         return worker in self._now
+
+    def send_again(self) -> None:
+        """Send all workers what is to be computed once more."""
+        self._now.clear()
 
     def computes(self, workers: Collection[str]) -> bool:
         """True if one of these workers computed when it answered last."""
         return any(self._now.get(worker) for worker in workers)
 
-    def _answer(self, worker: str, keys: list[str]) -> WorkerReport | None:
+    def _answer(self, worker: str, keys: list[str], parcel: bytes | None) -> WorkerReport | None:
         """Answer of a worker, None if it is late; `ExecutionError` if it lacks this program."""
         with suppress(OSError, TimeoutError, ValueError):
             answers = self._client.sync(
                 self._client.run,
                 records_here,
                 keys,
+                self._run,
+                parcel,
                 workers=[worker],
                 on_error="return",
                 callback_timeout=_ANSWER,

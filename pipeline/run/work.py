@@ -1,11 +1,12 @@
-"""What a worker does: the task of a point, whose result stays there for the next load.
+"""What a worker does: the task of a point, whose records stay there until they are asked for.
 
 The driver takes records, and versions: other code must not enter the same store.
 
 ::
 
     TriboError
-    └── ExecutionError   the workers do not start, are lost, or run other code
+    └── ExecutionError       the workers do not start, are lost, or run other code
+        └── UnsentError      a worker does not have the scene yet
 """
 
 from __future__ import annotations
@@ -17,9 +18,8 @@ import pickle
 import platform
 import threading
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -28,9 +28,10 @@ from distributed import Worker
 import tribo
 from pipeline.store.checksum import packed
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import PointRecord, Trunk, run_points
+from pipeline.sweep.plan import PointRecord, run_points
 from pipeline.sweep.stored import Simulated
 from tribo import InputError, TriboError
+from tribo.simulation import Trunks
 
 SAFE = "finished points are safe, run the sweep again to go on"
 INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
@@ -96,6 +97,20 @@ class ExecutionError(TriboError):
     """
 
 
+class UnsentError(ExecutionError):
+    """A worker that a task has come to before its scene.
+
+    Examples
+    --------
+    >>> from pipeline.sweep.model import Point
+    >>> try:
+    ...     compute_points("a task", "a run", [Point(600.0, 1.5)])
+    ... except UnsentError:
+    ...     print("to be sent again")
+    to be sent again
+    """
+
+
 def require_same_code(theirs: Versions, worker: str) -> None:
     """Raise an `ExecutionError` for a worker with other code than this process."""
     if theirs["code"] != (ours := versions())["code"]:
@@ -106,26 +121,12 @@ def require_same_code(theirs: Versions, worker: str) -> None:
         )
 
 
-# Buffers of the transforms are shared within a process.
+# Threads of one process gain 6 % at most: tests/benchmarks/threads.py.
 _one_at_a_time = threading.Lock()
 _now: str | None = None  # name of the task that holds it
-
-
-@dataclass(frozen=True, eq=False)
-class Computed:
-    """Result of a task: records of its points, and the trunk that the next load continues."""
-
-    records: tuple[PointRecord, ...]
-    trunk: Trunk | None
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Dask rebuilds arrays at odd addresses, where NumPy sums in another order: last digits of
-        # a point would depend on whether its trunk had travelled. Bytes are unpickled as usual.
-        return _unpickled, (pickle.dumps((self.records, self.trunk)),)
-
-
-def _unpickled(parts: bytes) -> Computed:
-    return Computed(*pickle.loads(parts))
+_trunks = Trunks()
+_parcels: dict[str, bytes] = {}  # pickled sweeps, and whether fields are stored, by run
+_RUNS = 4  # whose parcels a worker keeps
 
 
 class WorkerReport(NamedTuple):
@@ -136,63 +137,57 @@ class WorkerReport(NamedTuple):
     records: dict[str, bytes]
 
 
-def compute_points(
-    name: str,
-    parcel: bytes,
-    points: Sequence[Point],
-    below: Computed | None,
-    failed: Collection[Point] = (),
-) -> Computed:
-    """Compute a point, or points at one load that share a contact, on from the load below.
+def compute_points(name: str, run: str, points: Sequence[Point]) -> list[PointRecord]:
+    """Compute a point, or points at one load that share a contact, from what this process has.
 
-    The name is that of the task, the parcel a pickled sweep and whether fields are stored. Points
-    that are known to have failed are no stations.
+    The name is that of the task. Raise an `UnsentError` if the run's parcel has not come yet.
     """
     global _now
-    sweep, with_fields, simulated = _unpacked(parcel)
+    sweep, with_fields, simulated = _unpacked(run)
     with _one_at_a_time:
         _now = name
         try:
-            trunk = below.trunk if below else None
-            records, trunk = _computed(sweep, points, trunk, failed, with_fields, simulated)
+            return _computed(sweep, points, with_fields, simulated)
         finally:
             _now = None
-    return Computed(tuple(records), trunk)
 
 
 def _computed(
-    sweep: Sweep,
-    points: Sequence[Point],
-    trunk: Trunk | None,
-    failed: Collection[Point],
-    with_fields: bool,
-    simulated: Simulated,
-) -> tuple[list[PointRecord], Trunk | None]:
-    """Records of points of one contact, and the trunk after them."""
+    sweep: Sweep, points: Sequence[Point], with_fields: bool, simulated: Simulated
+) -> list[PointRecord]:
+    """Records of points of one contact."""
     try:
-        results = run_points(sweep, points, trunk, failed=failed)
+        results = run_points(sweep, points, _trunks)
     except Exception as error:
         if len(points) > 1:  # the others may have a solution
-            parts = failed, with_fields, simulated
-            alone = [_computed(sweep, (point,), None, *parts)[0] for point in points]
-            return [record for records in alone for record in records], None
-        record = PointRecord(points[0], None, f"{type(error).__name__}: {error}")
-        return [packed(record, simulated)], trunk.without(points) if trunk else None
-    return [packed(result.record(with_fields), simulated) for result in results], results[0].trunk
+            alone = (_computed(sweep, (point,), with_fields, simulated) for point in points)
+            return [record for records in alone for record in records]
+        message = f"{type(error).__name__}: {error}"
+        return [packed(PointRecord(points[0], None, message), simulated)]
+    return [packed(result.record(with_fields), simulated) for result in results]
 
 
-def records_here(keys: Collection[str], dask_worker: Worker) -> WorkerReport:
-    """Records of those of these tasks whose results lie on a worker, told from its event loop."""
-    found = {key: dask_worker.data[key].records for key in keys if key in dask_worker.data}
-    return WorkerReport(
-        versions(), _now, {key: pickle.dumps(records) for key, records in found.items()}
-    )
+def records_here(
+    keys: Collection[str], run: str, parcel: bytes | None, dask_worker: Worker
+) -> WorkerReport:
+    """Records of those of these tasks whose results lie on a worker, told from its event loop.
+
+    The parcel is kept for the tasks of the run.
+    """
+    if parcel is not None:
+        _parcels[run] = parcel
+        for old in [*_parcels][:-_RUNS]:
+            del _parcels[old]
+    found = {key: pickle.dumps(dask_worker.data[key]) for key in keys if key in dask_worker.data}
+    return WorkerReport(versions(), _now, found)
 
 
 @functools.lru_cache(maxsize=1)
-def _unpacked(parcel: bytes) -> tuple[Sweep, bool, Simulated]:
+def _unpacked(run: str) -> tuple[Sweep, bool, Simulated]:
+    if run not in _parcels:
+        raise UnsentError(f"a worker does not have the scene; {SAFE}")
     try:
-        sweep, with_fields = pickle.loads(parcel)
+        sweep, with_fields = pickle.loads(_parcels[run])
     except InputError as error:  # of a law whose text is another one here
         raise ExecutionError(f"a worker cannot take the scene: {error}; {SAFE}") from error
     return sweep, with_fields, Simulated(sweep)

@@ -346,15 +346,11 @@ SWEEP = Table({
     "fields": Optional(Flag(),
         "Pressure, temperature rise and wear depth over the window stored, or not.",
         default=False),
-    "steps": Optional(
-        Either(Whole(at_least=1, at_most=1_000_000), OneOf(("loads", "all", "end")),
-            when=lambda value: isinstance(value, str)),
-        'Steps of a point that are stored besides those that decide. "loads": the lower loads of '
-        "the plane, at no further cost; the default of a ramp without a hold. A number: so many, "
-        'even in time. "all": each step. "end": none, the default elsewhere.'),
-    "independent": Optional(Flag(),
-        "Each point simulated from the start, not on from the next lower load; takes longer.",
-        default=False),
+    "steps": Optional(OneOf(("course", "end")),
+        'Steps of a point that are stored. "course": each; increments of the ramp on the grid of '
+        'the history. "end": those that can decide, which are the moment when the load is reached, '
+        'the ends of a hold, and the hold of each test. By default "course" for what wears on a '
+        'ramp without a hold and has contacts of its own, else "end".'),
 })
 
 CORRELATED = {

@@ -23,7 +23,7 @@ from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
 from tribo import InputError
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
-_SAME = ("loads", "velocities", "variants", "unequal_bulks", "independent", "steps")
+_SAME = ("loads", "velocities", "variants", "unequal_bulks", "steps")
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:

@@ -157,7 +157,6 @@ class _Reader:
             plane=Plane(
                 tuple(sorted(set(asked["loads"]))),
                 tuple(sorted(set(asked["velocities"]))),
-                asked["independent"],
             ),
             conditions=_conditions_of(tables, made, own_criterion),
             variants=surfaces(realizations),
@@ -313,7 +312,6 @@ def run_point(
     velocity: float | str,
     realization: int | None = None,
     sample: int | None = None,
-    trunk: plan.Trunk | None = None,
     progress: Callable[[int, int], None] | None = None,
     own_laws: bool = False,
 ) -> plan.PointResult:
@@ -332,9 +330,6 @@ def run_point(
         Seed of the random surface in place of the sweep's own.
     sample : int, optional
         Number of the sample whose inputs stand in place of the sweep's own.
-    trunk : Trunk, optional
-        Trunk of a lower load at the same velocity on the same surface, to continue; the start of
-        the ramp if not given. The result is the same.
     progress : callable, optional
         Called after each step with how many of the point's steps are done, and how many there are.
     own_laws : bool
@@ -357,4 +352,4 @@ def run_point(
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     named = {"realization": realization, "variant": sample}
     variant = tuple((name, value) for name, value in named.items() if value is not None)
-    return plan.run_point(sweep_of(sweep, own_laws), *place, variant, trunk, progress)
+    return plan.run_point(sweep_of(sweep, own_laws), *place, variant, progress)

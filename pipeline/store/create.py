@@ -28,6 +28,7 @@ from pipeline.store.layout import (
     chunk_numbers,
     documents,
     grown_axes,
+    made_coordinates,
 )
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
@@ -67,10 +68,10 @@ from pipeline.store.write import Store
 from pipeline.sweep.codec import Arrays, sweep_text
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stored import join, misfits
 
 _T = TypeVar("_T")
+_ROOM = 2  # reference loads up to which a bucket has room for the steps of a course
 
 
 @contextmanager
@@ -135,7 +136,7 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
     axes = grown_axes(before.axes if before else {}, kept, sweep.plane)
     axes = {name: values for name, values in axes.items() if name in wanted}
     if not before and isinstance(place, Bucket):  # whose steps cannot be added to
-        room = len(choose_stations(kept).loads)
+        room = _ROOM * kept.scene.fidelity.increments if len(axes["step"]) > 1 else 0
         axes["step"] = list(range(min(axes["step"][0], -room), 1))
     points = math.prod(len(axes[dim]) for dim in wanted["status"].dims)
     if points > MOST_POINTS:
@@ -153,7 +154,7 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
         facts = replace(facts, points_per_chunk=chunk, generation=facts.generation + 1)
     root = Root(kept, facts, {})
     wanted["step"] = wanted["step"]._replace(attributes=copied_attributes(root))
-    values: dict[str, Any] = dict(axes)
+    values: dict[str, Any] = axes | made_coordinates(kept, axes)
     if arrays:
         wanted[INPUTS] = inputs_variable(arrays)
         values |= {DIM: range(len(held := joined_arrays(arrays))), INPUTS: held}

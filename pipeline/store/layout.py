@@ -16,16 +16,20 @@ from pipeline.store.place import ROOT, StorePlace
 from pipeline.store.schema import (
     AT_END,
     COMPRESSION,
+    MADE,
     PLANE,
     STEPPED,
     Variable,
     is_coordinate,
     is_of_points,
+    variables_of,
 )
 from pipeline.sweep.model import Plane, Sweep
 from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.stations import ramp_of
+from pipeline.sweep.variants import combinations
 from tribo import BULK_RATIOS, QUANTILES
-from tribo.types import Mask
+from tribo.types import Array, Mask
 
 Slices = tuple[slice, ...]
 
@@ -68,7 +72,8 @@ def grown_axes(axes: Mapping[str, list[Any]], kept: Sweep, plane: Plane) -> dict
     table = kept.variants
     scenes = [kept.variant(name).scene for name in table.given]
     stations = choose_stations(kept)
-    steps = max(stations.count(scene, load) for scene in scenes for load in plane.loads)
+    ramps = {ramp_of(scene): scene for scene in scenes}.values()
+    steps = max(len(stations.kept(scene, load)) for scene in ramps for load in plane.loads)
     velocities = plane.velocities
     if plane.chosen is not None:
         velocities = tuple(point.velocity for point in plane.chosen)
@@ -87,6 +92,35 @@ def grown_axes(axes: Mapping[str, list[Any]], kept: Sweep, plane: Plane) -> dict
     )
 
 
+def made_coordinates(sweep: Sweep, axes: Mapping[str, Sequence[Any]]) -> dict[str, Array]:
+    """Time, load and distance at each step, by the dimensions that `variables_of` names.
+
+    NaN before a point's first step.
+    """
+    wanted, stations = variables_of(sweep), choose_stations(sweep)
+    dims, steps = wanted["time"].dims, len(axes["step"])
+    rows = [dim for dim in dims if dim not in ("load", "step")]
+    known = []
+    for name in combinations({dim: axes[dim] for dim in rows}):
+        scene, loads = sweep.variant(name).scene, axes["load"]
+        if "load" not in dims:
+            loads, _ = sweep.variants.plane_of(name, (), ())
+        for load in loads:
+            kept = [(step.time, step.normal_load) for step in stations.kept(scene, load)]
+            known.append([(np.nan, np.nan)] * (steps - len(kept)) + kept)
+    time, normal_load = np.moveaxis(np.array(known), -1, 0).reshape(
+        2, *(len(axes[dim]) for dim in dims)
+    )
+
+    def spread(values: Array, present: Sequence[str]) -> Array:
+        shape = (len(axes[dim]) if dim in present else 1 for dim in wanted["sliding_distance"].dims)
+        return values.reshape(*shape)
+
+    speeds = np.abs(np.array(axes["velocity"]))
+    distance = spread(speeds, wanted["velocity"].dims) * spread(time, dims)
+    return {"time": time, "normal_load": normal_load, "sliding_distance": distance}
+
+
 def documents(
     wanted: Mapping[str, Variable],
     axes: Mapping[str, Any],
@@ -101,7 +135,7 @@ def documents(
     for name, variable in wanted.items():
         shape = [len(axes[dim]) for dim in variable.dims]
         chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
-        if is_coordinate(name):
+        if is_coordinate(name) and name not in MADE:  # which are as large as those of points
             chunks |= {dim: _GROWING for dim in variable.dims if is_of_points(dim)}
         elif name in AT_END:
             chunks |= {dim: 1 for dim in variable.dims if is_of_points(dim)}

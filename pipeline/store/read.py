@@ -13,6 +13,7 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
+from pipeline.store.layout import made_coordinates
 from pipeline.store.place import (
     Bucket,
     Mark,
@@ -26,7 +27,7 @@ from pipeline.store.place import (
     steadily,
 )
 from pipeline.store.root import read_root
-from pipeline.store.schema import AT_END, DONE, INPUTS, PENDING, RECORDS, is_coordinate
+from pipeline.store.schema import AT_END, DONE, INPUTS, MADE, PENDING, RECORDS, is_coordinate
 from pipeline.store.verify import faults_at
 from pipeline.store.write import Store
 from tribo.types import Mask
@@ -61,11 +62,14 @@ class _Backend(BackendEntrypoint):
         of_points = itertools.filterfalse(is_coordinate, store.arrays)
         if lost := [name for name in of_points if store.lacks(name, done, keys)]:
             raise StoreError(damaged(place, ", ".join(sorted(lost))))
+        made = made_coordinates(store.sweep, store.axes)
         present: dict[str, Any] = {"status": store.flags, "asked": store.asked}
         variables = {}
         for name, array in store.arrays.items():
             if name == INPUTS:
                 present[name] = store.read(name, ...)
+            elif name in MADE:
+                present[name] = made[name]
             elif name in store.axes:
                 present[name] = np.array(store.axes[name], array.dtype)
             elif name not in present:
@@ -75,7 +79,8 @@ class _Backend(BackendEntrypoint):
             shown = {key: value for key, value in attributes.items() if key not in _OF_ROOT}
             variables[name] = xr.Variable(dims, present[name], shown)
         variables["status"].encoding["reader"] = Reader(store)
-        coords = {name: variables.pop(name) for name in [*variables] if name in store.axes}
+        along = {*store.axes, *MADE, "own_grid"}
+        coords = {name: variables.pop(name) for name in [*variables] if name in along}
         return xr.Dataset(variables, coords, root.attributes)
 
 

@@ -30,7 +30,7 @@ from pipeline.store.place import (
     reaches,
     reads,
 )
-from pipeline.store.schema import FORMAT, INPUTS, PLANE, VARIABLES, is_coordinate
+from pipeline.store.schema import FORMAT, INPUTS, MADE, PLANE, VARIABLES, is_coordinate
 from pipeline.store.versions import package_versions, provenance
 from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
@@ -276,7 +276,7 @@ def copied(place: StorePlace, names: Iterable[str]) -> Copies:
         if lost := [key for key, content in read.items() if content is None]:
             raise ValueError(f"{lost[0]} is lost")
         arrays = {name: json.loads(read[f"{name}/{ROOT}"] or b"") for name in names}
-        axes: dict[str, Any] = {k: () for k in arrays if is_coordinate(k) and k != INPUTS}
+        axes: dict[str, Any] = {k: () for k in arrays if is_coordinate(k) and k not in _NO_AXES}
         along = {name: arrays[name] for name in axes}
         if not all(map(_is_plain, along.values())):
             raise ValueError("their axes are not those of a store")
@@ -290,7 +290,7 @@ def copied(place: StorePlace, names: Iterable[str]) -> Copies:
         stations = json.loads(copies["stations"])
         facts = {"generation": 0, "axes": axes, "points_per_chunk": dict(block)}
         return Copies(
-            build(Stations, stations | {"loads": tuple(stations["loads"])}),
+            build(Stations, stations | {"holds": tuple(stations["holds"])}),
             build(Facts, facts | json.loads(copies["versions"])),
             arrays,
         )
@@ -305,6 +305,9 @@ def _require_known(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -
             f"{place} is of another version of this program, with the variable {unknown[0]}; read "
             "it with that version, or write to another store"
         )
+
+
+_NO_AXES = {INPUTS, *MADE}  # coordinates without values in the root
 
 
 def is_likely(facts: Facts, arrays: Mapping[str, Any]) -> bool:
@@ -356,7 +359,7 @@ def _are_labels(values: list[Any], kind: str) -> bool:
 
 def _is_axis(name: str, array: Mapping[str, Any], axes: Mapping[str, list[Any]]) -> bool:
     """True for metadata of a coordinate with values in the root, or of the arrays of the scene."""
-    return name == INPUTS or [len(axes[name])] == array["shape"]
+    return name in _NO_AXES or [len(axes[name])] == array["shape"]
 
 
 def _is_plain(array: Mapping[str, Any]) -> bool:

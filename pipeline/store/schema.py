@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import VARIANT, Column
 from tribo import InputError, WarningKind
 
-FORMAT = 4
+FORMAT = 5
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -39,7 +40,8 @@ def _of_contact(units: str, long_name: str) -> Variable:
     comment = (
         "Depends on the size of the elements: a rough surface on larger ones touches on more of "
         "the window at a lower pressure. In the paper's system the preset 'standard' has 14 to "
-        "17 % more contact than the pixels themselves, 'draft' 40 to 50 %."
+        "17 % more contact than the pixels themselves, 'draft' 40 to 50 %. So it jumps at the end "
+        "of a point, where own_grid begins to be true: there it is another number, not a change."
     )
     return Variable(_STEP, units, long_name, attributes={"comment": comment})
 
@@ -65,10 +67,16 @@ COORDINATES = {
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
 }
-COLUMNS = {
-    "time": Variable(_STEP, "s", "time since the start of the ramp"),
-    "normal_load": Variable(_STEP, "N", "normal load on the pin"),
+MADE = {
+    "time": Variable(("load", "step"), "s", "time since the start of the ramp"),
+    "normal_load": Variable(("load", "step"), "N", "normal load on the pin"),
     "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
+}
+"""Coordinates of steps, which are made from the scene."""
+COLUMNS = {
+    "own_grid": Variable(
+        _STEP, "1", "true on the grid of the point itself, false on that of the history", "bool"
+    ),
     "contact_fraction": _of_contact("1", "share of the window in contact"),
     "contact_width": _of_contact("m", "width of the contact along the sliding direction"),
     "max_pressure": _of_contact("Pa", "highest contact pressure"),
@@ -139,7 +147,7 @@ RECORDS = {
 
 INPUTS = "inputs"
 """Variable of the arrays of a scene."""
-VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
+VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All that a store may hold."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
@@ -151,8 +159,8 @@ _OF_TABLE = ("realization", VARIANT, "sample")  # which the table of variants ha
 
 
 def is_coordinate(name: str) -> bool:
-    """True if a variable is a coordinate: of a dimension, or an input by its path."""
-    return name in COORDINATES or name not in VARIABLES
+    """True if a variable is no point's: of a dimension, made from the scene, or an input."""
+    return name in COORDINATES or name in MADE or name not in VARIABLES
 
 
 def is_of_points(dim: str) -> bool:
@@ -196,15 +204,26 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         if name in absent or name in table:
             continue
         inner = tuple(dim for dim in variable.dims if dim not in placed)
-        table[name] = variable if name in COORDINATES else variable._replace(dims=(*front, *inner))
-    if along := [column.name for column in sweep.variants.coordinates]:
-        status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
-        table["status"] = status._replace(attributes={**status.attributes, **names})
+        outer = _rows_of(name, sweep) if name in MADE else front
+        table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
+    along = [*(column.name for column in sweep.variants.coordinates), *MADE, "own_grid"]
+    status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
+    table["status"] = status._replace(attributes={**status.attributes, **names})
     return table
 
 
+def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
+    """Dimensions of the rows that a coordinate of steps differs between."""
+    table = sweep.variants
+    placed = {column.name for column in table.columns} & {*PLANE}
+    if "load" in placed or (placed and name == "sliding_distance"):
+        return tuple(table.axes)
+    ramps = {ramp_of(sweep.variant(one).scene) for one in table.given}
+    return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()
+
+
 _TABLES = {
-    "Coordinates": COORDINATES,
+    "Coordinates": COORDINATES | MADE,
     "Variables of each point": RECORDS,
     "Variables at each station": COLUMNS,
     "Variables of bodies that differ in bulk temperature": BULK_COLUMNS | BULK_FIELDS,

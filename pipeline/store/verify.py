@@ -21,6 +21,7 @@ from pipeline.store.layout import (
     chunk_key,
     chunk_numbers,
     field_key,
+    made_coordinates,
     slices_of,
 )
 from pipeline.store.lock import Lock, held
@@ -39,7 +40,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, is_likely, read_root
-from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
+from pipeline.store.schema import AT_END, DONE, MADE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from tribo import InputError
@@ -368,6 +369,7 @@ class _Shared(NamedTuple):
 def _shared(store: Store, keys: set[str]) -> _Shared:
     """Compare metadata and coordinates with the root."""
     faults, foreign, is_resized = dict[str, str](), list[str](), False
+    expected_values = store.axes | made_coordinates(store.sweep, store.axes)
     for name, expected in store.root.arrays.items():
         key = f"{name}/{ROOT}"
         document = _document(store.place.read(key))
@@ -376,15 +378,22 @@ def _shared(store: Store, keys: set[str]) -> _Shared:
             foreign += [key] if document else []
         else:
             is_resized |= document.get("shape") != expected["shape"]
-        if name in store.axes:
+        if name in store.axes or name in MADE:
             values = None
             with suppress(DamagedError):
-                values = store.read(name, ...).tolist()
-            if values != store.axes[name]:
+                values = store.read(name, ...)
+            if values is None or not _is_same(values, expected_values[name]):
                 faults[name] = f"the coordinate {name} is damaged"
                 is_there = values is not None and not keys.isdisjoint(store.chunk_keys(name, ()))
                 foreign += [name] if is_there else []
     return _Shared(faults, foreign, is_resized)
+
+
+def _is_same(values: Any, expected: Any) -> bool:
+    """True for values of a coordinate that are those expected, NaN at the same places."""
+    expected = np.array(expected, values.dtype)
+    is_real = values.dtype.kind == "f"
+    return bool(np.array_equal(values, expected, equal_nan=is_real))
 
 
 def _document(content: bytes | None) -> dict[str, Any]:
@@ -398,15 +407,16 @@ def _document(content: bytes | None) -> dict[str, Any]:
 
 def _restore(store: Store, shared: _Shared) -> None:
     """Write metadata and coordinates as the root has them, and keep the others beside."""
+    values = store.axes | made_coordinates(store.sweep, store.axes)
     for name, expected in store.root.arrays.items():
         key = f"{name}/{ROOT}"
         with writes(store.place):
             if key in shared.faults:
                 keep_beside(store.place, [key])
                 store.place.put({key: json.dumps(expected).encode()})
-            if name in store.axes and name in shared.faults:
+            if name in values and name in shared.faults:
                 keep_beside(store.place, store.chunk_keys(name, ()))
-                store.arrays[name][:] = np.array(store.axes[name])
+                store.arrays[name][...] = np.array(values[name])
 
 
 def note_files(store: Store) -> None:

@@ -22,7 +22,14 @@ from numpy.typing import NDArray
 
 from pipeline.store.checksum import packed
 from pipeline.store.files import THREADS
-from pipeline.store.layout import arrays_of, blocks, chunk_key, field_key, slices_of
+from pipeline.store.layout import (
+    arrays_of,
+    blocks,
+    chunk_key,
+    field_key,
+    made_coordinates,
+    slices_of,
+)
 from pipeline.store.lock import Lock
 from pipeline.store.place import (
     LOCK,
@@ -148,6 +155,17 @@ class Store:
         with reads(self.place, name):
             return self.arrays[name].oindex[places]
 
+    def read_steps(self) -> dict[str, Any]:
+        """All variables at steps, and time, load and distance there, each of one shape."""
+        columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
+        shape = columns["max_rise"].shape
+        dims = self.arrays["max_rise"].metadata.dimension_names
+        for name, values in made_coordinates(self.sweep, self.axes).items():
+            present = self.arrays[name].metadata.dimension_names
+            sizes = [n if dim in present else 1 for dim, n in zip(dims, shape, strict=True)]
+            columns[name] = np.broadcast_to(values.reshape(sizes), shape)
+        return columns
+
     def pending(self) -> list[Point]:
         """Points that the last run asked for, and that are neither done nor failed."""
         return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
@@ -163,7 +181,7 @@ class Store:
             values[index] = {name: getattr(record, name) for name in _ABOUT}
             statuses[index] = FAILED
             if record.data is not None:
-                values[index] |= {**record.data, "steps": len(record.data["time"])}
+                values[index] |= {**record.data, "steps": len(record.data["max_rise"])}
                 statuses[index] = DONE
         self.write(values, statuses)
 
@@ -229,7 +247,7 @@ class Store:
             part = array[block]
         for index, value in values.items():
             if name in STEPPED:
-                part[self.within(index)] = np.nan
+                part[self.within(index)] = array.fill_value
                 part[self.within(index)][-len(value) :] = value
             else:
                 part[self.within(index)] = value

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.about import About, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.variants import Part, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
 from tribo.simulation import inseparable, mechanics, wear_number
@@ -90,7 +90,6 @@ class Plane:
 
     loads: tuple[float, ...]  # on the whole pin [N]
     velocities: tuple[float, ...]  # [m/s]
-    independent: bool = False  # each point from the start, not on from the next lower load
     chosen: Collection[Point] | None = None  # the points to simulate, if not all of them
 
     def __post_init__(self) -> None:
@@ -103,8 +102,8 @@ class Record:
     """What is kept of each point; see `pipeline.sweep.stations`."""
 
     fields: bool = False  # those at the end of each point
-    steps: str | int | None = None  # "loads", "all", "end" or a number; None for what is usual
-    stations: Stations | None = None  # that a store has, in place of those of the loads
+    steps: Steps | None = None  # None for what is usual
+    stations: Stations | None = None  # that a store has
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,13 +153,6 @@ class Sweep:
         object.__setattr__(self, "conditions", self.conditions.under(self.scene.loading))
         if self.variants.columns:
             self.variant(self.variants.names[0])  # refuses what the scene does not have
-        hold = self.scene.loading.hold if isinstance(self.scene.loading, Ramp) else None
-        if self.record.steps == "loads" and hold != 0:
-            raise InputError(
-                f'sweep.steps is "loads", and the load is {"held" if hold else "a record"}: a '
-                "higher load does not pass through the end of a lower one; give a number, "
-                '"all" or "end"'
-            )
 
     def __repr__(self) -> str:
         return as_lines(f"{self.about.name}: {self.about.title}", self._rows())

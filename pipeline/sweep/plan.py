@@ -1,15 +1,17 @@
-"""The points of a sweep, the chains in which one continues another, and how a point is computed.
+"""The points of a sweep, the tasks that they are computed in, and how a point is computed.
 
-At one velocity each load continues the trunk of the next lower one; a point has the same numbers
-from any trunk, bit for bit. Variants that share a contact are in one chain.
+A task is one point, or points of variants that share its contact. It begins at the last increment
+below its load, where a ramp of the same contact, velocity and increment has come so far; a point
+has the same numbers from any of them, bit for bit.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -20,33 +22,16 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import Verdict, verdict
 from pipeline.sweep.station_choice import choose_stations
-from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Variant
-from tribo import BULK_RATIOS, QUANTILES, Ramp, Scene, State, measures, warnings
-from tribo.simulation import PointWarning, contacts, heat, heated, leads_to, start
+from tribo import BULK_RATIOS, QUANTILES, Scene, State, TriboError, measures, warnings
+from tribo.simulation import Note, PointWarning, Trunks, contacts, heat
 from tribo.types import Array
 
 Moment = Mapping[str, float | Array]
 
+_MADE = ("time", "normal_load", "sliding_distance")  # which follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Trunk:
-    """The ramp at one velocity, as far as it has come."""
-
-    state: State  # at the last step, without temperature
-    # `PointResult.columns` of each variant on reaching each load so far; None where that failed.
-    ends: Mapping[Variant, Mapping[float, Moment | None]] = field(default_factory=dict)
-
-    def without(self, failed: Iterable[Point]) -> Trunk:
-        """The trunk, with these points noted as failed."""
-        ends = {
-            point.variant: {**self.ends.get(point.variant, {}), point.load: None}
-            for point in failed
-        }
-        return replace(self, ends={**self.ends, **ends})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +47,6 @@ class PointResult:
     state: State
     shape: tuple[int, int]  #: Elements of the scene along x and y.
     warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
-    trunk: Trunk  #: Trunk of the ramp, which the next higher load continues.
     at_load: tuple[State, ...]  #: States that decide, from when the load is reached on.
     wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
 
@@ -95,7 +79,10 @@ class PointResult:
         fields = self.fields if with_fields else {}
         return PointRecord(
             point=self.point,
-            data={**self.columns, **{k: v.astype(np.float32) for k, v in fields.items()}},
+            data={
+                **{name: v for name, v in self.columns.items() if name not in _MADE},
+                **{name: v.astype(np.float32) for name, v in fields.items()},
+            },
             message="; ".join(map(str, self.warnings)),
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
             wall_time=self.wall_time,
@@ -132,15 +119,25 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     )
 
 
-def chains(todo: Iterable[Point], sweep: Sweep) -> tuple[tuple[Point, ...], ...]:
-    """Group points so that each continues the trunk of the one before, unless independent."""
+class Task(NamedTuple):
+    """Points that share a contact, and the ramp that it branches off."""
 
-    def ramp(point: Point) -> tuple[Any, ...]:
-        velocity, variant = sweep.contact_of(point)
-        return variant, velocity, point.load if sweep.plane.independent else 0.0
+    points: tuple[Point, ...]
+    ramp: tuple[Any, ...]  # variant and velocity that lead it, and its increment
 
-    ordered = sorted(todo, key=lambda point: (ramp(point), point.load, point.variant))
-    return tuple(tuple(chain) for _, chain in itertools.groupby(ordered, key=ramp))
+
+def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
+    """Points by the contacts that they share; ramp by ramp, loads ascending."""
+    scene = functools.cache(lambda lead: sweep.variant(lead).scene)
+    increment = functools.cache(lambda lead, load: scene(lead).trunk(load))
+
+    def place(point: Point) -> tuple[Any, ...]:
+        velocity, lead = sweep.contact_of(point)
+        return lead, velocity, increment(lead, point.load), point.load
+
+    ordered = sorted(todo, key=lambda point: (*place(point), point.variant))
+    groups = itertools.groupby(ordered, key=place)
+    return tuple(Task(tuple(points), tuple(ramp)) for (*ramp, _), points in groups)
 
 
 def step_count(scene: Scene, load: float) -> int:
@@ -153,142 +150,90 @@ def run_point(
     load: float,
     velocity: float,
     variant: Variant = (),
-    trunk: Trunk | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> PointResult:
     """Simulate one point; see `pipeline.run_point`, which takes text, too."""
-    return run_points(sweep, (Point(load, velocity, variant),), trunk, progress)[0]
+    return run_points(sweep, (Point(load, velocity, variant),), progress=progress)[0]
 
 
 def run_points(
     sweep: Sweep,
     points: Sequence[Point],
-    trunk: Trunk | None = None,
+    trunks: Trunks | None = None,
     progress: Callable[[int, int], None] | None = None,
-    failed: Collection[Point] = (),
 ) -> tuple[PointResult, ...]:
     """Simulate points of one contact: one point, or variants that share it, at one load.
 
-    The trunk is that of the contact. Ends of lower loads that are stations of the points come from
-    it; those that it lacks are computed on the way, but for points that are known to have failed.
-    `progress` is called with the steps done and their number.
+    They begin on ramps of other points, if given, and lengthen these. `progress` is called with the
+    steps done and their number.
     """
     began = time.perf_counter()
     load, stations = points[0].load, choose_stations(sweep)
-    trunk = trunk or Trunk(start(sweep.variant(sweep.contact_of(points[0])[1]).scene))
-    for below in stations.below(load):
-        trunk = _passed(sweep, [point._replace(load=below) for point in points], trunk, failed)
-    runs, trunk = _simulated(sweep, points, trunk, stations, progress)
+    variants = [sweep.variant(point.variant) for point in points]
+    first, name_of_lead = sweep.contact_of(points[0])
+    lead = sweep.variant(name_of_lead).scene
+    places = [(one.scene, point.velocity) for one, point in zip(variants, points, strict=True)]
+    different = tuple(dict.fromkeys(places))
+    asked, kept = stations.asked(lead, load), stations.kept(lead, load)
+    note, own = None, {station.index for station in kept}
+    if stations.steps == "course":
+        note = Note(different, lambda state: [_on_way(*place, state) for place in different])
+        own = {one.index for one in kept if one.index in asked or one.normal_load >= load}
+    hot: list[list[State]] = []  # by moment and place
+    for contact in contacts(lead, load, first, trunks, asked, note):
+        if contact.index in own:
+            hot.append([_with_heat(*place, contact) for place in different])
+        if progress:
+            progress(contact.index, kept[-1].index)
     duration = (time.perf_counter() - began) / len(points)
     results = []
-    for point, run in zip(points, runs, strict=True):
-        ends = trunk.ends.get(point.variant, {})
-        passed = [end for below in stations.below(load) if (end := ends[below]) is not None]
+    for point, variant, place in zip(points, variants, places, strict=True):
+        number = different.index(place)
+        states = [moment[number] for moment in hot]
+        course = [moment[number] for moment in states[-1].course]
         results.append(
             PointResult(
                 point=point,
-                columns=_stacked([*passed, *run.records]),
-                state=run.states[-1],
-                shape=run.scene.grid.shape,
-                warnings=tuple(warnings(run.scene, run.states[-1])),
-                trunk=trunk,
-                at_load=tuple(state for state in run.states if state.normal_load >= load),
+                columns=_stacked([*course, *(record_at(place[0], state) for state in states)]),
+                state=states[-1],
+                shape=variant.scene.grid.shape,
+                warnings=tuple(warnings(variant.scene, states[-1])),
+                at_load=tuple(state for state in states if state.normal_load >= load),
                 wall_time=duration,
             )
         )
     return tuple(results)
 
 
-def _passed(
-    sweep: Sweep, points: Sequence[Point], trunk: Trunk, failed: Collection[Point]
-) -> Trunk:
-    """The trunk with the ends of points at a load that it passes."""
-    new = [p for p in points if p.load not in trunk.ends.get(p.variant, {})]
-    trunk = trunk.without(point for point in new if point in failed)
-    missing = [point for point in new if point not in failed]
+def _with_heat(scene: Scene, velocity: float, contact: State) -> State:
+    """A contact with its temperature in a scene, at a velocity of its wear number [m/s]."""
+    warm = contact.heat
+    if warm is None and contact.pressure.any():
+        warm = heat(scene, contact, velocity)
+    return replace(contact, sliding_distance=abs(velocity) * contact.time, heat=warm)
+
+
+def _on_way(scene: Scene, velocity: float, contact: State) -> Moment:
+    """Values at an increment, on the grid of the history."""
     try:
-        return _simulated(sweep, missing, trunk)[1] if missing else trunk
-    except Exception:  # such a point is recorded as failed, and is no station
-        if len(missing) == 1:
-            return trunk.without(missing)
-        for point in missing:
-            trunk = _passed(sweep, [point], trunk, failed)
-        return trunk
-
-
-class _Run(NamedTuple):
-    """A simulation of one variant: its states that are kept, and their records."""
-
-    scene: Scene
-    states: list[State]
-    records: list[Moment]
-
-    def reached(self, load: float) -> Moment | None:
-        """Record on reaching a load."""
-        moments = zip(self.states, self.records, strict=True)
-        return next((record for state, record in moments if state.normal_load >= load), None)
-
-
-def _simulated(
-    sweep: Sweep,
-    points: Sequence[Point],
-    trunk: Trunk,
-    stations: Stations | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> tuple[list[_Run], Trunk]:
-    """Simulate points of one contact, and lengthen its trunk; not held without stations."""
-    load, names = points[0].load, [point.variant for point in points]
-    variants = [sweep.variant(name) for name in names]
-    first, name_of_lead = sweep.contact_of(points[0])
-    lead = variants[0].scene if name_of_lead == names[0] else sweep.variant(name_of_lead).scene
-    if stations is None and isinstance(lead.loading, Ramp) and lead.loading.hold:
-        lead = replace(lead, loading=replace(lead.loading, hold=0.0))
-    asked = stations.asked(lead, load) if stations else frozenset[int]()
-    goes_on = leads_to(lead, trunk.state, load)
-    state = trunk.state if goes_on else start(lead)
-    steps = sum(1 for _ in lead.stations(load, state.normal_load, asked)) if progress else 0
-    runs = [_Run(variant.scene, [], []) for variant in variants]
-    ways = contacts(lead, load, first, state, asked)
-    for number_of_step, contact in enumerate(ways, 1):
-        if contact.on_trunk:
-            state = replace(contact.history or contact, heat=None)
-        if contact.index in asked or contact.normal_load >= load or contact.is_asked:
-            places = [(run.scene, at.velocity) for run, at in zip(runs, points, strict=True)]
-            heats = {place: _with_heat(*place, contact, first) for place in dict.fromkeys(places)}
-            for variant, run, place in zip(variants, runs, places, strict=True):
-                hot = heats[place]
-                if hot.heat is not None:
-                    run.states.append(hot)
-                    run.records.append(record_at(variant, hot))
-        if progress:
-            progress(number_of_step, steps)
-    if not goes_on and trunk.state.normal_load >= load:
-        state = trunk.state  # the trunk had come beyond this load
-    ends = {
-        point.variant: {**trunk.ends.get(point.variant, {}), load: run.reached(load)}
-        for point, run in zip(points, runs, strict=True)
-    }
-    return runs, Trunk(state, {**trunk.ends, **ends})
-
-
-def _with_heat(scene: Scene, velocity: float, contact: State, first: float) -> State:
-    """A contact with its temperature, at the velocity that leads it or at that of another row."""
-    if velocity != first:
-        return heated(scene, contact, velocity)
-    if contact.is_asked and contact.heat is None:
-        return replace(contact, heat=heat(scene, contact, velocity))
-    return contact
+        return record_at(scene, _with_heat(scene, velocity, contact))
+    except TriboError:  # which costs the ends of points nothing
+        return record_at(scene, replace(contact, sliding_distance=abs(velocity) * contact.time))
 
 
 def _stacked(records: Sequence[Moment]) -> dict[str, Array]:
     return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
-def record_at(sweep: Sweep, state: State) -> Moment:
+def record_at(scene: Scene, state: State) -> Moment:
     """Values at one moment of a point, by variable of the dataset."""
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
-    record: dict[str, float | Array] = {**measures(sweep.scene, state), "rise_quantile": quantiles}
-    if sweep.scene.unequal_bulks:
+    record: dict[str, float | Array] = {
+        "own_grid": state.pressure.size >= math.prod(scene.grid.shape),
+        **measures(scene, state),
+        "rise_quantile": quantiles,
+    }
+    if scene.unequal_bulks:
         of_bulk = state.heat.bulk_rise_quantile if state.heat else None
         record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if of_bulk is None else of_bulk
     return record

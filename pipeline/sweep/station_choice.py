@@ -3,50 +3,35 @@
 from __future__ import annotations
 
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.stations import Stations, even_places
-from tribo import MeasuredLoad
-from tribo.loading import Station
+from pipeline.sweep.stations import Stations, Steps
+from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Stations of a sweep at its present loads, or those that its store has."""
+    """Stations of a sweep, or those that its store has."""
     if sweep.record.stations:
         return sweep.record.stations
-    steps = sweep.record.steps or _usual(sweep)
-    if steps == "end":
-        return Stations(steps, judges_hold=_warms_in_hold(sweep))
-    if steps == "loads":
-        return Stations(steps, sweep.plane.loads)
-    scene, highest = sweep.variant(sweep.variants.names[0]).scene, max(sweep.plane.loads)
-
-    def way(load: float) -> list[Station]:
-        return list(scene.loading.stations(load, scene.fidelity.increments))
-
-    end = way(highest)[-1].time
-    interval = 0.0 if steps == "all" else end / (int(steps) + 1)
-    warms = _warms_in_hold(sweep)
-    if isinstance(scene.loading, MeasuredLoad):
-        return Stations(steps, interval=interval)
-    loads = set[float]()
-    for load in sweep.plane.loads if steps == "all" else (highest,):
-        trunk = [step for step in way(load) if step.on_trunk and step.normal_load < highest]
-        places = even_places([step.time for step in trunk], interval, end)
-        loads |= {trunk[place].normal_load for place in places}
-    return Stations(steps, tuple(sorted(loads)), interval, warms)
+    tests = (*sweep.about.measured, *sweep.about.tested)
+    holds = {test.hold for test in tests if test.hold is not None}
+    return Stations(
+        sweep.record.steps or _usual(sweep), _warms_in_hold(sweep), tuple(sorted(holds))
+    )
 
 
-def _usual(sweep: Sweep) -> str:
-    """The word of a scene that gives none: loads of a plane on one ramp, else the end."""
-    loading, plane = sweep.scene.loading, sweep.plane
-    is_ramp = not isinstance(loading, MeasuredLoad) and not loading.hold
-    is_plane = plane.chosen is None and not plane.independent and sweep.variants.has_plane
-    return "loads" if is_ramp and is_plane else "end"
+def _usual(sweep: Sweep) -> Steps:
+    """The word of a scene that gives none: the course of what wears on a ramp of its own."""
+    scenes = [sweep.variant(name).scene for name in sweep.variants.given]
+    are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
+    wears = any(scene.wears for scene in scenes)
+    # Rows that share contacts would pay 2.9 to 4.4 times for the temperatures of each of them.
+    are_alone = all(name == lead.variant for name, lead in sweep.leads.items())
+    return "course" if are_ramps and wears and are_alone else "end"
 
 
 def _warms_in_hold(sweep: Sweep) -> bool:
     """The load is held, and a body of some variant has a heat capacity."""
     loading = sweep.scene.loading
-    if isinstance(loading, MeasuredLoad) or not loading.hold:
+    if not isinstance(loading, Ramp) or not loading.hold:
         return False
     several = (sweep.variant(name) for name in sweep.variants.names)
     bulks = (

@@ -1,15 +1,19 @@
-"""Stations of a point: the moments on its way that are kept besides those that decide.
-
-On a ramp they are the ends of points at lower loads, bit for bit, else steps of its own.
-"""
+"""Stations of a point: the moments that are stored of it, its end last."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Hashable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from tribo import MeasuredLoad, Scene
+from tribo.loading import Station
+
+Steps = Literal["course", "end"]
+"""Every step of a point, or those alone that can decide."""
 
 _MOST_OF_HOLD = 60  # moments of a hold at which a wearing contact and a warming body are judged
 
@@ -18,48 +22,50 @@ _MOST_OF_HOLD = 60  # moments of a hold at which a wearing contact and a warming
 class Stations:
     """Stations of all points of a sweep, by the word of its scene."""
 
-    steps: str | int = "end"  # or "loads", "all" or a number
-    loads: tuple[float, ...] = ()  # that are stations of all higher ones, ascending [N]
-    # Time between stations of a recorded load, or of one that is held [s]: 0 for every step, None
-    # for those alone that decide.
-    interval: float | None = None
+    steps: Steps = "end"
     # A body warms as a whole while a hold wears the contact away: the worst moment lies inside.
     judges_hold: bool = False
-
-    def below(self, load: float) -> tuple[float, ...]:
-        """Loads that are stations of the points at a load [N]."""
-        return tuple(station for station in self.loads if station < load)
+    holds: tuple[float, ...] = ()  # durations of the tests at the full load [s]
 
     def asked(self, scene: Scene, load: float) -> frozenset[int]:
-        """Indices of the steps on the point's own way at which a temperature is asked for."""
-        if self.interval is None and not self.judges_hold:
-            return frozenset()
-        is_record = isinstance(scene.loading, MeasuredLoad)
-        way = list(scene.loading.stations(load, scene.fidelity.increments))
-        own = [step for step in way if is_record or step.holding]
-        if not own:
-            return frozenset()
-        reached = [step.index for step in way if step.normal_load == load and not step.holding]
-        times = [step.time for step in own]
-        kept = (
-            set[int]() if self.interval is None else {*even_places(times, self.interval, times[-1])}
-        )
-        if self.judges_hold:
-            kept |= _growing(len(own))
-        return frozenset([*reached, *(own[number].index for number in kept)])
+        """Indices of the steps at which a temperature is asked for on the scene's own grid.
 
-    def count(self, scene: Scene, load: float) -> int:
-        """Most stations that a point at a load may have, its end included."""
+        The load is reached, and the loading ends, with a temperature in any case.
+        """
+        way = list(scene.loading.stations(load, scene.fidelity.increments))
+        held = [step for step in way if step.holding]
+        if self.steps == "course":
+            is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
+            return frozenset(step.index for step in (way if is_own else held))
+        kept = [held[place].index for place in _growing(len(held))] if self.judges_hold else []
+        reached = max((step.time for step in way if not step.holding), default=0.0)
+        tested = (
+            step.index
+            for step in held
+            if any(math.isclose(step.time - reached, hold, rel_tol=1e-6) for hold in self.holds)
+        )
+        return frozenset([*kept, *tested])
+
+    def kept(self, scene: Scene, load: float) -> list[Station]:
+        """Steps of a point at a load that are stored, its end last."""
         asked = self.asked(scene, load)
-        steps = list(scene.stations(load, asked=asked))
+        steps = list(scene.stations(load, asked))
         keeps_heat = scene.remembers_heat and not scene.fidelity.fewest_elements
-        own = sum(
-            step is steps[-1]
+        return [
+            step
+            for step in steps
+            if step is steps[-1]
             or step.index in asked
             or (step.normal_load >= load and (not step.holding or keeps_heat))
-            for step in steps
-        )
-        return len(self.below(load)) + own
+            or self.steps == "course"
+        ]
+
+
+def ramp_of(scene: Scene) -> Hashable:
+    """What the steps of a scene's points depend on."""
+    fewest = scene.fidelity.fewest_elements
+    memory = scene.remembers_steps, scene.remembers_heat, fewest > 0
+    return scene.loading, scene.fidelity.increments, *memory
 
 
 def _growing(count: int) -> set[int]:
@@ -67,12 +73,3 @@ def _growing(count: int) -> set[int]:
     if count <= _MOST_OF_HOLD:
         return {*range(count)}
     return {*(np.geomspace(1, count, _MOST_OF_HOLD).round().astype(int) - 1).tolist()}
-
-
-def even_places(times: list[float], interval: float, end: float) -> list[int]:
-    """Places of the times nearest to multiples of an interval before an end [s]; all if it is 0."""
-    if interval == 0 or not times:
-        return list(range(len(times)))
-    first = max(1, np.ceil(times[0] / interval - 0.5))
-    moments = interval * np.arange(first, np.ceil(end / interval - 1e-9))
-    return sorted({int(np.argmin(np.abs(np.array(times) - moment))) for moment in moments})

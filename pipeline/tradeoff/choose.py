@@ -269,7 +269,7 @@ def _is_worth_it(sweep: Sweep, places: Sequence[Target]) -> bool:
     to_probe = _PASSES * sum(step_count(scene, place.load) for place in places)
     scene = sweep.changed(fidelity=dividing_pixels(sweep, PRESETS["reference"])).scene
     ends = [step_count(scene, load) for load in sweep.plane.loads]
-    steps = sum(ends) if sweep.plane.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
+    steps = sum(ends) if ends[0] == ends[-1] else ends[-1] + len(ends)
     return to_probe <= _WORTH * steps * sweep.ramps
 
 

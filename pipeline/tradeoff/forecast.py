@@ -6,19 +6,21 @@ import math
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import require_count
+from pipeline.sweep.hand_out import makespan
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import Task, record_at, step_count, tasks
 from pipeline.sweep.plan import points as points_of
-from pipeline.sweep.plan import record_at, step_count
 from pipeline.sweep.station_choice import choose_stations
 from tribo import State
-from tribo.simulation import contacts, heat, leads_to
+from tribo.simulation import Trunks, contacts, heat
+from tribo.simulation.trunks import MOST_BYTES
 
 _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
@@ -27,6 +29,8 @@ _PACKED = 0.35  # of a field in single precision is left by zstd: 0.355 of first
 _STORE_BYTES = 0.36e6  # of a store without points: some 30 arrays, a folder and two files each
 _HALF_BLOCK = 2048  # of the disk, which the end of each file leaves empty
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
+_FIELDS_OF_STATE = 3  # arrays of an increment of a ramp
+_MANY = 20_000  # tasks, from which they are divided evenly
 _PATIENCE = 3.0  # [s] of processor time, after which no further step is timed
 
 
@@ -37,7 +41,7 @@ class Estimate:
     points: int  #: Points of the diagram.
     steps: int  #: Contacts to solve for them.
     temperatures: int  #: Heat partitions to solve for them.
-    chains: int  #: Chains of points, one worker each: more workers are idle.
+    tasks: int  #: Points, but those that share a contact as one: more workers are idle.
     workers: int  #: Processes that compute.
     seconds: float  #: Wall time on an idle machine, roughly, by steps timed here and now [s].
     worker_bytes: float  #: Memory of each worker [B].
@@ -84,46 +88,87 @@ def estimate(
     if workers is not None:
         require_count("workers", workers)
     sweep, cores = sweep_of(sweep, own_laws), os.cpu_count() or 1
-    workers, (every, variants) = workers or cores, sweep.lines
+    workers = workers or cores
     if boundary_only:
         sweep.require_search()
-    loads, names = len(sweep.plane.loads), sweep.variants.names
-    # A search takes two velocities at each load, of which neighbouring loads share one.
-    velocities = min(len(every), loads + 1) if boundary_only else len(every)
-    points = min(2, velocities) * loads * variants if boundary_only else len(points_of(sweep))
+    every = [*_searched(sweep)] if boundary_only else [*tasks(points_of(sweep), sweep)]
     given = list(sweep.variants.given)
     scene = sweep.variant(given[len(given) // 2])
-    shared = len(names) / len({lead.variant for lead in sweep.leads.values()})
-    moving = sum(velocity != 0 for velocity in every) * sweep.scene.friction_heat
-    steps, (contact_time, heat_time, state) = list(_steps_of_ramp(scene)), _timed(scene)
-    if boundary_only:  # each velocity is looked at for some of the loads alone
-        moving = min(moving, velocities)
-        steps = [step for step in steps if step[0] <= np.median(sweep.plane.loads)]
-    heated = sum(is_heated for _, is_heated in steps)
-    ramps = math.ceil(velocities * variants / shared)
-    chains = math.ceil(points / shared) if sweep.plane.independent else ramps
-    parallel = min(workers, chains)
-    if not sweep.scene.remembers_steps:  # workers keep the contacts of the first velocity
-        ramps = min(ramps, parallel * variants)
-    turns = max(1.0, ramps / parallel) if sweep.plane.independent else math.ceil(ramps / parallel)
-    of_heat = math.ceil(velocities * variants / parallel) * heated * heat_time
-    commits = loads * velocities * variants / parallel * _SECONDS_TO_COMMIT
-    alone = turns * len(steps) * contact_time + of_heat + commits
+    contact_time, heat_time, state = _timed(scene)
+    work = _Work(scene, contact_time, heat_time)
+    alone = makespan(every, 1, work)[1]
+    contacts_of_one, temperatures = work.contacts, work.temperatures
+    parallel = min(workers, len(every))
+    wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
+    points = sum(len(task.points) for task in every)
+    if boundary_only:  # of a velocity some loads alone are asked for
+        points = min(2, len(sweep.plane.velocities)) * len(sweep.plane.loads) * len(sweep.variants)
     return Estimate(
         points=points,
-        steps=len(steps) * ramps,
-        temperatures=heated * moving * variants,
-        chains=chains,
+        steps=contacts_of_one,
+        temperatures=temperatures,
+        tasks=len(every),
         workers=workers,
-        seconds=_SECONDS_TO_START + alone * max(1.0, parallel / cores),
-        worker_bytes=max(worker_bytes(sweep.variant(name)) for name in given),
+        seconds=_SECONDS_TO_START + wall * max(1.0, parallel / cores),
+        worker_bytes=max(worker_bytes(sweep.variant(name), len(every)) for name in given),
         disk_bytes=_STORE_BYTES + points * _point_bytes(scene, state),
     )
 
 
-def worker_bytes(sweep: Sweep) -> float:
-    """Memory of a worker [B]."""
-    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.scene.grid.shape)
+def _searched(sweep: Sweep) -> Iterator[Task]:
+    """Tasks that a search may take: two velocities a load, of which neighbours share one."""
+    loads = sweep.plane.loads
+    velocities = sweep.plane.velocities[: len(loads) + 1]
+    low = tuple(load for load in loads if load <= np.median(loads))
+    asked = sweep.changed(loads=low, velocities=velocities)
+    yield from tasks(points_of(asked), asked)
+
+
+@dataclass(slots=True)
+class _Work:
+    """What the tasks of a sweep take, and what they have taken so far."""
+
+    sweep: Sweep
+    contact_time: float  # [s]
+    heat_time: float  # [s]
+    contacts: int = 0
+    temperatures: int = 0
+    _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
+
+    def __call__(self, task: Task, has: dict[Any, Any]) -> float:
+        """Time of a task on a worker, by the increments and contacts that it has [s]."""
+        scene, (load, velocity, _) = self.sweep.scene, task.points[0]
+        if load not in self._steps:
+            self._steps[load] = _steps(self.sweep, load)
+        increments, own, shown = self._steps[load]
+        new = max(0, increments - has.get(task.ramp, 0))
+        has[task.ramp] = max(increments, has.get(task.ramp, 0))
+        warms = bool(scene.friction_heat and velocity)
+        steps = new + own
+        heats_on_way = new * warms * (scene.remembers_heat or self._is_course)
+        heats = (own if scene.remembers_heat else shown) * warms * len(task.points)
+        if not scene.remembers_steps:  # workers keep the contacts of the first velocity
+            steps = 0 if (task.ramp[0], load) in has else own
+            has[task.ramp[0], load] = True
+        self.contacts += steps
+        self.temperatures += heats_on_way + heats
+        share = 1 / scene.coarsening**2
+        of_heat = (heats_on_way * share + heats) * self.heat_time
+        commits = len(task.points) * _SECONDS_TO_COMMIT
+        return float(steps * self.contact_time + of_heat + commits)
+
+    @property
+    def _is_course(self) -> bool:
+        return choose_stations(self.sweep).steps == "course"
+
+
+def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:
+    """Memory of a worker of so many tasks, with the ramps that it keeps [B]."""
+    scene = sweep.scene
+    elements = math.prod(next(scene.levels()).grid.shape)
+    of_ramps = tasks * scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
+    kept = min(MOST_BYTES, of_ramps) if scene.remembers_steps else 0.0
+    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + kept
 
 
 def _timed(sweep: Sweep) -> tuple[float, float, State]:
@@ -144,42 +189,35 @@ def _timed(sweep: Sweep) -> tuple[float, float, State]:
 
 def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
     """Contacts of a ramp through all loads, each with the processor time that it took [s]."""
-    trunk, began = None, time.process_time()
+    trunks, began = Trunks(), time.process_time()
     for load in sweep.plane.loads:
-        if trunk and (sweep.plane.independent or not leads_to(sweep.scene, trunk, load)):
-            trunk = None
-        for state in contacts(sweep.scene, load, velocity, trunk):
+        for state in contacts(sweep.scene, load, velocity, trunks):
             if state.pressure.any():
                 yield state, time.process_time() - began
                 began = time.process_time()
-            if state.on_trunk:
-                trunk = state.history or replace(state, heat=None)
 
 
-def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
-    """Load of each step at one velocity, and whether it is given its temperature."""
-    stations, shared, trunk = choose_stations(sweep), 0.0, 0.0
-    loads = {load for load in stations.loads if load < sweep.plane.loads[-1]}
-    for load in sorted(loads.union(sweep.plane.loads)):
-        if sweep.scene.trunk(load) != shared:
-            shared, trunk = sweep.scene.trunk(load), 0.0
-        asked = stations.asked(sweep.scene, load)
-        steps = list(sweep.scene.stations(load, trunk, asked))
-        for station in steps:
-            reached = station.normal_load == load and not station.holding
-            is_shown = reached or station is steps[-1] or station.index in asked
-            yield station.normal_load, is_shown or sweep.scene.remembers_heat
-            if station.on_trunk and not sweep.plane.independent:
-                trunk = station.normal_load
+def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
+    """Increments below a load that points share, own steps, and those with a temperature."""
+    asked = choose_stations(sweep).asked(sweep.scene, load)
+    steps = list(sweep.scene.stations(load, asked))
+    shared = sum(
+        step.on_trunk and step.normal_load < load and step.index not in asked for step in steps
+    )
+    shown = sum(
+        step is steps[-1] or step.index in asked or (step.normal_load == load and not step.holding)
+        for step in steps
+    )
+    return shared, len(steps) - shared, shown
 
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
     stations = choose_stations(sweep)
-    numbers = sum(np.size(value) for value in record_at(sweep, state).values())
+    numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
     fields = (3 + sweep.scene.unequal_bulks) * sweep.record.fields
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
-    stored = 8.0 * numbers * max(stations.count(sweep.scene, load) for load in sweep.plane.loads)
+    stored = 8.0 * numbers * max(len(stations.kept(sweep.scene, n)) for n in sweep.plane.loads)
     return stored + fields * field
 
 
@@ -204,7 +242,7 @@ def savings(sweep: Sweep) -> Iterator[str]:
         points = still * len(plane.loads) * len(sweep.variants.names)
         yield f"heat at {points} points, since nothing moves there"
     stations = choose_stations(sweep)
-    is_end = stations.interval is None and not stations.judges_hold
+    is_end = stations.steps == "end" and not stations.judges_hold
     if is_end and steps > 1 and scene.friction_heat and not scene.remembers_heat:
         yield f"temperatures before the last step (up to {steps - 1} a point)"
     if scene.coarsening > 1:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import chains
+from pipeline.sweep.plan import tasks
 from pipeline.sweep.severity import (
     boundary_velocity_error,
     failed_fraction,
@@ -24,7 +24,7 @@ from pipeline.sweep.severity import (
 from pipeline.sweep.stages import staged
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, Scene, State, measures, simulate
-from tribo.simulation import forget_contacts, forget_kernels, leads_to
+from tribo.simulation import Trunks, forget_contacts, forget_kernels
 
 
 class Target(NamedTuple):
@@ -77,12 +77,10 @@ def probe(
     forget_contacts()
     began = time.process_time()
     runs = {}
-    for chain in chains(points, scene):
-        trunk = None
-        for point in chain:
-            variant = scene.variant(point.variant)
-            runs[point] = run = _run(variant, point.load, point.velocity, trunk)
-            trunk = run.trunk
+    trunks = Trunks()
+    for point in (point for task in tasks(points, scene) for point in task.points):
+        variant = scene.variant(point.variant)
+        runs[point] = _run(variant, point.load, point.velocity, trunks)
     seconds = time.process_time() - began
     return Probe(
         fidelity,
@@ -111,27 +109,22 @@ def _peak_bytes(sweep: Sweep, points: Sequence[Point]) -> int:
 
 class _Run(NamedTuple):
     state: State
-    trunk: State | None
     convolutions: int
     work: int
 
 
-def _run(sweep: Sweep, load: float, velocity: float, trunk: State | None = None) -> _Run:
-    """Simulate a point: its hottest state under full load, its cost, and the trunk it leaves."""
+def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None) -> _Run:
+    """Simulate a point: its hottest state under full load, and its cost."""
     convolutions = work = 0
     hot: list[tuple[float, State]] = []
-    if trunk and not leads_to(sweep.scene, trunk, load):
-        trunk = None
-    for state in simulate(sweep.scene, load, velocity, trunk):
+    for state in simulate(sweep.scene, load, velocity, trunks):
         on_way = state.heat.iterations if state.heat else 0
         convolutions += state.iterations + on_way
         work += state.work + on_way * state.pressure.size
-        if state.on_trunk:
-            trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
             hot.append((momentary_rise(sweep.scene, state, sweep.conditions), state))
     hottest = max(hot, key=lambda reading: reading[0])[1] if hot else state
-    return _Run(hottest, trunk, convolutions, work)
+    return _Run(hottest, convolutions, work)
 
 
 def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:

@@ -1,4 +1,4 @@
-"""Chains of points of the shipped scene against their transforms."""
+"""All loads of the shipped scene at a velocity against their transforms."""
 
 import time
 
@@ -8,6 +8,7 @@ import pipeline
 from pipeline.sweep import plan
 from tests.benchmarks.bare import bare_time, counted_transforms, plain_time
 from tests.benchmarks.scene import SCENE
+from tribo.simulation import Trunks
 
 
 @pytest.mark.benchmark(timer=time.process_time)
@@ -15,12 +16,12 @@ from tests.benchmarks.scene import SCENE
 @pytest.mark.parametrize("velocity", [0.75, 2.0, 4.0])
 def test_chain_of_loads(benchmark, preset, velocity):
     sweep = pipeline.load_scene(SCENE, preset)
-    (chain,) = (c for c in plan.chains(plan.points(sweep), sweep) if c[0].velocity == velocity)
+    chain = [point for point in plan.points(sweep) if point.velocity == velocity]
 
     def points():
-        trunk = None
+        trunks = Trunks()
         for point in chain:
-            trunk = plan.run_point(sweep, point.load, point.velocity, trunk=trunk).trunk
+            plan.run_points(sweep, (point,), trunks)
 
     points()  # kernels and roughness are made once
     benchmark.pedantic(points, rounds=3)

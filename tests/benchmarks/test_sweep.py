@@ -19,9 +19,11 @@ import pipeline
 import tribo
 from pipeline.run import forkserver, work
 from pipeline.run import sweep as execute
-from pipeline.sweep.plan import run_point
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import run_points
 from tests.benchmarks.bare import shortest
 from tests.benchmarks.scene import paper_scene
+from tribo.simulation import Trunks
 
 
 @pytest.fixture(scope="module")
@@ -102,10 +104,10 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
 def simulate(sweep, velocities, core):
     os.sched_setaffinity(0, {core})
     began = time.perf_counter()
+    trunks = Trunks()
     for velocity in velocities:
-        trunk = None
         for load in sweep.plane.loads:
-            trunk = run_point(sweep, load, velocity, trunk=trunk).trunk
+            run_points(sweep, (Point(load, velocity),), trunks)
     return time.perf_counter() - began
 
 

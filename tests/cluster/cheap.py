@@ -74,31 +74,23 @@ def swept(client, sweep, out, duration):
 
 
 def empty_tasks(client, points):
-    """Compute chains of empty tasks, one waiting on each worker as in a sweep; return how many."""
-    chains, below = deque(range(points // _LOADS)), {}
-    done, running, number = deque(), 0, dict.fromkeys(chains, 0)
-    news = threading.Event()
+    """Compute empty tasks, one waiting on each worker as in a sweep; return how many."""
+    left, done, running, news = deque(range(points)), deque(), 0, threading.Event()
 
     def ended(future):
         done.append(future)
         news.set()
 
-    while chains or running:
-        while chains and running < schedule._AHEAD * _WORKERS:
-            chain = chains.popleft()
-            key = f"empty-{chain}-{number[chain]}"
-            below[chain] = client.submit(bool, below.get(chain), key=key)
-            below[chain].add_done_callback(ended)
+    while left or running:
+        while left and running < schedule._AHEAD * _WORKERS:
+            future = client.submit(bool, 0, key=f"empty-{left.popleft()}")
+            future.add_done_callback(ended)
             running += 1
         news.wait()
         news.clear()
         while done:
-            chain, place = map(int, done.popleft().key.split("-")[1:])
-            running, number[chain] = running - 1, place + 1
-            if number[chain] < _LOADS:
-                chains.appendleft(chain)
-            else:
-                del below[chain]
+            done.popleft()
+            running -= 1
     return points
 
 

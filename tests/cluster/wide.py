@@ -41,7 +41,7 @@ class Waiting:
         self._seconds, self._known, self._run_points = seconds, {}, work.run_points
         self._lock = threading.Lock()
 
-    def __call__(self, sweep, points, trunk=None, failed=()):
+    def __call__(self, sweep, points, trunks=None):
         with self._lock:
             for point in points:
                 if point.load not in self._known:

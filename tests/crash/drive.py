@@ -39,7 +39,7 @@ def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2):
     mistake : str, optional
         One of `MISTAKES`.
     pace : float
-        Time that each ramp takes, if its points have records [s].
+        Time that each task takes, if its points have records [s].
     """
     with ExitStack() as stack:
         stack.enter_context(noting(log))
@@ -75,8 +75,8 @@ def computing(records, pace):
     link = Connection(None)
 
     def compute(link, sweep, writer, waiting, learn, report):
-        for chain in waiting:
-            writer.add([record_of(records, sweep, point) for point in chain])
+        for task in waiting:
+            writer.add([record_of(records, sweep, point) for point in task.points])
             writer.flush()
             report(writer.written())
             time.sleep(pace)

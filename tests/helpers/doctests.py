@@ -3,7 +3,6 @@
 A plugin of pytest, so that it reaches the packages: their folders hold no tests of their own.
 """
 
-import itertools
 import shutil
 from pathlib import Path
 
@@ -56,15 +55,14 @@ def _compute(scene, path):
     """Compute a scene here, without a cluster."""
     import pipeline
     from pipeline.store.create import writing
-    from pipeline.sweep.plan import chains, points, run_points
+    from pipeline.sweep.plan import points, run_points, tasks
+    from tribo.simulation import Trunks
 
     sweep = pipeline.load_scene(scene)
     records = []
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
-        for chain in chains(points(sweep), sweep):
-            trunk = None
-            for _, places in itertools.groupby(chain, key=lambda point: point.load):
-                results = run_points(sweep, tuple(places), trunk)
-                trunk = results[0].trunk
-                records += [result.record(sweep.record.fields) for result in results]
+        trunks = Trunks()
+        for task in tasks(points(sweep), sweep):
+            results = run_points(sweep, task.points, trunks)
+            records += [result.record(sweep.record.fields) for result in results]
         store.commit(records)

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline.store.schema import COLUMNS, DONE, FAILED
+from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import Selection
@@ -84,7 +84,9 @@ def sweep(
     ramps = [np.append(np.arange(INCREMENT, F * (1 - 1e-12), INCREMENT), F) for F in loads]
     n_step = max(map(len, ramps))
     shape = (len(loads), len(velocities), n_step)
-    scalars = {name: np.full(shape, np.nan) for name in COLUMNS if name != "rise_quantile"}
+    known = COLUMNS | MADE
+    scalars = {name: np.full(shape, np.nan) for name in known.keys() - {"rise_quantile"}}
+    scalars["own_grid"] = np.full(shape, True)
     quantiles = np.full((*shape, len(QUANTILES)), np.nan)
     flags = np.full(shape[:2], DONE, np.int8)
     messages = np.full(shape[:2], "", dtype=object)
@@ -105,7 +107,7 @@ def sweep(
                 quantiles[i, j, k - len(ramp)] = rise(ramp[k], V, np.array(QUANTILES))
 
     data = {
-        name: (_STEP, values, {"units": COLUMNS[name].units, "long_name": name})
+        name: (_STEP, values, {"units": known[name].units, "long_name": name})
         for name, values in scalars.items()
     }
     data["rise_quantile"] = ((*_STEP, "cooler_share"), quantiles, {"units": "K"})

@@ -62,10 +62,10 @@ class FaultyRamp(tribo.Ramp):
 
     faulty_load: float = math.nan
 
-    def stations(self, normal_load, increments, after=0.0):
+    def stations(self, normal_load, increments):
         if normal_load == self.faulty_load and _on_a_worker():
             self.fault()
-        return tribo.Ramp.stations(self, normal_load, increments, after)
+        return tribo.Ramp.stations(self, normal_load, increments)
 
 
 class DeadlyRamp(FaultyRamp):
@@ -81,10 +81,10 @@ class DivergingRamp(FaultyRamp):
 class SlowRamp(FaultyRamp):
     """Takes its time at every load, as a large scene does."""
 
-    def stations(self, normal_load, increments, after=0.0):
+    def stations(self, normal_load, increments):
         if _on_a_worker():
             time.sleep(0.2)
-        return tribo.Ramp.stations(self, normal_load, increments, after)
+        return tribo.Ramp.stations(self, normal_load, increments)
 
 
 class EndlessRamp(FaultyRamp):

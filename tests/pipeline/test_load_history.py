@@ -43,8 +43,8 @@ def sweep_of(loading, motion=None, **changes):
 @pytest.mark.parametrize(
     ("loading", "steps", "motion"),
     [
-        ("ramp", "loads", ROLLING), ("hold", "end", None), ("hold", 3, ROLLING),
-        ("record", "end", None), ("record", 2, ROLLING),
+        ("ramp", "course", ROLLING), ("hold", "end", None), ("hold", "course", ROLLING),
+        ("record", "end", None), ("record", "course", ROLLING),
     ],
 )  # fmt: skip
 def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, steps, motion):
@@ -76,7 +76,7 @@ def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
 
 @pytest.mark.parametrize("loading", ["hold", "record"])
 def test_any_part_of_a_sweep_has_the_temperatures_that_it_has_in_the_whole(tmp_path, loading):
-    commit_all(tmp_path / "a.zarr", sweep_of(LOADINGS[loading], steps="all"))
+    commit_all(tmp_path / "a.zarr", sweep_of(LOADINGS[loading], steps="course"))
     ds, point = pipeline.open_sweep(tmp_path / "a.zarr"), {"load": LOAD, "velocity": VELOCITY}
     all_steps = pipeline.temperatures(ds)
     whole = all_steps["mean_temperature"].isel(step=-1)
@@ -95,7 +95,7 @@ def test_any_part_of_a_sweep_has_the_temperatures_that_it_has_in_the_whole(tmp_p
             rtol=1e-12,
         )
         hottest = pipeline.decisive_temperature(some).sel(point).item()
-        held = some["normal_load"].sel(point) >= LOAD
+        held = some["normal_load"].sel(load=LOAD) >= LOAD
         quantiles = all_steps["temperature_quantile"].isel(step=part).sel(point)
         at_share = quantiles.sel(cooler_share=0.9).where(held)
         if held.any():

@@ -11,7 +11,7 @@ from pipeline.run.boundary_search import follow_boundary
 from pipeline.store.create import restore_root, writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
-from pipeline.sweep.plan import PointRecord, chains, points
+from pipeline.sweep.plan import PointRecord, points, tasks
 from tests.helpers import scenes
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
@@ -127,7 +127,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
         **{"sweep.velocities": ["2 m/s"], "sweep.loads": ["600 N"], "sweep.realizations": [3, 4]},
     )  # fmt: skip
     assert list(sweep.variants.axes) == ["friction.coefficient", "pin.material", "realization"]
-    assert (len(points(sweep)), len(chains(points(sweep), sweep))) == (8, 4)
+    assert (len(points(sweep)), len(tasks(points(sweep), sweep))) == (8, 4)
     commit_all(tmp_path / "out.zarr", sweep)
     surfaces = {"sweep.realizations": [3, 4]}
     alone = '{ "friction.coefficient" = [0.1], "pin.material" = ["hard"] }'

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tests.helpers.scenes import STEEL, last, small_scene
+from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     Ball,
     Bulk,
@@ -107,15 +107,6 @@ class Law:
 
     def over(self, begin, end):
         return 1.0
-
-
-def gone_on(fidelity):
-    state = next(iter(simulate(small_scene(), 300.0, 1.0)))
-    return list(simulate(scene(fidelity=fidelity), 300.0, 1.0, trunk=state))
-
-
-def off_trunk():
-    return list(simulate(small_scene(), 300.0, 1.0, trunk=last(small_scene(), 100.0, 1.0)))
 
 
 REFUSALS = {
@@ -216,8 +207,6 @@ REFUSALS = {
     "no rise": (lambda: MeasuredLoad([0.0, 1.0], [5.0, 5.0]), "begins at 5 N and reaches 5 N"),
     "record load": (lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).stations(0.0, 9)),
                     "normal_load is 0.0"),
-    "record": (lambda: list(MeasuredLoad([0.0, 1.0], [0.0, 1.0]).stations(1.0, 9, 0.5)),
-               "points of a record share no trunk"),
     # contact
     "load": (lambda: solved(normal_load=1.0), "the most at a hardness of 1e+09 Pa"),
     "no hardness": (lambda: solved(hardness=0.0), "hardness is 0.0"),
@@ -301,9 +290,6 @@ REFUSALS = {
     "velocity": (lambda: list(simulate(small_scene(), 300.0, math.nan)), "velocity is nan"),
     "unloaded": (lambda: list(simulate(small_scene(), 0.0, 1.0)), "normal_load is 0.0"),
     "carries": (lambda: list(simulate(small_scene(), 1e9, 1.0)), "the window carries at most"),
-    "trunk": (off_trunk, "cannot go on to 300 N from the state at 100 N"),
-    "heat model": (lambda: gone_on(small_scene(heat_model="history").fidelity),
-                   "cannot go on from a state of the other one"),
     "frictions": (lambda: Corrections(friction=((2.0, 1.0), (1.0, 1.0))), "above 0 and ascending"),
     "factor": (lambda: Corrections(friction=((1.0, -1.0),)), "each must be finite and ≥ 0"),
     "oxide": (lambda: Corrections(film_resistance=-1.0), "film_resistance is -1.0"),

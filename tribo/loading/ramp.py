@@ -123,23 +123,14 @@ class Ramp:
             halvings = math.ceil(math.log2(_FEWEST_SHARE) - math.log2(share))
         return math.ldexp(self.reference_load / increments, -halvings)
 
-    def stations(
-        self, normal_load: float, increments: int, after: float = 0.0
-    ) -> Iterator[Station]:
-        """Stations beyond the load `after` up to `normal_load` and through its hold.
+    def stations(self, normal_load: float, increments: int) -> Iterator[Station]:
+        """Stations up to `normal_load` [N] and through its hold.
 
-        Parameters
-        ----------
-        normal_load : float
-            Load on the whole pin at the end [N].
-        increments : int
-            Steps of the trunk up to the reference load.
-        after : float
-            Load of a station on the same trunk [N], or 0.
+        The increments are the steps of the trunk up to the reference load.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
-        for station in self._rise(normal_load, increments, after):
+        for station in self._rise(normal_load, increments):
             yield station  # `yield from` would not keep the last one
         if self.hold:
             step = self.increment(normal_load, increments) / self.rate
@@ -154,12 +145,11 @@ class Ramp:
                     holding=True,
                 )
 
-    def _rise(self, normal_load: float, increments: int, after: float) -> Iterator[Station]:
+    def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
         """Stations of the trunk, and the one at `normal_load`."""
         increment = self.increment(normal_load, increments)
         last = _whole(math.floor, "load", normal_load, increment)
-        first = round(after / increment) + 1
-        for index in range(first, last + 1):
+        for index in range(1, last + 1):
             load = index * increment
             if math.isclose(load, normal_load, rel_tol=1e-12):
                 yield self._reached(normal_load, load == normal_load, index)

@@ -123,13 +123,9 @@ class MeasuredLoad:
         (t0, t1), (F0, F1) = self.times[row - 1 : row + 1], self.loads[row - 1 : row + 1]
         return float(t0 + (load - F0) / (F1 - F0) * (t1 - t0))
 
-    def stations(
-        self, normal_load: float, increments: int, after: float = 0.0
-    ) -> Iterator[Station]:
+    def stations(self, normal_load: float, increments: int) -> Iterator[Station]:
         """Every station of a point; times count from the record's first row."""
         require_positive(normal_load=normal_load)
-        if after != 0:
-            raise InputError(f"cannot go on from {after:g} N: points of a record share no trunk")
         begin, scale = float(self.times[0]), normal_load / self.peak
         times = self._cut(increments)
         loads = scale * np.maximum(0.0, np.interp(begin + times, self.times, self.loads))

@@ -4,7 +4,6 @@ from tribo.simulation.cache import forget_contacts as forget_contacts
 from tribo.simulation.cache import forget_kernels as forget_kernels
 from tribo.simulation.contact_ramp import contacts as contacts
 from tribo.simulation.contact_ramp import inseparable as inseparable
-from tribo.simulation.contact_ramp import leads_to as leads_to
 from tribo.simulation.contact_ramp import mechanics as mechanics
 from tribo.simulation.contact_ramp import wear_number as wear_number
 from tribo.simulation.corrections import Corrections as Corrections
@@ -31,3 +30,5 @@ from tribo.simulation.state import Heat as Heat
 from tribo.simulation.state import State as State
 from tribo.simulation.step_measures import measures as measures
 from tribo.simulation.temperature import heat as heat
+from tribo.simulation.trunks import Note as Note
+from tribo.simulation.trunks import Trunks as Trunks

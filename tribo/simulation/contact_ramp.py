@@ -17,9 +17,11 @@ step's short end, nor smaller elements where few touch.
 
 from __future__ import annotations
 
-import math
+import itertools
 from collections.abc import Container, Iterable, Iterator
 from dataclasses import fields, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +36,7 @@ from tribo.simulation.passing import at_positions
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
+from tribo.simulation.trunks import Note, Trunks
 from tribo.wear import Wear
 
 
@@ -105,13 +108,20 @@ def contacts(
     scene: Scene,
     normal_load: float,
     velocity: float,
-    trunk: State | None = None,
+    trunks: Trunks | None = None,
     asked: Container[int] = (),
+    note: Note | None = None,
 ) -> Iterator[State]:
     """Contact states along the way to `normal_load` and through its hold, without temperatures.
 
     They depend on the velocity through `wear_number` alone, but for `State.sliding_distance`, and
     where `inseparable` says why they do not. Parameters and errors are those of `tribo.simulate`.
+
+    Parameters
+    ----------
+    note : Note, optional
+        What is to be kept of each increment below the load; those of which a temperature is asked
+        for have it as `State.course`.
 
     Yields
     ------
@@ -132,27 +142,45 @@ def contacts(
     >>> bool((slow.pressure == fast.pressure).all())
     True
     """
-    state = start(scene) if trunk is None else trunk.history or trunk
-    _check(scene, state, normal_load, velocity)
+    _check(scene, normal_load, velocity)
+    trunks = Trunks() if trunks is None else trunks
     levels = tuple(scene.levels())
-    stations = list(scene.stations(normal_load, state.normal_load, asked))
-    more_elements = _MoreElements(scene, normal_load, velocity, asked)
-    for station in stations:
-        if not scene.remembers_steps:
+    stations = list(scene.stations(normal_load, asked))
+    if not scene.remembers_steps:
+        for station in stations:
             yield _unworn(levels, normal_load, velocity, station, asked)
-            continue
-        before, state = state, _advanced(levels, state, station, velocity)
+        return
+    more_elements = _MoreElements(scene, normal_load, velocity, trunks, asked, note)
+    way = list(
+        itertools.takewhile(
+            lambda one: one.on_trunk and one.normal_load < normal_load and one.index not in asked,
+            stations,
+        )
+    )
+    key = scene, velocity, scene.trunk(normal_load)
+    advanced = partial(_advanced, levels, velocity)
+    keeps_heat = not scene.fidelity.fewest_elements
+    new = trunks.reach(key, start(scene), way, advanced, note)
+    while True:
+        try:
+            state = next(new)
+        except StopIteration as end:
+            state, course = end.value
+            break
+        yield state if keeps_heat else replace(state, heat=None)
+    for station in stations[len(way) :]:
+        before, state = state, advanced(state, station)
         is_reached = station.normal_load == normal_load and not station.holding
         if station is stations[-1] or is_reached or station.index in asked:
-            yield _shown(levels, more_elements, before, state, station, velocity)
-        elif state.heat is not None and scene.fidelity.fewest_elements:
+            yield _shown(levels, more_elements, before, state, station, velocity, course)
+        elif state.heat is not None and not keeps_heat:
             yield replace(state, heat=None)  # that might be of other elements than the last
         else:
             yield state
 
 
-def _check(scene: Scene, state: State, normal_load: float, velocity: float) -> None:
-    """Raise `InputError` for a load or a velocity to which no way leads from a state."""
+def _check(scene: Scene, normal_load: float, velocity: float) -> None:
+    """Raise `InputError` for a load or a velocity that cannot be."""
     if not np.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
     require_positive(normal_load=normal_load)
@@ -161,24 +189,9 @@ def _check(scene: Scene, state: State, normal_load: float, velocity: float) -> N
             f"normal_load is {normal_load:g} N; the window carries at most "
             f"{scene.greatest_load:g} N, its area times the hardness of {scene.hardness:g} Pa"
         )
-    if not leads_to(scene, state, normal_load):
-        raise InputError(
-            f"cannot go on to {normal_load:g} N from the state at {state.normal_load:g} N; "
-            "it must lie on the trunk that leads there, at a lower load"
-        )
-    if scene.remembers_heat != (state.heat_history is not None):
-        heat_model = scene.fidelity.heat_model
-        raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
 
 
-def leads_to(scene: Scene, state: State, normal_load: float) -> bool:
-    """True if the simulation of a load passes through a state, and can go on from it."""
-    if not state.on_trunk or state.normal_load >= normal_load:
-        return False
-    return math.isclose(state.normal_load, state.index * scene.trunk(normal_load))
-
-
-def _advanced(levels: tuple[Scene, ...], before: State, station: Station, velocity: float) -> State:
+def _advanced(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
     """State at a station from which the ramp goes on, on the grid of the history."""
     after = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
     if not levels[0].remembers_heat:
@@ -194,6 +207,7 @@ def _shown(
     after: State,
     station: Station,
     velocity: float,
+    course: tuple[Any, ...] = (),
 ) -> State:
     """State of which the temperature is asked, on the finest grid and with enough elements."""
     if not after.pressure.any():
@@ -201,7 +215,7 @@ def _shown(
     finest = on_finest_grid(levels, before, after, station, velocity)
     shown = more_elements.instead_of(finest)
     if shown is finest:  # others come with their own positions
-        shown = at_positions(levels[-1], before, shown, velocity)
+        shown = replace(at_positions(levels[-1], before, shown, velocity), course=course)
     return replace(shown, is_asked=True)
 
 
@@ -218,9 +232,9 @@ def _unworn(
     def compute() -> State:
         # From the start at each station: not even a first guess may remember the way, or results
         # would depend on the stations at which a temperature is asked for.
-        more_elements = _MoreElements(scene, normal_load, velocity, asked)
+        more_elements = _MoreElements(scene, normal_load, velocity, Trunks(), asked, None)
         before = start(scene)
-        after = _advanced(levels, before, station, velocity)
+        after = _advanced(levels, velocity, before, station)
         return _shown(levels, more_elements, before, after, station, velocity)
 
     contact = unworn_contact((mechanics(scene), normal_load, station), compute)
@@ -236,9 +250,16 @@ class _MoreElements:
     """
 
     def __init__(
-        self, scene: Scene, normal_load: float, velocity: float, asked: Container[int]
+        self,
+        scene: Scene,
+        normal_load: float,
+        velocity: float,
+        trunks: Trunks,
+        asked: Container[int],
+        note: Note | None,
     ) -> None:
-        self._scene, self._to, self._asked = scene, (normal_load, velocity), asked
+        self._scene = scene
+        self._to = normal_load, velocity, trunks, asked, note
         self._ramps: dict[Fidelity, Iterator[State]] = {}
 
     def instead_of(self, state: State) -> State:
@@ -248,7 +269,7 @@ class _MoreElements:
             return state
         if fidelity not in self._ramps:
             finer_scene = replace(self._scene, fidelity=fidelity)
-            self._ramps[fidelity] = contacts(finer_scene, *self._to, asked=self._asked)
+            self._ramps[fidelity] = contacts(finer_scene, *self._to)
         work = state.work
         for finer in self._ramps[fidelity]:  # computed as far as it is asked for
             work += finer.work

@@ -15,13 +15,14 @@ from tribo.simulation.contact_ramp import contacts
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.temperature import heat
+from tribo.simulation.trunks import Trunks
 
 
 def simulate(
     scene: Scene,
     normal_load: float,
     velocity: float,
-    trunk: State | None = None,
+    trunks: Trunks | None = None,
     asked: Container[int] = (),
 ) -> Iterator[State]:
     """Bring the load up to `normal_load` at constant `velocity`, and through its hold.
@@ -34,18 +35,17 @@ def simulate(
         Load on the whole pin at the end [N].
     velocity : float
         Sliding velocity [m/s]: that of the disk along +x, unless the scene has a motion.
-    trunk : State, optional
-        A state on the trunk of a lower load at the same velocity, from which to go on; the
-        result is the same as from the start, bit for bit. Loads share a trunk where `Scene.trunk`
-        is the same.
+    trunks : Trunks, optional
+        Ramps of other points, from which to go on, and which this one lengthens; the result is
+        the same as from the start, bit for bit.
     asked : container of int, optional
         Indices of further stations at which the temperature is asked for, see `Station`.
 
     Yields
     ------
     State
-        State after every step. The one that reaches `normal_load` and the last one have their
-        temperature, besides those that are asked for.
+        State after every step that no ramp had yet. The one that reaches `normal_load` and the
+        last one have their temperature, besides those that are asked for.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def simulate(
     10 N after 1 s
     10 N after 61 s
     """
-    for state in contacts(scene, normal_load, velocity, trunk, asked):
+    for state in contacts(scene, normal_load, velocity, trunks, asked):
         if state.is_asked and state.heat is None:
             yield replace(state, heat=heat(scene, state, velocity))
         else:

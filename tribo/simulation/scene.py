@@ -272,16 +272,13 @@ class Scene:
         coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
-    def stations(
-        self, normal_load: float, after: float = 0.0, asked: Container[int] = ()
-    ) -> Iterator[Station]:
+    def stations(self, normal_load: float, asked: Container[int] = ()) -> Iterator[Station]:
         """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
-        All steps beyond a station on the trunk if a state depends on those before, else only the
-        last, that at which a hold begins, and those whose indices are asked for.
+        All steps if a state depends on those before, else only the last, that at which a hold
+        begins, and those whose indices are asked for.
         """
-        fidelity = self.fidelity
-        stations = self.loading.stations(normal_load, fidelity.increments, after)
+        stations = self.loading.stations(normal_load, self.fidelity.increments)
         if self.remembers_steps:
             yield from stations
             return

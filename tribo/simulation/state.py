@@ -150,3 +150,4 @@ class State:
     heat_history: HeatHistory | None = None
     response_history: HeatHistory | None = None
     passing: tuple[Array, ...] = ()
+    course: tuple[Any, ...] = ()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from tribo.simulation.scene import Scene
@@ -23,9 +21,9 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
         pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
         and ``pin_heat_share``, NaN where the temperature was not asked for; with unequal bulk
-        temperatures ``mean_bulk_response`` likewise. What the size of the elements decides,
-        ``contact_fraction`` to ``saturated_fraction``, is NaN at the steps that are taken on the
-        coarser grid of the history; see `Fidelity.history_coarsening`.
+        temperatures ``mean_bulk_response`` likewise. What the size of the elements decides is
+        that of the state's own, which are larger at the steps on the grid of the history; see
+        `Fidelity.history_coarsening`.
 
     Notes
     -----
@@ -46,8 +44,6 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     """
     pressure, mean_depth = state.pressure, float(state.wear_depth.mean())
     of_contact = _contact_measures(scene, pressure)
-    if pressure.size < math.prod(scene.grid.shape):
-        of_contact = dict.fromkeys(of_contact, np.nan)
     response = state.heat.mean_bulk_response if state.heat else np.nan
     return {
         "time": state.time,

@@ -25,7 +25,7 @@ _Curves = Mapping[str, tuple[Array, Array]]
 
 def fig5(study: Study) -> Report:
     """Highest temperature against time at 600 N and 1.25 m/s."""
-    sweep = study.scene_with_history("fig5")
+    sweep = study.scene("fig5")
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError(f"the scene {sweep.about.name} must have a ramp, `rate` under [loading]")
     load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]

@@ -25,7 +25,7 @@ _Curves = Mapping[str, tuple[Array, Array]]
 
 def fig8(study: Study) -> Report:
     """The same point through a recorded load, its linear fit, and the stated rate."""
-    sweep = study.scene_with_history("fig8")
+    sweep = study.scene("fig8")
     record = sweep.scene.loading
     if not isinstance(record, MeasuredLoad):
         raise InputError(f"the scene {sweep.about.name} must have a record, `file` under [loading]")

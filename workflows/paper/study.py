@@ -49,16 +49,6 @@ class Study:
         """The scene of this name, with its own fidelity or the one asked for."""
         return load_scene(Path(self.scenes, f"{name}.toml"), preset=self.preset)
 
-    def scene_with_history(self, name: str) -> Sweep:
-        """The scene of this name, with temperatures on the way also where a preset asks for none.
-
-        A scene of its own asks for those that it wants to show.
-        """
-        sweep = self.scene(name)
-        if self.preset is None:
-            return sweep
-        return sweep.changed(steps=10)
-
     def stages(
         self,
         items: Iterable[T],

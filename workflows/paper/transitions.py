@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.axes import Axes
 
-from pipeline import Sweep
+from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
 from pipeline.sweep.severity import boundary_velocity_error, contact_temperature, rise_limit
 from pipeline.sweep.surface import Lubrication
@@ -142,21 +142,13 @@ def failed_percent(ends: Ends, critical: float, friction: float | None = None) -
 def history(
     sweep: Sweep, load: float, velocity: float, criterion: Criterion
 ) -> tuple[Array, Array, State]:
-    """Simulate a point: times [s] with the temperatures that decide [°C], and its last state.
-
-    As many of its steps have a temperature as the scene asks for, and so has the full load.
-    """
-    way = list(sweep.scene.loading.stations(load, sweep.scene.fidelity.increments))
-    number = sweep.record.steps if isinstance(sweep.record.steps, int) else len(way)
-    every = max(1, round(len(way) / (number + 1)))
-    asked = {step.index for step in way if step.index % every == 0 or step.normal_load == load}
-    asked -= {step.index for step in way if step.holding and step.index % every}
-    times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, sweep.conditions)))]
-    for state in simulate(sweep.scene, load, velocity, asked=asked):
-        if state.heat is not None:
-            times.append(state.time)
-            temperatures.append(float(celsius_of(end_at(sweep, state), criterion)))
-    return np.array(times), np.array(temperatures), state
+    """The course of a point: times [s] with the temperatures that decide [°C], and its end."""
+    result = run_point(sweep.changed(steps="course"), load, velocity)
+    conditions, columns = sweep.conditions, result.columns
+    warm = np.isfinite(columns["mean_rise"])
+    rise = np.append(0.0, criterion.rise(columns)[warm])
+    temperature: Array = celsius(contact_temperature(rise, conditions))
+    return np.append(0.0, columns["time"][warm]), temperature, result.state
 
 
 def worn(sweep: Sweep, wear: Wear) -> Sweep:

@@ -22,6 +22,7 @@ from pipeline.analysis.dataset import (
     ordered,
     plane_of,
     stored_sweep,
+    sweep_at_bulks,
     values_of,
 )
 from pipeline.analysis.decisive import conditions_of, decisive_rise, require_all_sound
@@ -92,12 +93,26 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "accuracy": error_in_words(sweep),
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
+        "course": _course(sweep_at_bulks(ds, conditions)),
         "bulk_ratios": ratios,
         "shares": shares,
         "rises": packed_array(_at_step(quantiles, steps[..., None, None]), "<f4"),
         **_planes(decisive, ds, own, conditions.friction_factor),
         "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
+    }
+
+
+def _course(ds: xr.Dataset) -> dict[str, Any]:
+    """Load and highest rise at each step of each point, and which steps are on its own grid."""
+    loads = values_of(ds, "normal_load")
+    steps = loads.shape[-1]
+    of_load = loads.reshape(-1, ds.sizes["load"], ds.sizes["velocity"], steps)[0, :, 0]
+    return {
+        "steps": steps,
+        "loads": packed_array(of_load, "<f4"),
+        "rises": packed_array(values_of(ds, "max_rise"), "<f4"),
+        "own": packed_array(values_of(ds, "own_grid"), "u1"),
     }
 
 

@@ -20,6 +20,7 @@
  *   lines: {velocity: string, load: string}, bridged: {velocity: string, load: string},
  *   missing: number[],
  *   quantiles: number[], bulk_ratios: number[], shares: number[],
+ *   course: {steps: number, loads: string, rises: string, own: string},
  *   surfaces: number[] | null, status: string, asked: string, times: string, rises: string,
  *   numbers: Numbers[], deciding: string, errors: string,
  *   outcomes: {velocity: string[], load: string[]}, range: {velocity: number[], load: number[]},
@@ -43,6 +44,11 @@ class Sweep {
     this.asked = new Uint8Array(bytes(content.asked));
     this.times = new Float32Array(bytes(content.times));
     this.rises = new Float32Array(bytes(content.rises));
+    const { steps, loads, rises, own } = content.course;
+    this.course = {
+      steps, loads: new Float32Array(bytes(loads)), rises: new Float32Array(bytes(rises)),
+      own: new Uint8Array(bytes(own)),
+    };
     /** Relative errors of the rise by surface, on and between the loads, and the velocities. */
     this.errors = new Float32Array(bytes(content.errors));
     this.numbers = content.numbers.map(({ values }) => new Float32Array(bytes(values)));

@@ -15,7 +15,7 @@ from pipeline.analysis.margins import margins
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing
-from pipeline.store.schema import STEPPED
+from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
@@ -56,20 +56,33 @@ def test_axes_ascend_in_whatever_order_they_were_added(tmp_path):
 @pytest.mark.parametrize("load", tiny.LOADS[:2])
 def test_every_variable_is_known_at_each_of_a_points_own_steps_and_before_at_none(ds, load):
     rows = ds.sel(load=load)
-    assert ds["step"].values.tolist() == [-2, -1, 0]
-    count = tiny.LOADS.index(load) + 1
+    assert ds["step"].values.tolist() == [-4, -3, -2, -1, 0]
+    count = {150.0: 3, 250.0: 2}[load]  # 150 N is on a trunk of smaller increments
     assert (rows["steps"] == count).all()
-    for name in STEPPED.keys() & rows.data_vars.keys():
+    assert not rows["own_grid"][..., :-count].any()
+    for name in STEPPED.keys() & rows.data_vars.keys() | MADE.keys():
         known = np.isfinite(rows[name].transpose("step", ...).values)
         assert known[-count:].all(), name
         assert not known[:-count].any(), name
     assert (rows["normal_load"].sel(step=0) == load).all()
 
 
-def test_a_station_is_the_end_of_the_lower_load_bit_for_bit(ds):
+def test_the_course_of_a_load_is_that_of_the_higher_ones_as_far_as_it_goes(ds):
     for name in STEPPED.keys() & ds.data_vars.keys():
-        lower = ds[name].sel(load=250.0, step=0).values
-        assert lower.tobytes() == ds[name].sel(load=600.0, step=-1).values.tobytes(), name
+        lower = ds[name].sel(load=250.0, step=-1).values  # at 125 N, as of all on this trunk
+        assert lower.tobytes() == ds[name].sel(load=600.0, step=-4).values.tobytes(), name
+
+
+def test_any_xarray_draws_the_course_from_the_first_increment(alone):
+    with xr.open_zarr(alone) as ds:
+        point = ds["max_rise"].sel(load=600, velocity=1.5)
+        (line,) = point.plot(x="normal_load")
+        assert line.get_xdata().tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
+        assert (np.diff(line.get_ydata()) > 0).all()
+        assert {*MADE, "own_grid"} <= ds.coords.keys()
+        assert ds["time"].dims == ds["normal_load"].dims == ("load", "step")
+        lengths = ds["time"] * ds["velocity"]
+        assert (ds["sliding_distance"] == lengths).where(ds["time"].notnull(), True).all()
 
 
 def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):
@@ -117,7 +130,7 @@ def test_a_dataset_that_xarray_opened_or_interpolated_answers(alone, ds):
 @pytest.mark.parametrize(
     ("cut", "reason"),
     [
-        (lambda ds: ds[["max_rise"]], "has no status, normal_load, rise_quantile, cooler_share"),
+        (lambda ds: ds[["max_rise"]], "has no status, rise_quantile, cooler_share"),
         (lambda ds: ds.drop_attrs(), "has no attribute sweep"),
         (lambda ds: ds.isel(load=0), "at a single load"),
     ],
@@ -154,7 +167,7 @@ def held(tmp_path_factory):
     path = tmp_path_factory.mktemp("held") / "held.zarr"
     loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0, hold_steps=4)
     with np.errstate(all="raise", under="ignore"):
-        commit_all(path, tiny.sweep(loading=loading, steps="all"))
+        commit_all(path, tiny.sweep(loading=loading, steps="course"))
     return open_sweep(path)
 
 
@@ -173,8 +186,7 @@ def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
 def test_a_ramp_is_drawn_through_its_own_hold_and_no_other(held):
     axes = ramp(held, load=600.0, velocity=1.0).axes[0]
     times = next(line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2)
-    # Steps of the trunk and of the smaller ones to 150 N, the lower loads, the hold of 600 N.
-    expected = [5 / 12, 5 / 6, 1.0, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
+    expected = [5 / 6, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
     np.testing.assert_allclose(times, expected)
     assert "load held" in [text.get_text().strip() for text in axes.texts]
 
@@ -199,7 +211,7 @@ def test_a_point_that_is_not_done_has_no_temperature(copy):
     with open_sweep(copy) as ds:
         last = end_of_point(ds)
         last = last.merge(temperatures(last))
-        for name in ("time", "max_pressure", "rise_quantile", *DERIVED):
+        for name in ("max_pressure", "rise_quantile", *DERIVED):
             others = set(last[name].dims) - {"load", "velocity"}
             np.testing.assert_array_equal(last[name].notnull().all(others), ds["status"] == 1)
 

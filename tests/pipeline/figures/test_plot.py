@@ -22,7 +22,7 @@ from pipeline.uncertain.answers import probabilities, risk_lines
 from pipeline.uncertain.weigh import posterior
 from tests.helpers import samples, synthetic
 from tests.helpers.sweeps import with_fields
-from tests.helpers.synthetic import LOADS, MEASURED, VELOCITIES
+from tests.helpers.synthetic import MEASURED, VELOCITIES
 from tribo import InputError
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
@@ -180,7 +180,8 @@ def test_figures_are_drawn_on_axes_of_the_caller(sweep):
         plot(sweep, "diagram", ax=right, width="8 cm")
 
 
-def test_ramp_shows_the_ends_of_all_loads_at_the_velocity_nearest_to_the_transition(sweep):
+def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
+    sweep = synthetic.sweep(interval=1)
     temperature, contact, wear, fraction, volume = ramp(sweep).axes
     assert [axes.get_ylabel() for axes in (temperature, contact, fraction, wear, volume)] == [
         "contact temperature [°C]",
@@ -192,9 +193,10 @@ def test_ramp_shows_the_ends_of_all_loads_at_the_velocity_nearest_to_the_transit
     assert wear.get_xlabel() == "time [s]"
     assert synthetic.critical_velocity(750.0, synthetic.limit()) == pytest.approx(1.23, abs=0.01)
     hottest, decisive, critical = (np.column_stack(line.get_data()) for line in temperature.lines)
-    np.testing.assert_allclose(decisive[:, 0], LOADS / 150.0)
-    np.testing.assert_allclose(decisive[:, 1], 25.0 + 0.1 * synthetic.rise(LOADS, 1.25, 0.9))
-    np.testing.assert_allclose(hottest[:, 1], 25.0 + 0.1 * synthetic.rise(LOADS, 1.25))
+    loads = sweep["normal_load"].sel(load=750.0, velocity=1.25).values
+    np.testing.assert_allclose(decisive[:, 0], loads / 150.0)
+    np.testing.assert_allclose(decisive[:, 1], 25.0 + 0.1 * synthetic.rise(loads, 1.25, 0.9))
+    np.testing.assert_allclose(hottest[:, 1], 25.0 + 0.1 * synthetic.rise(loads, 1.25))
     np.testing.assert_allclose(critical[:, 1], 145.0)
     width = contact.lines[0].get_ydata()
     assert np.nanmax(width) == pytest.approx(9.0 * 750**0.5 * 1.25)
@@ -224,12 +226,31 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
 
 
-@pytest.mark.parametrize("draw", [ramp, fields])
-def test_points_that_are_not_there_are_refused(sweep, draw):
+def test_the_end_of_a_ramp_is_a_mark_that_no_line_joins():
+    sweep = synthetic.sweep(interval=1)
+    sweep["own_grid"][..., :-1] = False
+    for axes in ramp(sweep, load=600.0, velocity=2.0).axes:
+        lines = [line for line in axes.lines if len(line.get_xdata()) and line.get_ls() != ":"]
+        for way, end in zip(lines[::2], lines[1::2], strict=True):
+            assert (way.get_marker(), len(end.get_xdata())) == ("None", 1)
+            assert end.get_marker() in "^o."
+            assert way.get_xdata()[-1] < end.get_xdata()[0] == 600 / 150
+
+
+def test_a_ramp_that_is_not_there_is_that_of_the_nearest_point_and_says_so(sweep):
+    legend = ramp(sweep, load=740.0, velocity="1.3 m/s").legends[0]
+    assert legend.get_texts()[0].get_text() == "750 N, 1.25 m/s, nearest to 740 N and 1.3 m/s"
+
+
+def test_fields_that_are_not_there_are_refused(sweep):
     with pytest.raises(InputError, match=r"load is 740 N, .* nearest is 750 N"):
-        draw(sweep, load=740.0)
+        fields(sweep, load=740.0)
     with pytest.raises(InputError, match=r"velocity is 9 m/s, .* nearest is 4 m/s"):
-        draw(sweep, velocity=9.0)
+        fields(sweep, velocity=9.0)
+
+
+@pytest.mark.parametrize("draw", [ramp, fields])
+def test_points_that_are_not_done_are_refused(sweep, draw):
     with pytest.raises(InputError, match=r"300 N, 1.5 m/s is not done: out of memory"):
         draw(sweep, load=300.0, velocity=1.5)
     with pytest.raises(InputError, match=r"750 N, 4 m/s is not done; give another"):

@@ -25,7 +25,7 @@ from distributed import Client, LocalCluster, SchedulerPlugin, Security
 import pipeline
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
-from pipeline.run.cluster import Connection, client_of, connected, sent_once, threads_of
+from pipeline.run.cluster import Connection, client_of, connected, threads_of
 from pipeline.run.sweep import run_sweep
 from pipeline.run.work import ExecutionError, hash_of_code, versions
 from pipeline.store.progress import summary
@@ -262,7 +262,7 @@ def test_where_no_scheduler_answers_no_store_is_made(tmp_path, irg):
 
 
 class Tasks(SchedulerPlugin):
-    """The names of all tasks that a scheduler is given, and what each depends on."""
+    """All tasks that a scheduler is given, and what each depends on."""
 
     name = "tasks"
 
@@ -282,7 +282,13 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     ):
         cluster.scheduler.add_plugin(tasks)
         tasks.scheduler = cluster.scheduler
-        outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
+        said = []
+        outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client, tell=said.append)
+        assert [line for line in said if "threads" in line] == [
+            "4 of 6 threads of the Dask workers stand idle, since each process computes one point "
+            "at a time; start workers of one thread, as Client(threads_per_worker=1) and "
+            "dask worker --nthreads 1 do"
+        ]
         given = dict(tasks.below)
         many = tuple(0.5 + 0.01 * number for number in range(60))  # that none computes meanwhile
         for _ in range(2):  # lost on the way, then gone from the beginning
@@ -300,8 +306,7 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     named = {key.rsplit("-", 2)[0]: below for key, below in given.items()}
     places = itertools.product(SWEEP.plane.loads, SWEEP.plane.velocities)
     assert named.keys() == {f"point-{load:g}N-{velocity:g}ms" for load, velocity in places}
-    assert [below.rsplit("-", 2)[0] for below in named["point-600N-1ms"]] == ["point-250N-1ms"]
-    assert named["point-150N-1ms"] == []
+    assert sum(map(len, named.values())) == 0
 
 
 def test_what_is_no_client_is_refused(tmp_path):
@@ -342,10 +347,6 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_
         began = client.run(lambda: psutil.Process().environ())
         for name, value in forkserver.WORKER_ENVIRONMENT.items():
             assert all(environment[name] == value for environment in began.values())
-        # Or Dask would give every task to the one worker that has it.
-        shared = sent_once(link, bytes(100_000))
-        assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
-        assert shared.result(timeout=30) == bytes(100_000)
         address = client.scheduler.address
         info = client.scheduler_info(n_workers=-1)
         worker, _ = info["workers"].items()

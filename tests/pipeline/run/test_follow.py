@@ -9,10 +9,11 @@ import pipeline
 from pipeline.analysis.transition import crossing
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import chains, points, run_point
+from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.sweep.severity import momentary_rise, rise_limit
 from tests.helpers.accuracy_scenes import PAPER
 from tribo import Fidelity, Grid, InputError
+from tribo.simulation import Trunks
 
 TOLERANCE = 0.01
 # Smooth, so that the rise is, and so that a point takes milliseconds.
@@ -30,12 +31,10 @@ SWEEP = PAPER.changed(
 def grid():
     """Critical velocities from every point of the sweep."""
     rises = {}
-    for chain in chains(points(SWEEP), SWEEP):
-        trunk = None
-        for point in chain:
-            result = run_point(SWEEP, *point, trunk=trunk)
-            trunk = result.trunk
-            rises[point] = momentary_rise(SWEEP, result.state, SWEEP.conditions)
+    trunks = Trunks()
+    for task in tasks(points(SWEEP), SWEEP):
+        for result in run_points(SWEEP, task.points, trunks):
+            rises[result.point] = momentary_rise(SWEEP.scene, result.state, SWEEP.conditions)
     velocities = np.array(SWEEP.plane.velocities)
     return [
         crossing(

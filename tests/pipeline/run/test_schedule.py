@@ -22,7 +22,7 @@ from pipeline.store.create import writing
 from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
 from pipeline.store.write import Writer
-from pipeline.sweep.plan import chains, points, run_points
+from pipeline.sweep.plan import points, run_points, tasks
 from tests.helpers import tiny
 
 SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 4).tolist()))
@@ -59,20 +59,16 @@ class LocalClient:
     def nthreads(self, **_):
         return {f"here {number}": 1 for number in range(self._workers)}
 
-    def submit(self, function, *arguments, key, workers=None, **_):
+    def submit(self, function, *arguments, key, workers, **options):
         ended = Ended()
         ended.key = key
-        _, _, points, *_ = arguments
+        _, _, points = arguments
         self.tasks.append(points)
-        self.pinned.append(workers)
+        self.pinned.append(None if options["allow_other_workers"] else workers)
         try:
-            values = [
-                argument.result() if isinstance(argument, Future) else argument
-                for argument in arguments
-            ]
             if self._is_hit(len(self.tasks) - 1) or any(map(self._is_deadly, points)):
                 raise KilledWorker(key, None, 0)
-            self.results[key] = function(*values)
+            self.results[key] = function(*arguments)
             ended.status = "finished"
             ended.set_result(self.results[key])
         except Exception as error:
@@ -99,7 +95,7 @@ def compute_sweep(tmp_path, monkeypatch):
     def compute_all(client=None, tell=None):
         ended, learned = [], []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
-            waiting = chains(points(SWEEP), SWEEP)
+            waiting = tasks(points(SWEEP), SWEEP)
             link = Connection(client or LocalClient(), 1.0, tell or unheard)
             compute(link, SWEEP, writer, waiting, learned.extend, ended.extend)
         assert len(learned) < len(ended)  # the first point of a worker tells of its start, too
@@ -109,16 +105,16 @@ def compute_sweep(tmp_path, monkeypatch):
 
 
 def failing_at(bad):
-    def run(sweep, places, trunk=None, failed=()):
+    def run(sweep, places, trunks=None):
         if bad in places:
             raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return run_points(sweep, places, trunk, failed=failed)
+        return run_points(sweep, places, trunks)
 
     return run
 
 
-def assert_is_as_computed_alone(store, place, failed=()):
-    expected = run_points(SWEEP, [place], failed=failed)[0].columns
+def assert_is_as_computed_alone(store, place):
+    expected = run_points(SWEEP, [place])[0].columns
     with xr.open_zarr(store.place.path, chunks=None) as ds:
         point = ds.sel(load=place.load, velocity=place.velocity)
         for name in COLUMNS:
@@ -136,7 +132,7 @@ def test_a_point_that_fails_costs_no_other_of_its_ramp(compute_sweep, monkeypatc
     assert (failed.load, failed.velocity) == bad[:2]
     assert failed.message == "ConvergenceError: the contact did not converge"
     for place in (points(SWEEP)[9], points(SWEEP)[11]):
-        assert_is_as_computed_alone(store, place, [bad])
+        assert_is_as_computed_alone(store, place)
 
 
 def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(compute_sweep):
@@ -148,7 +144,7 @@ def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(co
     alone = [task for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
     assert Counter(alone) == {(place,): TRIALS for place in deadly}
     for place in points(SWEEP)[:3:2]:
-        assert_is_as_computed_alone(store, place, deadly)
+        assert_is_as_computed_alone(store, place)
 
 
 def test_workers_that_are_killed_from_outside_cost_no_point(compute_sweep):
@@ -188,6 +184,21 @@ def test_results_that_were_lost_with_a_worker_are_waited_for(compute_sweep):
     _, ended = compute_sweep(client=client)
     assert ended == {"done": 12}
     assert client.asked > 3
+
+
+class Bare(LocalClient):
+    """A client whose workers have not what is to be computed the first times."""
+
+    def run(self, function, keys, run, parcel, **options):
+        self.sent = getattr(self, "sent", 0) + (parcel is not None)
+        return super().run(function, keys, run, parcel if self.sent > 2 else None, **options)
+
+
+def test_a_worker_that_a_task_comes_to_before_the_scene_is_sent_it_again(compute_sweep):
+    client = Bare()
+    _, ended = compute_sweep(client=client)
+    assert ended == {"done": 12}
+    assert client.sent == 3
 
 
 class Dying(LocalClient):
@@ -255,9 +266,9 @@ class Retiring(LocalClient):
     def nthreads(self, **_):
         return {f"worker {self.generation}": 1}
 
-    def submit(self, function, name, parcel, points, below, failed, **options):
+    def submit(self, function, name, run, points, **options):
         if self._bad not in points:
-            return super().submit(function, name, parcel, points, below, failed, **options)
+            return super().submit(function, name, run, points, **options)
         ended = Ended()
         self.endless = ended.key = name
         return ended
@@ -278,4 +289,4 @@ def test_a_point_that_is_begun_on_workers_that_all_leave_fails_and_others_go_on(
     assert (failed.load, failed.velocity) == bad[:2]
     assert failed.message.startswith(f"begun on {STARTS} workers, each of which left before")
     assert [future.key for future in client.cancelled] == [client.endless]
-    assert_is_as_computed_alone(store, points(SWEEP)[10], [bad])
+    assert_is_as_computed_alone(store, points(SWEEP)[10])

@@ -26,7 +26,7 @@ from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord, run_point
+from pipeline.sweep.plan import PointRecord, Task, run_point
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.stores import opened
@@ -48,8 +48,8 @@ def content(path, names=(*COLUMNS, *FIELDS, "message", "steps", "status")):
 
 def test_a_tenth_of_the_velocities_comes_first_with_both_ends():
     def in_order(velocities):
-        chains = [(Point(200.0, velocity),) for velocity in velocities]
-        return [chain[0].velocity for chain in execute.coarse_first(chains, velocities)]
+        tasks = [Task((Point(200.0, velocity),), (velocity,)) for velocity in velocities]
+        return [task.points[0].velocity for task in execute.coarse_first(tasks, velocities)]
 
     assert in_order((0.5, 1.0, 1.5, 2.0, 2.5)) == [0.5, 1.5, 2.5, 1.0, 2.0]
     assert in_order(range(90))[:9] == [0, 11, 22, 33, 44, 56, 67, 78, 89]
@@ -59,7 +59,7 @@ def test_a_tenth_of_the_velocities_comes_first_with_both_ends():
 
 def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone):
     reports = []
-    outcome = run_sweep(tiny.full(steps="loads"), path, workers=2, progress=reports.append)
+    outcome = run_sweep(SWEEP, path, workers=2, progress=reports.append)
     assert (outcome.total, outcome.done, outcome.computed, outcome.failed) == (9, 9, 9, ())
     assert content(path) == content(alone)
     done = [report.done for report in reports]
@@ -234,7 +234,7 @@ from tests.helpers import tiny
 from tests.helpers.stores import opened
 if __name__ == "__main__":
     endless = tiny.EndlessRamp(150.0, 750.0, faulty_load=max(tiny.LOADS))
-    sweep = tiny.full(loading=endless, independent=True)
+    sweep = tiny.full(loading=endless)
     try:
         run_sweep(
             sweep, sys.argv[1], workers=2, progress=lambda report: print(report.done, flush=True)

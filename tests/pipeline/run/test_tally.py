@@ -11,7 +11,7 @@ from pipeline.run.work import ExecutionError
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord, chains, points
+from pipeline.sweep.plan import PointRecord, points
 from tests.helpers import tiny
 
 START, COUNT = 10.0, 100
@@ -27,7 +27,7 @@ def tallied(tmp_path, monkeypatch):
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
             tally = Tally(store, reports.append, now)
-            tally.begin(store, link, chains(points(sweep), sweep))
+            tally.begin(store, link)
             for now, velocity in zip(ends, sweep.plane.velocities, strict=False):
                 link.workers, link.absent = (workers, absent) if now > since else (1, 0.0)
                 point = Point(150.0, velocity)
@@ -48,7 +48,7 @@ LATER = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number 
         ([START + 1 + number // 2 for number in range(20)], {"workers": 2}, (COUNT - 20) / 2),
         # The first point tells nothing of the start of the workers.
         ([60.0], {"workers": 2}, (COUNT - 1) / 2),
-        # More workers than chains do not shorten the last of them.
+        # More workers than points do not shorten the last of them.
         ([60.0], {"workers": 1000}, 1.0),
         # A worker finishes a point of 1 s in every 2 s: the schedule costs more than the point.
         ([START + 2.0 * number for number in range(20)], {}, 2 * (COUNT - 20)),
@@ -70,12 +70,12 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
     places = points(sweep)
     with writing(tmp_path / "out.zarr", sweep) as store:
         tally = Tally(store, None, time.monotonic())
-        tally.begin(store, Connection(None), ())
+        tally.begin(store, Connection(None))
         failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
         other = [PointRecord(point, None, "MemoryError: ") for point in places]
         tally.note([*failures[:19], *other[:19]])
         with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
             tally.note(failures[19:20])
         done = Tally(store, None, time.monotonic())
-        done.begin(store, Connection(None), ())
+        done.begin(store, Connection(None))
         done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])

@@ -107,7 +107,7 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
     assert was_killed
     if (path / "zarr.json").exists():
         assert (summary(path).done, summary(path).pending) in ((0, 0), (0, 9))  # asked for or not
-        assert open_sweep(path).load()["time"].isnull().all()
+        assert open_sweep(path).load()["mean_rise"].isnull().all()
     else:
         with pytest.raises(StoreError, match="was left unfinished as it was made"):
             summary(path)

@@ -28,7 +28,6 @@ from tests.helpers.stores import (
     make,
     opened,
     record,
-    stations_of,
 )
 from tests.pipeline.conftest import commit_all
 
@@ -123,7 +122,7 @@ ADDED = {
 
 def resumed(path, sweep, tell=None):
     """Run a sweep from records; the number of points that were computed."""
-    records = {point: record(point, stations_of(path)) for point in points(sweep)}
+    records = {point: record(point) for point in points(sweep)}
     with computing(records, pace=0.0):
         return run_sweep(sweep, path, workers=1, tell=tell).computed
 
@@ -163,7 +162,12 @@ def test_files_of_a_larger_store_among_those_of_a_smaller_one_are_left_alone(cop
     """A copy that was cut short: neither root nor arrays tell which points are whole."""
     older = shutil.copytree(copy, copy.with_name("older.zarr"))
     commit(copy, tiny.full(velocities=(0.75,)))
-    for name in ("time/zarr.json", "time/c.0.0.0", "rise_quantile/zarr.json", "zarr.json"):
+    for name in (
+        "mean_rise/zarr.json",
+        "mean_rise/c.0.0.0",
+        "rise_quantile/zarr.json",
+        "zarr.json",
+    ):
         shutil.copy(copy / name, older / name)
     before = contents(older)
     for function in (
@@ -208,7 +212,7 @@ def older(file):
 
 @pytest.mark.parametrize(
     ("name", "harm"),
-    [("time/c.0.0.0", older), ("rise/c.1.1.0.0", lambda file: file.unlink())],
+    [("mean_rise/c.0.0.0", older), ("rise/c.1.1.0.0", lambda file: file.unlink())],
 )
 def test_a_file_that_differs_in_name_size_or_time_is_read_again(copy, harm, name):
     noted(copy)
@@ -217,7 +221,7 @@ def test_a_file_that_differs_in_name_size_or_time_is_read_again(copy, harm, name
     outcome = run_sweep(SWEEP, copy, workers=1, tell=messages.append)
     assert "1 chunks of points" in messages[0]
     assert "whose files differ" in messages[0]
-    assert outcome.computed == (9 if name.startswith("time") else 1)
+    assert outcome.computed == (9 if name.startswith("mean_rise") else 1)
     assert_is_as_computed(copy, points(SWEEP))
 
 

@@ -107,10 +107,10 @@ def test_a_sweep_runs_resumes_and_is_repaired_with_few_requests(address, monkeyp
     assert set(done_points(address)) == {POINT}
     with writing(address, SWEEP) as store:
         requests.clear()
-        store.commit([record(OTHER, SWEEP.plane.loads)])
+        store.commit([record(OTHER)])
         assert len(requests) <= 60
-    delete(f"{address}/time/c.0.0.0")
-    with pytest.raises(StoreError, match="time cannot be read; irg verify"):
+    delete(f"{address}/mean_rise/c.0.0.0")
+    with pytest.raises(StoreError, match="mean_rise cannot be read; irg verify"):
         open_sweep(address)
 
 
@@ -239,5 +239,5 @@ def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(s3fs.S3FileSystem, "_pipe_file", gone)
             with pytest.raises(StoreError, match="cannot be written: Connect call failed"):
-                store.commit([record(OTHER, SWEEP.plane.loads)])
+                store.commit([record(OTHER)])
     assert set(done_points(made)) == {POINT}

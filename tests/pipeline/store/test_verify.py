@@ -78,7 +78,12 @@ def test_a_store_without_damage_is_clean_and_left_as_it_is(copy):
 
 @pytest.mark.parametrize(
     ("name", "harm"),
-    [("time", HARMS[0]), ("checksum", HARMS[0]), ("message", HARMS[0]), ("wall_time", HARMS[2])],
+    [
+        ("mean_rise", HARMS[0]),
+        ("checksum", HARMS[0]),
+        ("message", HARMS[0]),
+        ("wall_time", HARMS[2]),
+    ],
 )
 def test_damage_to_data_is_named_and_computed_again(copy, name, harm):
     harm(*chunks(copy, name))
@@ -113,7 +118,8 @@ def a_link_to_itself(file):
 
 @pytest.mark.parametrize("harm", [a_folder, a_link_to_nowhere, a_link_to_itself])
 @pytest.mark.parametrize(
-    "name", ["time/c.0.0.0", "rise/c.1.1.0.0", "status/c.0.0", "load/c.0", "time/zarr.json"]
+    "name",
+    ["mean_rise/c.0.0.0", "rise/c.1.1.0.0", "status/c.0.0", "load/c.0", "mean_rise/zarr.json"],
 )
 def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, harm, name):
     """It may be sound: here are points that nobody can read for a while."""
@@ -129,7 +135,7 @@ def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, harm
 
 
 def test_what_a_repair_replaces_is_kept_and_no_value_made_up(copy):
-    time, field = copy / "time" / "c.0.0.0", copy / "rise" / "c.1.1.0.0"
+    time, field = copy / "mean_rise" / "c.0.0.0", copy / "rise" / "c.1.1.0.0"
     flip_in_the_middle(time)
     flip_in_the_middle(field)
     flip_in_the_middle(copy / "load" / "c.0")
@@ -156,7 +162,7 @@ def values(path, name):
 
 def test_data_in_the_place_of_others_are_found(copy):
     shutil.copy(copy / "rise" / "c.2.1.0.0", copy / "rise" / "c.1.1.0.0")
-    values(copy, "time")[0, 0, -1] += 1.0
+    values(copy, "mean_rise")[0, 0, -1] += 1.0
     values(copy, "warning_flags")[0, 1] ^= 1
     others = Point(150.0, 0.5), Point(150.0, 1.0)
     assert reasons(verify_store(copy).damaged) == dict.fromkeys((POINT, *others), OTHER)
@@ -190,7 +196,7 @@ def test_lost_statuses_cost_no_sound_point(copy, name, harm, with_data):
     """Also if no point of the same chunk is sound."""
     harm(*chunks(copy, name))
     if not with_data:
-        for file in chunks(copy, "time"):
+        for file in chunks(copy, "mean_rise"):
             file.write_bytes(b"")
     verify_store(copy, repair=True)
     verification = verify_store(copy)
@@ -242,7 +248,7 @@ def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
 
 
 def test_a_repair_that_is_killed_leaves_no_damaged_point_done(copy, monkeypatch):
-    cut(copy / "time" / "c.0.0.0")
+    cut(copy / "mean_rise" / "c.0.0.0")
     harmed = shutil.copytree(copy, copy.with_name("harmed.zarr"))
     for count in itertools.count(0, 12):
         shutil.rmtree(copy)
@@ -262,7 +268,7 @@ def test_a_repair_that_is_killed_leaves_no_damaged_point_done(copy, monkeypatch)
 
 @pytest.mark.parametrize("method", ["read", "keys", "put"])
 def test_what_a_disk_refuses_is_an_error_of_the_store(copy, monkeypatch, method):
-    (copy / "time" / "zarr.json").unlink()  # to be restored
+    (copy / "mean_rise" / "zarr.json").unlink()  # to be restored
 
     def refused(*_):
         raise PermissionError(errno.EACCES, "Permission denied")

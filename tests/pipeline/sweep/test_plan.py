@@ -1,55 +1,52 @@
-"""Points, chains and the computation of one point (pipeline/sweep/plan.py)."""
+"""Points, tasks and the computation of one point (pipeline/sweep/plan.py)."""
 
-import pickle
 from dataclasses import replace
+from itertools import groupby
 
 import numpy as np
 import pytest
 
 import pipeline
 import tribo
-from pipeline.store.schema import COLUMNS
+from pipeline.store.schema import COLUMNS, MADE
+from pipeline.sweep import plan
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import chains, points, run_point, run_points
+from pipeline.sweep.plan import points, run_point, run_points, tasks
 from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.variants import rows, surfaces
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
-from tribo.simulation import disk_positions
+from tribo import measures, simulate
+from tribo.simulation import Trunks, disk_positions, heat
 
 SWEEP = tiny.sweep()
 
 
 def same(first, second):
-    """True if two results and the trunks that they hand on agree bit for bit."""
+    """True if two results agree bit for bit."""
     assert first.columns.keys() == second.columns.keys()
     for name, values in (first.columns | first.fields).items():
         assert values.tobytes() == (second.columns | second.fields)[name].tobytes(), name
-    assert first.warnings == second.warnings
-    one, other = (result.trunk.ends[()] for result in (first, second))
-    for load in one.keys() & other.keys():
-        assert all(np.array_equal(one[load][name], other[load][name]) for name in one[load])
-    return first.trunk.state.pressure.tobytes() == second.trunk.state.pressure.tobytes()
+    return first.warnings == second.warnings
 
 
-def test_chains_ascend_in_load_at_one_velocity():
+def test_tasks_of_a_ramp_ascend_in_load():
     assert len(set(points(SWEEP))) == 9
-    for chain in chains(reversed(points(SWEEP)), SWEEP):
-        assert [point.load for point in chain] == list(tiny.LOADS)
-        assert len({point.velocity for point in chain}) == 1
+    every = tasks(reversed(points(SWEEP)), SWEEP)
+    assert [task.points for task in every] == [
+        (Point(load, velocity),) for velocity in tiny.VELOCITIES for load in tiny.LOADS
+    ]
+    # 150 N is below a quarter of the reference load, and so on a trunk of smaller increments.
+    assert [len(list(same)) for _, same in groupby(every, key=lambda task: task.ramp)] == 3 * [1, 2]
 
 
-def test_independent_points_are_chains_of_their_own():
-    alone = SWEEP.changed(independent=True)
-    assert chains(points(alone), alone) == tuple((point,) for point in points(alone))
-
-
-@pytest.mark.parametrize(("load", "count"), [(150.0, 1), (400.0, 3)])
-def test_a_point_has_a_row_for_each_of_its_stations(load, count):
+@pytest.mark.parametrize(("load", "count"), [(150.0, 3), (400.0, 4)])
+def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, count):
     result = run_point(SWEEP, load, 1.0)
-    assert choose_stations(SWEEP).count(SWEEP.scene, load) == count
-    assert {name: len(values) for name, values in result.columns.items()} == dict.fromkeys(
-        COLUMNS, count
-    )
+    assert len(choose_stations(SWEEP).kept(SWEEP.scene, load)) == count
+    names = COLUMNS.keys() | MADE.keys()
+    assert {k: len(values) for k, values in result.columns.items()} == dict.fromkeys(names, count)
     assert result.columns["normal_load"][-1] == load
     assert result.columns["rise_quantile"].shape == (count, len(tribo.QUANTILES))
     assert all(np.isfinite(values).all() for values in result.columns.values())
@@ -95,59 +92,74 @@ def _few_positions(monkeypatch):
     monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 3)
 
 
-@pytest.mark.parametrize(
-    ("physics", "steps"),
-    [("plain", "loads"), *((one, "all") for one in PHYSICS)],
-)
-def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps):
-    """250 N is a step of the trunk, so that its end lies on another's."""
-    sweep = tiny.sweep(steps=steps, **PHYSICS[physics])
-    highest, trunk = run_point(sweep, 625.0, 1.0), None
-    for load in (150.0, 250.0, 600.0):
-        result = run_point(sweep, load, 1.0, trunk=trunk)
+@pytest.mark.parametrize("limit", [0, 2**28])
+@pytest.mark.parametrize("steps", ["course", "end"])
+@pytest.mark.parametrize("physics", PHYSICS)
+def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps, limit):
+    """250 N is a step of the trunk; from a cache of any size, and in any order."""
+    sweep, trunks = tiny.sweep(steps=steps, **PHYSICS[physics]), Trunks(limit)
+    for load in (150.0, 250.0, 600.0, 625.0, 250.0):
+        (result,) = run_points(sweep, [Point(load, 1.0)], trunks)
         assert same(result, run_point(sweep, load, 1.0))
-        assert len(result.columns["time"]) == choose_stations(sweep).count(sweep.scene, load)
+        assert len(result.columns["time"]) == len(choose_stations(sweep).kept(sweep.scene, load))
         assert all(np.isfinite(values).all() for values in result.columns.values())
-        trunk = pickle.loads(pickle.dumps(result.trunk))
-    assert same(highest, run_point(sweep, 625.0, 1.0, trunk=trunk))
 
 
-@pytest.mark.parametrize(
-    ("physics", "steps"),
-    [
-        *((name, "loads") for name in ("no wear", "few elements", "heat of the past", "ball")),
-        *(("plain", steps) for steps in (3, "all")),
-        ("steps with a short end and heat of the past", "all"),
-    ],
-)
-def test_a_station_is_the_end_of_the_point_at_its_load_bit_for_bit(physics, steps):
-    parts = PHYSICS[physics]
-    if "loading" in parts:
-        parts = {**parts, "loading": replace(parts["loading"], hold=0.0)}
-    sweep = tiny.sweep(steps=steps, **parts)
-    highest = run_point(sweep, 600.0, 1.0).columns
-    for number, load in enumerate(highest["normal_load"]):
-        lower = run_point(sweep, load, 1.0).columns
-        assert len(lower["time"]) == number + 1
-        for name, values in highest.items():
-            assert values[: number + 1].tobytes() == lower[name].tobytes(), (name, load)
+@pytest.mark.parametrize("physics", PHYSICS)
+def test_the_course_changes_no_bit_of_the_end(physics):
+    course, end = (
+        run_point(tiny.sweep(steps=steps, **PHYSICS[physics]), 600.0, 1.0)
+        for steps in ("course", "end")
+    )
+    assert len(end.columns["time"]) < len(course.columns["time"])
+    for name, values in end.columns.items():
+        assert values[-1].tobytes() == course.columns[name][-1].tobytes(), name
+    assert same(replace(end, columns={}), replace(course, columns={}))
 
 
-def test_a_load_that_failed_is_no_station():
-    loading = tiny.DivergingRamp(150.0, 750.0, faulty_load=250.0)
-    sweep = tiny.sweep(loading=loading)
-    told = run_points(sweep, [Point(600.0, 1.0)], failed=[Point(250.0, 1.0)])[0]
-    assert told.columns["normal_load"].tolist() == [150.0, 600.0]
+@pytest.mark.parametrize("physics", ["plain", "ball", "few elements", "heat of the past"])
+def test_the_course_is_that_of_the_states_at_the_increments(physics):
+    parts = {"loading": tiny.sweep().scene.loading} | PHYSICS[physics]
+    parts["loading"] = replace(parts["loading"], hold=0.0)
+    sweep = tiny.sweep(steps="course", **parts)
+    columns = run_point(sweep, 600.0, 1.0).columns
+    assert columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
+    scene = sweep.scene
+    if physics == "few elements":  # whose points are computed on smaller ones from the start
+        finer = replace(scene.fidelity, pixels_per_element=1, history_coarsening=1)
+        scene = replace(scene, fidelity=finer)
+    states = list(
+        simulate(replace(scene, fidelity=replace(scene.fidelity, fewest_elements=0)), 600.0, 1.0)
+    )
+    for row, state in enumerate(states[:-1]):
+        warm = state.heat or heat(scene, state, 1.0)
+        expected = measures(scene, replace(state, heat=warm))
+        for name, value in expected.items():
+            assert columns[name][row] == value, name
+        assert (columns["rise_quantile"][row] == warm.rise_quantile).all()
+
+
+def test_heat_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
+    def failing(scene, state, velocity):
+        if state.normal_load == 250.0:
+            raise tribo.ConvergenceError("the heat did not converge", solution=None)
+        return heat(scene, state, velocity)
+
+    whole = run_point(SWEEP, 600.0, 1.0).columns
+    monkeypatch.setattr(plan, "heat", failing)
+    columns = run_point(SWEEP, 600.0, 1.0).columns
+    assert np.isnan(columns["max_rise"]).tolist() == [False, True, False, False, False]
+    for name, values in whole.items():
+        assert columns[name][[0, 2, 3, 4]].tobytes() == values[[0, 2, 3, 4]].tobytes(), name
+    assert columns["wear_volume"].tobytes() == whole["wear_volume"].tobytes()
 
 
 def test_the_distance_slid_does_not_show_on_which_elements_the_lower_loads_were():
     """Contacts of few elements are computed once more on smaller ones, in steps of their own."""
-    sweep = pipeline.load_scene("first_try")
+    sweep, trunks = pipeline.load_scene("first_try"), Trunks()
     velocity = 3.8495  # at which the sum of the steps has another last bit than their whole
-    trunk = None
     for load in sweep.plane.loads:
-        result = run_point(sweep, load, velocity, trunk=trunk)
-        trunk = result.trunk
+        (result,) = run_points(sweep, [Point(load, velocity)], trunks)
     alone = run_point(sweep, load, velocity)
     distances = [one.columns["sliding_distance"].tobytes() for one in (result, alone)]
     assert distances[0] == distances[1]
@@ -163,30 +175,35 @@ def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
     assert load * sweep.scene.pin.patches(sweep.scene.grid) == pytest.approx(250.0)
 
 
-def test_a_number_asks_for_so_many_stations_of_the_highest_load_even_in_time():
-    for steps, loads in ((1, [250.0]), (2, [250.0, 375.0]), (9, [125.0, 250.0, 375.0, 500.0])):
-        columns = run_point(tiny.sweep(steps=steps), 600.0, 1.0).columns
-        assert columns["normal_load"].tolist() == [*loads, 600.0]
-
-
 def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     sweep = tiny.sweep(loading=RAMP)
     held = run_point(sweep, 250.0, 1.0).columns
     assert held["normal_load"].tolist() == [250.0, 250.0]
     assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
-    every = run_point(sweep.changed(steps="all"), 250.0, 1.0).columns
-    assert every["normal_load"].tolist()[-4:] == [125.0, 250.0, 250.0, 250.0]
-    with pytest.raises(tribo.InputError, match="the load is held: a higher load does not pass"):
-        tiny.sweep(loading=RAMP, steps="loads")
+    every = run_point(sweep.changed(steps="course"), 250.0, 1.0).columns
+    assert every["normal_load"].tolist() == [125.0, 250.0, 250.0, 250.0]
 
 
-@pytest.mark.parametrize(("load", "other"), [(200.0, 600.0), (600.0, 150.0)])
-def test_a_trunk_that_does_not_lead_to_the_load_is_left(load, other):
-    """One of a higher load, and one of a load so low that its steps are smaller."""
-    alone, trunk = run_point(SWEEP, load, 1.0), run_point(SWEEP, other, 1.0).trunk
-    result = run_point(SWEEP, load, 1.0, trunk=trunk)
-    for name, values in alone.columns.items():
-        assert np.array_equal(result.columns[name], values, equal_nan=True)
+def test_the_hold_of_each_test_is_stored():
+    tests = Measurement(600.0, 1.0, hold=0.5), Measurement(600.0, 1.0, hold=0.7)
+    held = run_point(tiny.sweep(loading=RAMP, measured=tests), 250.0, 1.0).columns
+    assert held["time"].tolist() == [250 / 150, 250 / 150 + 0.5, 250 / 150 + 1.0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "steps"),
+    [
+        ({}, "course"),
+        ({"wear": None}, "end"),
+        ({"loading": RAMP}, "end"),
+        ({"loading": RECORD}, "end"),
+        ({"variants": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"),
+        ({"variants": surfaces([1, 2])}, "course"),
+    ],
+    ids=["ramp", "no wear", "hold", "record", "shared contacts", "surfaces"],
+)
+def test_the_course_is_stored_of_what_wears_on_a_ramp_of_its_own(changes, steps):
+    assert choose_stations(tiny.sweep(**changes)).steps == steps
 
 
 def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():

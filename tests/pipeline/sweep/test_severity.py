@@ -53,7 +53,7 @@ def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(s
 
 @pytest.mark.parametrize("criterion", ["share", "highest", "mean"])
 def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
-    sweep = tiny.sweep(steps="all")
+    sweep = tiny.sweep(steps="course")
     result = run_point(sweep, 600.0, 1.5)
     heat, contact = result.state.heat, result.state.pressure > 0
     expected = {
@@ -110,7 +110,9 @@ def test_moments_without_a_temperature_do_not_count():
 
 
 def test_a_point_that_is_held_is_judged_at_its_hottest_moment_under_load():
-    sweep = tiny.sweep(steps="all", loading=Ramp(150.0, 750.0, hold=4.0, hold_steps=4), wear=None)
+    sweep = tiny.sweep(
+        steps="course", loading=Ramp(150.0, 750.0, hold=4.0, hold_steps=4), wear=None
+    )
     result = run_point(sweep, 600.0, 1.5)
     hottest = result.columns["max_rise"][result.columns["normal_load"] >= 600.0]
     judged = result.verdict(sweep.conditions.changed(share=0.0))

@@ -5,13 +5,13 @@ import time
 import pytest
 
 from pipeline.sweep import plan
-from pipeline.sweep.plan import chains, points, run_point
+from pipeline.sweep.plan import points, run_point, run_points, tasks
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import estimate, savings
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tribo import PRESETS, Fidelity, Grid, Ramp, Wear, simulate
-from tribo.simulation import contacts
+from tribo.simulation import Trunks, contacts
 
 SWEEP = PAPER.changed(
     loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0), pixels=Grid((64, 32), (6e-6, 6e-6))
@@ -20,7 +20,7 @@ SWEEP = PAPER.changed(
 
 def counted(sweep, monkeypatch):
     """Steps and temperatures of a whole sweep."""
-    steps = temperatures = 0
+    steps = temperatures = heats = 0
 
     def counting(*arguments):
         nonlocal steps, temperatures
@@ -29,11 +29,18 @@ def counted(sweep, monkeypatch):
             temperatures += state.is_asked or state.heat is not None
             yield state
 
+    def noting(*arguments):
+        nonlocal heats
+        heats += not sweep.scene.remembers_heat
+        return on_way(*arguments)
+
+    on_way = plan._on_way
+    monkeypatch.setattr(plan, "_on_way", noting)
     monkeypatch.setattr(plan, "contacts", counting)
-    for chain in chains(points(sweep), sweep):
-        trunk = None
-        for point in chain:
-            trunk = run_point(sweep, *point, trunk=trunk).trunk
+    trunks = Trunks()
+    for task in tasks(points(sweep), sweep):
+        run_points(sweep, task.points, trunks)
+    temperatures += heats
     if not sweep.scene.remembers_steps:  # one worker solves each contact once, for all velocities
         steps //= len(sweep.plane.velocities)
     return steps, temperatures
@@ -43,14 +50,13 @@ def counted(sweep, monkeypatch):
     "changes",
     [
         {"fidelity": Fidelity(increments=30)},
-        {"fidelity": Fidelity(increments=30), "steps": 4},
+        {"fidelity": Fidelity(increments=30), "steps": "end"},
         {"fidelity": Fidelity(increments=6, heat_model="history")},
-        {"fidelity": PRESETS["standard"], "loads": (240.0, 250.0, 750.0)},
+        {"fidelity": PRESETS["standard"], "loads": (240.0, 250.0, 750.0), "steps": "end"},
         {"fidelity": Fidelity(increments=30), "wear": None},
-        {"fidelity": Fidelity(increments=30), "independent": True},
         {"fidelity": Fidelity(increments=9), "loading": Ramp(150.0, 750.0, 1.0, 4)},
     ],
-    ids=["ramp", "interval", "history", "stations", "no wear", "independent", "hold"],
+    ids=["ramp", "end", "history", "stations", "no wear", "hold"],
 )
 def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
     sweep = SWEEP.changed(**{"roughness": None} | changes)
@@ -63,17 +69,17 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
     monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
-    sweep = SWEEP.changed(fidelity=Fidelity(increments=30))
-    # 30 steps up to 750 N at each velocity, of which 3 have a temperature.
-    ramp = 30 * 1.0 + 3 * 9.0
+    sweep = SWEEP.changed(fidelity=Fidelity(increments=30), steps="end")
+    # 29 increments below 750 N at each velocity, and the ends of three loads.
+    ramp = 32 * 1.0 + 3 * 9.0
     assert estimate(sweep, 1).seconds == pytest.approx(2 * ramp, rel=0.02)
     assert estimate(sweep, 2).seconds == pytest.approx(ramp, rel=0.02)
     many = sweep.changed(velocities=tuple(0.5 * k for k in range(1, 41)))
     whole, boundary = (estimate(many, 1, boundary_only=only) for only in (False, True))
     assert (whole.points, boundary.points) == (3 * 40, 3 * 2)
     assert boundary.seconds < whole.seconds / 5
-    # 7 steps, 4 of them with a temperature, whose contacts 4 samples share.
-    shared = 128 * (4 * 9.0 + 7 * 1.0 / 4)
+    # 4 increments and the ends of 4 loads, with a temperature each, whose contacts 4 samples share.
+    shared = 128 * (4 * 9.0 + 8 * 1.0 / 4)
     assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 
 
@@ -82,10 +88,9 @@ def test_the_time_is_that_of_a_whole_run_within_its_factor():
     for point in points(sweep)[:1]:
         run_point(sweep, *point)  # what is imported and computed once
     began = time.process_time()
-    for chain in chains(points(sweep), sweep):
-        trunk = None
-        for point in chain:
-            trunk = run_point(sweep, *point, trunk=trunk).trunk
+    trunks = Trunks()
+    for task in tasks(points(sweep), sweep):
+        run_points(sweep, task.points, trunks)
     taken = time.process_time() - began
     foretold = estimate(sweep, 1).seconds - 1.0  # the start of a cluster
     assert taken / 3 < foretold < 3 * taken  # on a machine that is busy by turns
@@ -118,7 +123,9 @@ def test_a_store_takes_the_room_that_was_foretold_within_a_factor_of_two(alone):
     ],
 )
 def test_work_that_is_saved_is_named_with_its_reason(changes, said):
-    kept = SWEEP.changed(fields=True, wear=Wear(1.2e-15), pixels=Grid((256, 96), (2e-6, 2e-6)))
+    kept = SWEEP.changed(
+        fields=True, steps="end", wear=Wear(1.2e-15), pixels=Grid((256, 96), (2e-6, 2e-6))
+    )
     if said.startswith("fields"):
         kept = kept.changed(fields=False)
     assert any(said in work for work in savings(kept.changed(**changes)))

@@ -34,22 +34,14 @@ def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_referenc
 
 
 @settings(max_examples=40)
-@given(
-    load=st.floats(1.0, 2000.0),
-    increments=st.integers(1, 300),
-    start=st.floats(0.0, 0.999),
-)
-def test_going_on_from_the_trunk_gives_the_rest_of_the_way(load, increments, start):
+@given(load=st.floats(1.0, 2000.0), increments=st.integers(1, 300))
+def test_the_way_ascends_in_few_steps_but_not_too_few(load, increments):
     whole = list(RAMP.stations(load, increments))
     assert len(whole) <= max(load / (750.0 / increments), increments / 2) + 1
     assert len(whole) >= increments / 4
     loads = [s.normal_load for s in whole]
     assert loads == sorted(set(loads))
-    trunk = [s for s in whole[:-1] if s.on_trunk]
-    if trunk:
-        from_here = trunk[int(start * len(trunk))]
-        rest = list(RAMP.stations(load, increments, after=from_here.normal_load))
-        assert rest == whole[whole.index(from_here) + 1 :]
+    assert all(s.on_trunk for s in whole[:-1])
 
 
 @pytest.mark.parametrize("load", [0.0, float("nan")])
@@ -71,8 +63,6 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
         assert [s.index for s in hold] == [plain[-1].index + n for n in range(1, 9)]
         assert all(s.holding and not s.on_trunk for s in hold)
         assert not any(s.holding for s in plain)
-    rest = list(held.stations(600.0, 100, after=450.0))
-    assert rest == list(held.stations(600.0, 100))[60:]
     *_, end = Ramp(150.0, 750.0, hold=4.0, hold_steps=1).stations(600.0, 100)
     assert (end.holding, end.index, end.time) == (True, 81, pytest.approx(8.0))
 

@@ -7,6 +7,7 @@ import pytest
 
 from tests.helpers.scenes import last, small_scene
 from tribo import InputError, MeasuredLoad, Ramp, read_load, simulate
+from tribo.simulation import Trunks
 
 TIMES = np.linspace(0.0, 8.0, 81)
 
@@ -82,12 +83,10 @@ def test_a_straight_record_is_a_ramp():
 
 
 def test_points_of_a_record_share_no_trunk():
-    scene = replace(small_scene(), loading=smooth_record())
-    state = last(scene, 300.0, 1.25)
-    with pytest.raises(InputError, match="trunk"):
-        list(simulate(scene, 600.0, 1.25, trunk=state))
-    with pytest.raises(InputError, match="share no trunk"):
-        list(scene.loading.stations(600.0, 10, after=300.0))
+    scene, trunks = replace(small_scene(), loading=smooth_record()), Trunks()
+    list(simulate(scene, 300.0, 1.25, trunks))
+    *_, after = simulate(scene, 600.0, 1.25, trunks)
+    assert np.array_equal(after.heat.rise, last(scene, 600.0, 1.25).heat.rise)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 
 from tests.helpers.scenes import small_scene
 from tribo import Grid, MeasuredLoad, Motion, Wear, simulate
+from tribo.simulation import Trunks
 
 VELOCITY = 2.0
 
@@ -53,7 +54,9 @@ def test_higher_loads_pass_through_it_only_with_the_heat_of_all_steps(heat_model
     if passed.history:
         assert not np.array_equal(passed.pressure, passed.history.pressure)
     *_, alone = simulate(scene, 600.0, VELOCITY)
-    *_, gone_on = simulate(scene, 600.0, VELOCITY, trunk=passed)
+    trunks = Trunks()
+    list(simulate(scene, 375.0, VELOCITY, trunks))
+    *_, gone_on = simulate(scene, 600.0, VELOCITY, trunks)
     assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
 
 

@@ -47,13 +47,6 @@ def test_direction_of_sliding_is_a_mirror():
     assert back.heat.rise[::-1] == pytest.approx(forth.heat.rise, rel=1e-3)
 
 
-def test_only_the_trunk_can_be_gone_on_from():
-    scene = small_scene()
-    off_trunk = last(scene, 100.0, 1.0)
-    with pytest.raises(InputError, match="trunk"):
-        list(simulate(scene, 300.0, 1.0, trunk=off_trunk))
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -10,7 +10,6 @@ from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Fidelity, Grid, InputError, MeasuredLoad, Ramp, partition_heat, simulate
 from tribo.analytic import ramped_flux_rise, uniform_flux_rise
 from tribo.numerics import Convolution
-from tribo.simulation import start
 from tribo.thermal import ConductingHalfSpace, Conductor, HeatHistory, partition_with_history
 from tribo.thermal.conduction import flux_history_spectrum
 
@@ -148,9 +147,6 @@ def test_what_cannot_be_continued_is_refused():
         Fidelity(heat_model="history", history_coarsening=2)
     with pytest.raises(InputError, match="heat_model is 'duhamel'; allowed are elapsed, history"):
         Fidelity(heat_model="duhamel")
-    scene = small_scene(heat_model="history")
-    with pytest.raises(InputError, match="heat model"):
-        list(simulate(scene, 300.0, 1.0, trunk=start(small_scene())))
 
 
 def test_no_contact_has_no_temperature_but_goes_on():

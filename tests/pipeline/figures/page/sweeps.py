@@ -50,6 +50,7 @@ def held():
     """The load is held for eight steps more; one part of the contact warms, another cools."""
     ds = one()
     ds = ds.assign_coords(step=ds["step"] - 8).reindex(step=np.arange(1 - ds.sizes["step"] - 8, 1))
+    ds["own_grid"] = xr.ones_like(ds["max_rise"], bool)
     quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
     for k in range(8):
         here = ds["step"] == k - 7

@@ -55,6 +55,20 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
         np.testing.assert_allclose(at_points[..., place], expected, rtol=1e-6)
 
 
+def test_the_course_of_each_point_is_there_with_what_is_on_its_own_grid():
+    ds = synthetic.sweep(interval=1)
+    ds["own_grid"][..., :-1] = False
+    course = content(ds)["course"]
+    shape = ds["max_rise"].shape
+    rises = unpacked(course["rises"], "<f4").reshape(shape)
+    np.testing.assert_allclose(rises, ds["max_rise"].values, rtol=1e-6)
+    own = unpacked(course["own"], "u1").reshape(shape)
+    assert own[..., -1].all()
+    assert not own[..., :-1].any()
+    loads = unpacked(course["loads"], "<f4").reshape(len(ds["load"]), course["steps"])
+    assert loads[:, -1].tolist() == ds["load"].values.tolist()
+
+
 def test_points_are_asked_for_on_their_own_surface():
     axis = "realization"
     ds = sweeps.over_surfaces(axis).isel({axis: slice(2)})

@@ -1,0 +1,69 @@
+"""Who computes which task next: whoever has its ramp, so that few ramps are gone along twice."""
+
+from __future__ import annotations
+
+import heapq
+from collections import defaultdict, deque
+from collections.abc import Callable, Hashable, Iterable
+from typing import Any
+
+from pipeline.sweep.plan import Task
+
+
+class HandOut:
+    """Tasks that wait, ramp by ramp, and the ramps that each worker has.
+
+    A worker with a free place gets the next load of a ramp that it has; else the lowest load of one
+    that nobody has begun; else it joins that with the most tasks left.
+    """
+
+    def __init__(self, tasks: Iterable[Task]) -> None:
+        self._left: dict[Hashable, deque[Task]] = {}
+        for task in tasks:
+            self._left.setdefault(task.ramp, deque()).append(task)
+        self._fresh = deque(self._left)
+        self._has: defaultdict[Hashable, dict[Hashable, None]] = defaultdict(dict)
+
+    def __bool__(self) -> bool:
+        return bool(self._left)
+
+    def take(self, worker: Hashable) -> Task:
+        """The task that a worker gets; there must be one."""
+        ramp = self._ramp(has := self._has[worker])
+        task = self._left[ramp].popleft()
+        if not self._left[ramp]:
+            del self._left[ramp]
+        has.pop(ramp, None)
+        has[ramp] = None  # the last one, whose trunk is the last to go
+        return task
+
+    def put_back(self, task: Task) -> None:
+        """Take a task again that was not computed."""
+        self._left.setdefault(task.ramp, deque()).appendleft(task)
+
+    def _ramp(self, has: dict[Hashable, None]) -> Hashable:
+        while has:
+            if (ramp := next(reversed(has))) in self._left:
+                return ramp
+            has.popitem()
+        if self._fresh:  # none of which anybody has begun, nor finished
+            return self._fresh.popleft()
+        return max(self._left, key=lambda ramp: len(self._left[ramp]))
+
+
+def makespan(
+    tasks: Iterable[Task], workers: int, cost: Callable[[Task, dict[Any, Any]], float]
+) -> tuple[float, float]:
+    """Time until all tasks are done on so many workers, and their time in all [s].
+
+    The cost of a task [s] may depend on what its worker has, which it may add to.
+    """
+    waiting = HandOut(tasks)
+    has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)
+    free, wall, total = [(0.0, worker) for worker in range(workers)], 0.0, 0.0
+    while waiting:
+        now, worker = heapq.heappop(free)
+        seconds = cost(waiting.take(worker), has[worker])
+        wall, total = max(wall, now + seconds), total + seconds
+        heapq.heappush(free, (now + seconds, worker))
+    return wall, total

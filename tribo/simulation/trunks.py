@@ -1,0 +1,141 @@
+"""Ramps at their increments, kept for the points that branch off them.
+
+The ramp to a load passes through the increments of all higher loads of one trunk, see
+`tribo.loading.ramp`. So of points at one velocity each begins at the last increment below its load,
+where a ramp has come so far; what it adds is kept for the next. A point has the same numbers from
+any trunk, bit for bit.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from tribo.loading import Station
+from tribo.simulation.state import State
+from tribo.types import Array, Spectrum
+
+MOST_BYTES = 2**28
+"""Bytes of the states that a cache keeps."""
+
+
+class Note(NamedTuple):
+    """What is to be kept of each increment besides its state, and the name by which it is found."""
+
+    name: Hashable
+    make: Callable[[State], Any]
+
+
+@dataclass(slots=True, eq=False)
+class _Trunk:
+    """A ramp, as far as it has come; of a large one the last state alone."""
+
+    states: list[State] = field(default_factory=list)  # at the last increments
+    count: int = 0  # of increments so far
+    nbytes: int = 0
+    notes: dict[Hashable, list[Any]] = field(default_factory=dict)  # of each increment, by name
+    lock: threading.RLock = field(default_factory=threading.RLock)
+
+    @property
+    def gone(self) -> int:
+        """Number of the first increments whose states are no longer there."""
+        return self.count - len(self.states)
+
+    def require(self, increments: int, noted: int) -> None:
+        """Begin anew if a state is gone of which a point or a note has to be made."""
+        if increments and self.gone >= min(increments, noted + 1):
+            self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
+
+    def add(self, state: State, limit: int) -> None:
+        """Keep the state of the next increment, alone if all would take more than a limit [B]."""
+        self.nbytes += sum(array.nbytes for array in _arrays(state))
+        self.states.append(state)
+        self.count += 1
+        if self.nbytes > limit:
+            self.states = [state]
+            self.nbytes = sum(array.nbytes for array in _arrays(state))
+
+
+class Trunks:
+    """A cache of ramps by scene, velocity and increment, up to a sum of their sizes [B].
+
+    The least recently used go first. Of one that is larger the last state alone is kept.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> from dataclasses import replace
+    >>> scene = replace(tribo.critical_temperature_rig(), wear=tribo.Wear(1e-15))
+    >>> scene = replace(scene, loading=tribo.Ramp(rate=1.0, reference_load=10.0))
+    >>> trunks = Trunks()
+    >>> for load in (5.0, 10.0):  # of 100 increments up to 10 N
+    ...     print(sum(1 for state in tribo.simulate(scene, load, 0.065, trunks)))
+    50
+    51
+    """
+
+    def __init__(self, limit: int = MOST_BYTES) -> None:
+        self._limit = limit
+        self._trunks: OrderedDict[Hashable, _Trunk] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def clear(self) -> None:
+        """Forget all ramps."""
+        with self._lock:
+            self._trunks.clear()
+
+    def reach(
+        self,
+        key: Hashable,
+        begin: State,
+        stations: Sequence[Station],
+        advance: Callable[[State, Station], State],
+        note: Note | None = None,
+    ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
+        """Go along the increments of a ramp, yielding the states that are new.
+
+        Returned are the state at the last of the stations, and the notes of all of them.
+        """
+        with self._lock:
+            trunk = self._trunks.setdefault(key, _Trunk())
+            self._trunks.move_to_end(key)
+        with trunk.lock:  # one that wants what another is computing waits for it
+            noted = len(trunk.notes.get(note.name, ())) if note else len(stations)
+            trunk.require(len(stations), noted)
+            notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
+            state = begin
+            for index, station in enumerate(stations, 1):
+                if trunk.gone < index <= trunk.count:
+                    state = trunk.states[index - trunk.gone - 1]
+                elif index > trunk.count:
+                    state = advance(state, station)
+                    trunk.add(state, self._limit)
+                    yield state
+                if note and len(notes) < index:
+                    notes.append(note.make(state))
+            found = state, tuple(notes[: len(stations)])
+        self._shrink()
+        return found
+
+    def _shrink(self) -> None:
+        with self._lock:
+            size = sum(trunk.nbytes for trunk in self._trunks.values())
+            while size > self._limit and len(self._trunks) > 1:
+                size -= self._trunks.popitem(last=False)[1].nbytes
+
+
+def _arrays(state: State) -> Iterator[Array | Spectrum]:
+    """Arrays that a state has, but for those of the one before."""
+    yield from (state.pressure, state.wear_depth)
+    if state.displacement is not None:
+        yield state.displacement
+    if state.heat is not None:
+        yield state.heat.rise
+        if state.heat.bulk_response is not None:
+            yield state.heat.bulk_response
+    for history in (state.heat_history, state.response_history):
+        if history is not None:
+            yield from (*history.pin_flux[-1:], *history.disk_flux[-1:])
