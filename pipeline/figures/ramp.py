@@ -12,15 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.dataset import one_row, sweep_at_bulks
-from pipeline.analysis.decisive import conditions_of, decisive_rise
-from pipeline.analysis.transition import along_friction, crossing
+from pipeline.analysis.dataset import one_row, read_conditions, sweep_at_bulks
+from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.field import along_friction, point_field
 from pipeline.figures import style
 from pipeline.figures.fields import chosen_points, indices_of, point_name, require_done_at
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import contact_temperature, rise_limit
+from pipeline.sweep.severity import contact_temperature
 from tribo import Criterion, InputError
 from tribo.types import Array
 
@@ -35,11 +35,10 @@ def ramp(
     velocity: float | str | Iterable[float | str] | None = None,
     realization: int | None = None,
     show: str | None = None,
-    **changed: Any,
 ) -> Figure:
     """Draw contact, wear and temperature, or one variable, at stations while the load grows."""
-    conditions = conditions_of(ds, **changed)
     ds = one_row(ds, realization)
+    conditions = read_conditions(ds)
     points = chosen_points(ds, load, velocity, conditions)
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
@@ -197,11 +196,10 @@ def temperature(
     load: float | str | None = None,
     realization: int | None = None,
     ax: Axes | None = None,
-    **changed: Any,
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
-    conditions = conditions_of(ds, **changed)
     ds = one_row(ds, realization)
+    conditions = read_conditions(ds)
     row = ds.isel(load=indices_of(ds, "load", load) or [-1])
     velocities, load_here = row["velocity"].values, float(row["load"][0])
     figure, axes = style.canvas(ax, (7.2, 5.0))
@@ -223,11 +221,8 @@ def temperature(
     if conditions.critical_temperature is not None:
         critical = style.celsius(conditions.critical_temperature)
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
-        rises = decisive_rise(row, conditions).values[0]
-        if conditions.has_friction_curve:
-            velocities, rises = along_friction(velocities, rises, conditions.friction_factor)
-        transition = crossing(velocities, rises, rise_limit(conditions))
-        if np.isfinite(transition):
+        turns = point_field(row).turns("velocity", load_here, float(velocities[-1]))
+        for transition in turns.places[0]:
             label = f"transition, {transition:.3g} m/s"
             axes.axvline(transition, color=VERMILION, lw=1.2, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")

@@ -15,20 +15,25 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.curve import interpolated
 from pipeline.analysis.dataset import (
     asked,
     corrected_sweep,
     end_of_point,
     ordered,
     plane_of,
+    read_conditions,
     stored_sweep,
     values_of,
 )
-from pipeline.analysis.decisive import conditions_of, decisive_rise, require_all_sound
+from pipeline.analysis.decisive import decisive_rise, require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.frames import laboratory_tests
+from pipeline.analysis.frames import frames_of
+from pipeline.analysis.laboratory import laboratory_tests, model_error
+from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.margin_error import error_table
-from pipeline.analysis.transition import interpolated, outcomes, range_of
+from pipeline.analysis.transition import outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.pictures import FIELDS, POINT, coloured, packed_fields
@@ -59,10 +64,10 @@ _NUMBERS = (
 """Numbers of a point: variable, label, unit, and its factor."""
 
 
-def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) -> dict[str, Any]:
+def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
     ds = ordered(plane_of(ds))
-    sweep, conditions = stored_sweep(ds), conditions_of(ds, **criterion)
+    sweep, conditions = stored_sweep(ds), read_conditions(ds)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     done = values_of(ds, "status") == DONE
@@ -106,7 +111,7 @@ def _about(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
     return {
         "title": sweep.about.title,
         "name": sweep.about.name,
-        "measured": in_reach(ds, laboratory_tests(ds))[0],
+        "measured": [test.as_dict() for test in in_reach(ds, laboratory_tests(ds))[0]],
         "regions": [MILD, SEVERE],
         "friction_band": sweep.about.friction_band,
         "chosen": sweep.plane.chosen is not None,
@@ -142,36 +147,37 @@ def _on_points(ds: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def content_of_samples(
-    ds: xr.Dataset, given_measured: bool = False, scatter: float | None = None, **criterion: Any
-) -> dict[str, Any]:
+_LOADS, _VELOCITIES = 45, 121  # of the plane of a page of samples
+
+
+def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.answers import MEAN_OF_RUNS, frame_of_lines, probabilities, risk_lines
-    from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.weigh import basis_of, posterior_if_given
+    from pipeline.uncertain.samples import fields
+    from pipeline.uncertain.weigh import basis_of
 
-    sweep = stored_sweep(ds)
-    ensemble = Ensemble.of(ds, **criterion)
-    weighed = posterior_if_given(ensemble, given_measured, scatter)
-    draws = weighed.draws if weighed else None
-    single = ensemble.loads if len(ensemble.loads) == 1 else None
-    plane = probabilities(ensemble, draws, loads=single)
-    shares, lines = risk_lines(plane)
+    sweep, (field,) = stored_sweep(ds), fields(ds)
+    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
+    loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
+    loads = loads if len(ensemble.loads) > 1 else ensemble.loads
+    velocities = np.linspace(*ensemble.velocities, _VELOCITIES)
+    plane = np.array([field.probability(load, velocities, scatter) for load in loads.tolist()])
+    rising = np.maximum.accumulate(plane, axis=1)
+    lines = [np.interp(DECIDED, row, velocities) for row in rising]
     return {
         "title": sweep.about.title,
         "name": sweep.about.name,
         "evidence": f", given {weighed.evidence}" if weighed else "",
-        "basis": [*basis_of(ensemble, weighed), MEAN_OF_RUNS],
-        "measured": [*ensemble.tests],
-        "loads": plane["load"].values.tolist(),
-        "velocities": plane["velocity"].values.tolist(),
-        "probability": packed_array([plane.values], "<f4"),
-        "picture": coloured(plane.values[::-1]),
+        "basis": [*basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
+        "measured": [test.as_dict() for test in laboratory_tests(ds)],
+        "loads": loads.tolist(),
+        "velocities": velocities.tolist(),
+        "probability": packed_array([plane], "<f4"),
+        "picture": coloured(plane[::-1]),
         "scale": coloured(np.linspace([0.0], [1.0], 64).T),
-        "shares": list(shares),
-        "lines": np.clip(lines, *ensemble.velocities).tolist(),
-        "table": frame_of_lines(ensemble, draws),
+        "shares": list(DECIDED),
+        "lines": np.array(lines).tolist(),
+        "table": frames_of(boundary(ds))[0],
         "samples": ds.sizes["variant"],
         "done": int((ds["status"] == DONE).sum()),
         "record": record(ds, sweep),

@@ -1,4 +1,4 @@
-"""Interpolation close to power laws, and crossings (pipeline/analysis/transition.py)."""
+"""Interpolation close to power laws, and crossings (pipeline/analysis/curve.py)."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.transition import certain, crossing, interpolated
+from pipeline.analysis.curve import Curve, certain, interpolated
 
 
 @settings(max_examples=40)
