@@ -39,7 +39,8 @@ def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
     alone = ["friction"] if "friction" in boundaries.attrs else []
     for frame in frames_of(boundaries):
         yield short(frame, [*alone, *JUDGED.values()])
-    yield f"the model's own error: {boundaries.attrs['model_error']}"
+    told = dict.fromkeys(part.attrs["model_error"] for _, part in parts_of(boundaries))
+    yield f"the model's own error: {' or '.join(told)}"
     if "film_parameter_at_load" in boundaries:
         yield (
             "Λ is the minimum film over Rq, at the bulk temperature and the unworn radius: below "

@@ -181,7 +181,9 @@ class SampleField:
             held += np.bincount(k + 1, weight * share, _GRID)
             (some,) = np.nonzero(held)
             apart = grid[some] - np.log(velocities)[:, None]
-            result += (1 - part.below(apart)) @ held[some]
+            far = max(-apart.min(), apart.max(), step)
+            table = np.linspace(-far, far, _GRID)
+            result += (1 - np.interp(apart, table, part.below(table))) @ held[some]
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def _parts(self, scatter: Scatter) -> list[tuple[Any, Array]]:
