@@ -104,9 +104,9 @@ def at(
     Examples
     --------
     >>> import pipeline
-    >>> hot = pipeline.at("results/first_try.zarr", friction=0.12, bulk_temperature="60 degC")
-    >>> pipeline.boundary(hot)["critical_velocity"].sel(load=600).round(2).item()
-    0.67
+    >>> warmer = pipeline.at("results/first_try.zarr", friction=0.09, bulk_temperature="40 degC")
+    >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
+    1.48
     >>> several = pipeline.at("results/first_try.zarr", **{"friction.coefficient": (0.09, 0.103)})
     >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
     array([1.88, 1.48])
