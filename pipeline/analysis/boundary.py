@@ -243,7 +243,7 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     low, high = (float(end) for end in field.ends["velocity"])
     grid = np.geomspace(low, high, _STEPS)
     scatter = model_error(ds, field)
-    rows = [field.probability(load, grid, scatter) for load in loads.tolist()]
+    rows = field.plane(loads.tolist(), grid, scatter)
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
         coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},

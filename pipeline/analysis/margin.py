@@ -36,6 +36,13 @@ class Margin:
     Over several surfaces or samples, numbers are medians, and ``intervals`` has what 5 and 95 % of
     them stay below. Beyond the velocities computed at a load the rise is extrapolated as a power of
     the velocity, such as in a sweep of the boundary alone.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> here = pipeline.margin("results/first_try.zarr", "400 N", "1.4 m/s")
+    >>> here.verdict, here.probability < 0.01
+    ('mild', True)
     """
 
     load: float  #: Normal load on the whole pin [N].
