@@ -136,7 +136,9 @@ def at(
         if path not in _NAMES or path == PATHS["criterion"]:
             raise InputError(f"{path} takes one value at a time here; give one")
         axis = (path, values, {"units": _UNITS[path], "long_name": path})
-        ds = ds.expand_dims({path: values}).assign_coords({path: axis})
+        # The status alone tells of which scenes a sweep is; all else would be read to be repeated.
+        status = ds["status"].expand_dims({path: values})
+        ds = ds.assign(status=status).assign_coords({path: axis})
     for scene in scenes(ds) if wanted else ():
         read_conditions(scene, with_criterion=False)  # refuses what the sweep has nothing for
     return ds

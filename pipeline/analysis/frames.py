@@ -58,7 +58,7 @@ _BAND = "mild_below", "severe_above"
 def _decided(boundaries: xr.Dataset) -> Iterator[str]:
     """The answer for those who decide: where the next run is mild, and where it is severe."""
     for values, part in parts_of(boundaries):
-        names = entry_dims(boundaries[next(iter(boundaries.data_vars))])
+        names = entry_dims(boundaries["mild_below"])
         labels = ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
         said = []
         for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):
