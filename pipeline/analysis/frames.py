@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.dataset import entry_dims, variant_of
-from pipeline.analysis.scenes import heads_of, parts_of
+from pipeline.analysis.scenes import heads_of, parts_of, words
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
 from pipeline.sweep.conditions import PATHS
@@ -59,7 +59,7 @@ def _decided(boundaries: xr.Dataset) -> Iterator[str]:
     """The answer for those who decide: where the next run is mild, and where it is severe."""
     for values, part in parts_of(boundaries):
         names = entry_dims(boundaries["mild_below"])
-        labels = ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
+        labels = words(boundaries, dict(zip(names, values, strict=True)))
         said = []
         for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):
             low, high = (
