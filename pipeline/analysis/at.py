@@ -132,7 +132,7 @@ def at(
     wanted = {path: _in_si(path, value) for path, value in wanted.items()}
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
     ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several}, own_laws)
-    for path, values in several.items():
+    for path, values in reversed(several.items()):
         if path not in _NAMES or path == PATHS["criterion"]:
             raise InputError(f"{path} takes one value at a time here; give one")
         axis = (path, values, {"units": _UNITS[path], "long_name": path})
@@ -221,7 +221,9 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any], own_laws: bool) -> xr.Da
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
     attributes["at"] = json.dumps(both)
-    return ds.drop_vars(values.keys() & ds.coords.keys()).assign_attrs(attributes)
+    # A label of a condition that holds no more goes; inputs of samples are those that were drawn.
+    labels = [path for path in values if path in ds.coords and path in _NAMES]
+    return ds.drop_vars(labels).assign_attrs(attributes)
 
 
 def _within(unknown: Unknown, value: float | str) -> float:
