@@ -220,7 +220,7 @@ def places(row, preset, share):
             yield {
                 "scene": f"{row['family']} {row['number']}",
                 "family": row["family"],
-                "is_held_out": row["number"] % 2 == 1,
+                "half": row["number"] % 2,
                 "preset": preset,
                 "share": share,
                 "is_point": is_point,
@@ -281,24 +281,22 @@ def are_covered(lines):
 
 
 def constants(rows, places):
-    """Each constant of `pipeline.analysis.margin_error`, as these scenes have it."""
+    """Errors by which each constant of `pipeline.analysis.margin_error` is found, by its name."""
     points = places[places["is_point"]]
     clean = points[points["flags"] == 0]
     for (preset, is_refined), group in clean.groupby(["preset", "is_refined"]):
-        name = "share, where refined" if is_refined else "share"
-        yield f"{name}, {preset}", len(group), f"{most(group['error'] / PROMISED[preset]):.2f}"
-    apart = np.concatenate([fine_apart(row) for row in rows if "reference" in row])
-    yield "share, fine", len(apart), f"{most(apart / PRESET_BOUNDS['fine']):.2f}"
+        name = f"share, {preset}" + ", refined" * is_refined
+        yield name, group["error"] / PROMISED[preset]
+    if apart := [fine_apart(row) / PROMISED["fine"] for row in rows if "reference" in row]:
+        yield "share, fine", np.concatenate(apart)
     between = places[(places["preset"] == "fine") & (places["between"] > 0)]
-    missed = between["error"] / between["between"]
-    yield "BETWEEN", len(missed), f"{most(missed):.2f} (rms {rms(missed):.2f})"
-    ways = [error for row in rows for error in beyond(row)]
-    yield "error of continuing, over the stated", len(ways), f"{most(ways):.2f}"
+    yield "BETWEEN", between["error"] / between["between"]
+    yield "continuing, over stated", [error for row in rows for error in beyond(row)]
     for kind in WarningKind:
         for preset, group in points[points["flags"] & int(kind) != 0].groupby("preset"):
-            yield f"{kind.label}, {preset}", len(group), f"{most(group['error']):.2%}"
-    heat = np.concatenate([too_warm(row) for row in rows])
-    yield "present heat, too warm", len(heat), f"{most(heat):.2%}"
+            yield f"{kind.label}, {preset}", group["error"]
+    if heat := [excess for row in rows for excess in too_warm(row)]:
+        yield "present heat", heat
 
 
 def fine_apart(row):
@@ -329,18 +327,24 @@ def main():
     every = pd.DataFrame([place for row in rows for kind in kinds for place in places(row, *kind)])
     usual = every[every["share"] == 0.1]
     whole = [covered(preset, group) for preset, group in usual.groupby("preset")]
-    halves = {False: "constants are from these", True: "held out"}
     lines = [
-        covered(f"{halves.get(name, name)}, {preset}", group)
-        for column in ("is_held_out", "family")
+        covered(f"{column} {name}, {preset}", group)
+        for column in ("half", "family")
         for (name, preset), group in usual.groupby([column, "preset"])
     ]
     lines += [
         covered(f"{share:.0%} decides, {preset}", group)
         for (share, preset), group in every.groupby(["share", "preset"])
     ]
-    found = constants([row for row in rows if row["number"] % 2 == 0], usual[~usual["is_held_out"]])
-    report = table(COVERED, whole + lines), table(("constant", "places", "99 % within"), found)
+    found = {"all": constants(rows, usual)} | {
+        f"half {half}": constants([row for row in rows if row["number"] % 2 == half], group)
+        for half, group in usual.groupby("half")
+    }
+    frame = pd.DataFrame(
+        {name: {label: most(x) for label, x in kind} for name, kind in found.items()}
+    )
+    by_constant = [(label, *(f"{x:.3g}" for x in row)) for label, *row in frame.itertuples()]
+    report = table(COVERED, whole + lines), table(("99 % within", *found), by_constant)
     return conclude("errors", "\n\n".join(report), are_covered(whole))
 
 
