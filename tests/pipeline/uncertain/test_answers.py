@@ -188,22 +188,23 @@ def of_samples():
 
 def test_conditions_of_a_row_judge_its_samples_as_options_would():
     ds, twice = of_samples(), {name: 2 * value for name, value in HERE.items()}
-    own = {"friction": [0.12, ""], "bulk_temperature": ["40 degC", ""]}
+    own = {"friction": [0.105, ""], "bulk_temperature": ["30 degC", ""]}
     warm, usual = pipeline.margin(ds, twice | own).to_dict("records")
-    judged = pipeline.at(ds, friction=0.12, bulk_temperature="40 degC")
+    judged = pipeline.at(ds, friction=0.105, bulk_temperature="30 degC")
     there = pipeline.margin(judged, 400.0, 2.0).probability
     assert warm["probability"] == pytest.approx(there)
     free = pipeline.margin(ds, 400.0, 2.0).probability
     assert usual["probability"] == pytest.approx(free)
     assert warm["probability"] > free + 0.1
     (row,) = pipeline.margin(judged, HERE | {"friction": [0.09]}).to_dict("records")
-    both = pipeline.at(ds, friction=0.09, bulk_temperature="40 degC")
+    both = pipeline.at(ds, friction=0.09, bulk_temperature="30 degC")
     assert row["probability"] == pytest.approx(pipeline.margin(both, 400.0, 2.0).probability)
 
 
 def test_conditions_of_rows_that_samples_cannot_take_are_refused():
     points = HERE | {"friction": [0.12]}
-    weighed = pipeline.at(dataset(ensemble()), given_measured=True)
+    test = {"normal_load": 400.0, "velocity": 0.6, "outcome": "mild"}
+    weighed = pipeline.at(dataset(ensemble(tests=(test,))), given_measured=True)
     (row,) = pipeline.margin(weighed, points).to_dict("records")
     assert row["verdict"] == "not known"
     assert "the tests weigh the conditions as they were drawn: leave out friction" in row["note"]
