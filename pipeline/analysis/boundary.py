@@ -226,8 +226,10 @@ def _with_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Dat
     """Add the ends of the band that the errors leave, by load."""
     loads, scatter = boundaries["load"].values.tolist(), model_error(ds, field)
     velocities = ds["velocity"].values[ds["velocity"].values > 0]
-    grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
-    bands = np.array([error_band(field, load, grid, scatter) for load in loads])
+    bands = np.full((len(loads), 2), math.nan)
+    if velocities.size:
+        grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
+        bands = np.array([error_band(field, load, grid, scatter) for load in loads])
     for name, ends, words in (
         ("mild_below", bands[:, 0], "below this velocity the next run is mild"),
         ("severe_above", bands[:, 1], "above this velocity the next run is severe"),

@@ -99,7 +99,8 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
         if one not in frame:
             frame[one] = boundaries.attrs.get(one)
     heads = heads_of(boundaries, dims[:-1]) | {axis: f"{axis} [{UNITS[axis]}]"} | JUDGED
-    names = [*dict.fromkeys([*dims[:-1], *judged[:1], axis, *values, *judged[1:]])]
+    first = [one for one in judged if one == "friction"]
+    names = [*dict.fromkeys([*dims[:-1], *first, axis, *values, *judged])]
     found = frame[names].itertuples(index=False, name=None)
     return frame_of([heads.get(column, column) for column in names], found)
 

@@ -259,7 +259,8 @@ def _beyond(grid: RisePlane, gap: Array, velocity: float) -> float:
     lines = _powers(grid.velocities, grid.rises)
     slopes = np.concatenate([(np.diff(y) / np.diff(x)).ravel() for x, y in lines])
     way = max(math.log(gap[0] / velocity), math.log(velocity / gap[-1]))
-    return way * math.hypot(np.std(slopes), BEYOND * (way + math.log(gap[-1] / gap[0])))
+    spread = float(np.std(slopes)) if slopes.size else 0.0
+    return way * math.hypot(spread, BEYOND * (way + math.log(gap[-1] / gap[0])))
 
 
 def _powers(x: Array, rows: Array) -> Iterator[tuple[Array, Array]]:

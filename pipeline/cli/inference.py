@@ -52,14 +52,15 @@ def point(options: argparse.Namespace) -> Result:
     rise = decisive - conditions.coldest_bulk_temperature
     flags = sum({int(warning.kind) for warning in result.warnings})
     promised = velocity_error(sweep)
-    error = error_of_point(flags, result.state.time, promised).times(rise)
+    is_refined = not sweep.about.selection and result.state.pressure.shape != result.shape
+    relative = error_of_point(flags, result.state.time, promised, is_refined)
+    error = relative.times(rise)
     judged, commands = None, list[str]()
     distance = None if critical is None else critical - decisive
     usual = sweep.about.model_scatter
     model = ModelError(usual=USUAL if usual is None else usual)
     chances = None
     if distance is not None:
-        relative = error_of_point(flags, result.state.time, promised)
         rise_at_one = rise / conditions.rise_factor if conditions.rise_factor else 0.0
         chances = probabilities_alone(rise_at_one, rise_limit(conditions), model, relative)
         judged = verdict_between(chances[0], chances[2])

@@ -14,7 +14,7 @@ from scipy.special import ndtr
 
 from pipeline.analysis.dataset import taken_entries
 from pipeline.analysis.field import LEAST_SLOPE, Here
-from pipeline.analysis.margin_error import RiseError
+from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Turns
@@ -25,10 +25,8 @@ from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws
 from pipeline.uncertain.posterior import Posterior
 from pipeline.uncertain.weigh import posterior_at
 from tribo import InputError
-from tribo.simulation.point_warnings import SLOWEST
 from tribo.types import Array
 
-_APART = 1.1  # ratio of velocities over which a slope is taken
 _FAR = 3.0  # logarithm of the ratio to which a line goes on beyond the velocities of the samples
 
 
@@ -115,20 +113,8 @@ class SampleField:
         return Here(bulk + rise, excess > 0, critical, False, False)
 
     def error(self, load: float, velocity: float) -> RiseError:
-        """See `Field`: that of the preset, by the mean slope of the rise."""
-        promised, (lowest, highest) = self.ensemble.velocity_error, self.ensemble.velocities
-        if promised is None:
-            return RiseError(0.0, None, 0.0)
-        beside = velocity * _APART if velocity * _APART <= highest else velocity / _APART
-        slope = 1.0
-        if beside >= lowest:
-            both = self.ensemble.excess(
-                self.draws.inputs, load, np.array([velocity, beside])
-            ).values
-            slope = float(self.draws.mean(both[:, 1] - both[:, 0])) / math.log(beside / velocity)
-        return RiseError(
-            0.0, math.expm1(float(np.clip(slope, SLOWEST, 1.0)) * math.log1p(promised)), 0.0
-        )
+        """See `Field`: that of the preset."""
+        return error_of_point(0, 1.0, self.ensemble.velocity_error)
 
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """See `Field`."""
