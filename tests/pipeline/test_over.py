@@ -222,5 +222,5 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     for words in (("boundary",), ("plot", "--watch", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said
-    with pytest.raises(InputError, match="pattern has one value alone in this sweep"):
+    with pytest.raises(InputError, match=r"it has several of pin\.radius: run irg run"):
         pipeline.at(swept, **{"wear.pattern": "local"})

@@ -314,7 +314,9 @@ def test_a_page_judges_by_the_criterion_of_the_user(strangers, done):
     mean = pipeline.boundary(pipeline.at(store, criterion="mean"))
     assert own["critical_velocity"].equals(mean["critical_velocity"])
     pages = [
-        pipeline.explore(store, f"{name}.html", criterion=criterion, own_laws=True).path.read_text()
+        pipeline.explore(
+            pipeline.at(store, criterion=criterion, own_laws=True), f"{name}.html"
+        ).path.read_text()
         for name, criterion in (("own", "payload:rule"), ("mean", "mean"), ("high", "highest"))
     ]
     own, mean, highest = (page.split('"lines":')[1].split("}")[0] for page in pages)
