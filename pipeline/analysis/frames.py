@@ -148,8 +148,8 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
         yield f"{moment} [{unit}]", boundaries[f"{name}_{moment}"]
     codes = boundaries[f"outcome_at_{axis}"]
     yield "surfaces", xr.full_like(codes, 1).sum(variant)
-    for code, words in outcomes(other).items():
+    for code, outcome in outcomes(other).items():
         if code == CROSSES or (codes == code).any():
-            yield "cross" if code == CROSSES else words, (codes == code).sum(variant)
+            yield "cross" if code == CROSSES else outcome, (codes == code).sum(variant)
     bridged = (boundaries[f"bridged_at_{axis}"] > 0).sum(variant)
     yield "of them across points not done", bridged.where(bridged > 0)
