@@ -56,7 +56,10 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
     if scatter is not None:
         return scatter
     plain = ModelError(usual=USUAL if usual is None else usual)
-    if not isinstance(field, PointField) or field.place:
+    if not isinstance(field, PointField):
+        untold = "the scene's tests count by --given-measured"
+        return replace(plain, untold=untold) if laboratory_tests(ds) else plain
+    if field.place:
         return plain
     told = (_residual(ds, field, test) for test in laboratory_tests(ds))
     return replace(plain, residuals=tuple(r for r in told if r is not None))

@@ -40,6 +40,7 @@ class ModelError:
 
     residuals: tuple[float, ...] = ()  #: ln(measured/computed) of the tests that count.
     usual: float = USUAL  #: Relative scatter that stands in for tests.
+    untold: str = "no test here"  #: Why no test counts, where none does.
 
     @property
     def scale(self) -> float:
@@ -63,7 +64,7 @@ class ModelError:
             return f"± {100 * self.scale:.2g} % in velocity, by {tests} and {100 * self.usual:g} %"
         if self.usual == 0:
             return "none, as the scene says"
-        return f"no test here: {100 * self.usual:g} % in velocity taken"
+        return f"{self.untold}: {100 * self.usual:g} % in velocity taken"
 
 
 Ranges = Sequence[tuple[float, float]]

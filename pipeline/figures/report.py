@@ -337,10 +337,10 @@ def citation() -> Iterator[str]:
 def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
     """Answers of a sweep of samples, as probabilities."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.samples import fields
+    from pipeline.uncertain.samples import single_field
     from pipeline.uncertain.weigh import basis_of
 
-    (field,) = fields(ds)
+    field = single_field(ds)
     ensemble, weighed = field.ensemble, field.posterior
     lines = boundary(ds)
     basis = f", given {weighed.evidence}" if weighed else ", before any test"

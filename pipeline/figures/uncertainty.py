@@ -15,7 +15,7 @@ from pipeline.figures.overlays import mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import Judged, Posterior
-from pipeline.uncertain.samples import fields
+from pipeline.uncertain.samples import single_field
 from pipeline.uncertain.sensitivity import Sensitivity
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
@@ -28,7 +28,7 @@ _LOADS, _VELOCITIES = 45, 121  # of the plane that is drawn
 @style.in_house_style
 def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     """Draw the probability over the plane that the next run is severe."""
-    (field,) = fields(ds)
+    field = single_field(ds)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
     figure, axes = style.canvas(None, (7.2, 5.4))
     x = np.linspace(*ensemble.velocities, _VELOCITIES)

@@ -153,10 +153,10 @@ _LOADS, _VELOCITIES = 45, 121  # of the plane of a page of samples
 def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.samples import fields
+    from pipeline.uncertain.samples import single_field
     from pipeline.uncertain.weigh import basis_of
 
-    sweep, (field,) = stored_sweep(ds), fields(ds)
+    sweep, field = stored_sweep(ds), single_field(ds)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
     loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
     loads = loads if len(ensemble.loads) > 1 else ensemble.loads
