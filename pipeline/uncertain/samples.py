@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtr
 
-from pipeline.analysis.dataset import taken_entries
+from pipeline.analysis.dataset import require_one_scene, taken_entries
 from pipeline.analysis.field import LEAST_SLOPE, Here
 from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import Scatter
