@@ -83,7 +83,7 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     ds = samples.dataset(ensemble, measured=(), tested=(), model_scatter=0.0)
     written = sections_of_samples(ds, points)
     headings = "Question and answer", "Boundary in numbers", "Operating points"
-    (_, question), (table, *_), (risks, *notes) = (list(written[name]) for name in headings)
+    (_, question), (_, table, *_), (risks, *notes) = (list(written[name]) for name in headings)
     (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
     assert middle == pytest.approx(critical, rel=0.03)

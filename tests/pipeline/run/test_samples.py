@@ -172,7 +172,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
     assert rate not in [
         one["path"] for one in said("infer", store, "--at", f"{rate}=1.3e-15 m^2/N")["inputs"]
     ]
-    assert "next: add --given-measured" in irg("boundary", store)
+    assert "--given-measured" in irg("boundary", store)
     after = said("boundary", store, "--given-measured")["critical_velocity_quantile"]
     assert after != lines
     load(sampled)
