@@ -1,11 +1,8 @@
-// @ts-check
 "use strict";
 /* The conditions: sliders and fields, and faults of what was typed. */
 
-/**
- * Fault of conditions; empty if there is none.
- * @param {Conditions} conditions @param {Control} control of the one that was changed
- */
+/** Fault of conditions; empty if there is none. @param {Conditions} conditions @param {Control} control of
+ * the one that was changed */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
   if (!Number.isFinite(value)) return "give a number such as 0.12";
@@ -41,11 +38,8 @@ function sources({ name }) {
   return [input(name), input(`${name}-range`)];
 }
 
-/**
- * The number that was typed, with a decimal comma or point; NaN if it is none. A field of type
- * number would not do: some browsers drop a comma unseen.
- * @param {string} text
- */
+/** The number that was typed, with a decimal comma or point; NaN if it is none. A field of type number would
+ * not do: some browsers drop a comma unseen. @param {string} text */
 function typed(text) {
   const isThousands = /^[+-]?[1-9]\d{0,2},\d{3}$/.test(text.trim());
   const plain = text.trim().replace("−", "-").replace(",", isThousands ? "," : ".");
@@ -70,10 +64,8 @@ function showFault({ name }, fault) {
   input(name).setAttribute("aria-invalid", fault ? "true" : "false");
 }
 
-/**
- * Show a condition in its slider and its field, but for the one that it comes from.
- * @param {Control} control @param {HTMLInputElement | null} source
- */
+/** Show a condition in its slider and its field, but for the one that it comes from. @param {Control} control
+ * @param {HTMLInputElement | null} source */
 function showControl(control, source) {
   const value = chosen.conditions[control.name] ?? null;
   const text = value === null ? "" : String(Number((value * control.factor + control.offset).toPrecision(9)));

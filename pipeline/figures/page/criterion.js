@@ -1,26 +1,14 @@
-// @ts-check
 "use strict";
 /* The limit of the rise under conditions, as pipeline.sweep.severity has it; the rises are Python's. */
-
-/**
- * @typedef {{friction: number, bulk_temperature: number, disk_temperature?: number,
- *   critical_temperature: number | null, failing_share: number, criterion?: string,
- *   at_one_friction?: boolean}} Conditions
- *   temperatures in kelvin; that of the disk's bulk only where it may differ from the pin's; at one
- *   friction where it was measured at a place, and does not follow the scene's over velocity
- */
 
 /** Bulk temperature of the disk less that of the pin [K]. @param {Conditions} conditions */
 function bulkDifference({ bulk_temperature, disk_temperature = bulk_temperature }) {
   return disk_temperature - bulk_temperature;
 }
 
-/**
- * Factor of the rise at friction 1: the friction. Without friction unequal bulk
- * temperatures still warm one of the bodies; then it is so small that their ratio to it is the
- * largest one that is kept.
- * @param {Conditions} conditions
- */
+/** Factor of the rise at friction 1: the friction. Without friction unequal bulk temperatures still warm one
+ * of the bodies; then it is so small that their ratio to it is the largest one that is kept. @param
+ * {Conditions} conditions */
 function riseFactor(conditions) {
   const largest = Math.max(...content.bulk_ratios, 1);
   return Math.max(conditions.friction, Math.abs(bulkDifference(conditions)) / largest);
@@ -37,10 +25,8 @@ function coldestBulk(conditions) {
   return conditions.bulk_temperature + Math.min(0, bulkDifference(conditions));
 }
 
-/**
- * Rise at friction 1 above which wear is severe [K]; infinite without friction.
- * @param {Conditions} conditions
- */
+/** Rise at friction 1 above which wear is severe [K]; infinite without friction. @param {Conditions}
+ * conditions */
 function riseLimit(conditions) {
   const { critical_temperature } = conditions;
   if (critical_temperature === null) return NaN;

@@ -1,4 +1,3 @@
-// @ts-check
 "use strict";
 /* One point in detail: its numbers, its temperature over the contact, its fields. */
 
@@ -11,20 +10,16 @@ function showPoint() {
   showFields(i, j);
 }
 
-/**
- * Show the share of the contact that is hotter than each temperature.
- * @param {number[][]} rows temperatures by surface
- */
+/** Show the share of the contact that is hotter than each temperature. @param {number[][]} rows temperatures
+ * by surface */
 function showDistribution(rows) {
   const room = element("distribution");
   const critical = chosen.conditions.critical_temperature;
   const share = 100 * chosen.conditions.failing_share;
-  const text =
-    critical === null || !hasShare
-      ? "Distribution of the temperature over the contact."
-      : "Distribution of the temperature over the contact. Wear is severe where the curve passes above " +
-        `the crossing of the dashed lines: more than ${shown(share)} % hotter than ` +
-        `${shown(critical - ZERO_CELSIUS, 6)} °C.`;
+  const limit = `${shown((critical ?? NaN) - ZERO_CELSIUS, 6)} °C`;
+  const rule = critical === null || !hasShare ? "" : " Wear is severe where the curve passes above the " +
+    `crossing of the dashed lines: more than ${shown(share)} % hotter than ${limit}.`;
+  const text = `Distribution of the temperature over the contact.${rule}`;
   element("distribution-caption").textContent = rows.length ? text : "";
   room.replaceChildren();
   if (!rows.length) return;
@@ -72,10 +67,8 @@ function showFields(i, j) {
   element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
 }
 
-/**
- * A field as a picture with its scale.
- * @param {string} label @param {[number, number]} ends @param {string[]} pictures @param {number} k
- */
+/** A field as a picture with its scale. @param {string} label @param {[number, number]} ends @param
+ * {string[]} pictures @param {number} k */
 function field(label, ends, pictures, k) {
   const [low, high] = ends.map((end) => shown(end));
   const { aspect, scales } = content.fields;

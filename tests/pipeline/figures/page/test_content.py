@@ -46,9 +46,14 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
     held = sweeps.held()
     page = content(held)
     loads, velocities, shares = (len(page[name]) for name in ("loads", "velocities", "shares"))
-    lines = unpacked(page["lines"]["load"], "<f4").reshape(velocities, -1, shares)
-    at_points = lines[:, :: page["parts"]["load"]].transpose(1, 0, 2)
+    plane = unpacked(page["plane"], "<f4").reshape(len(page["fine"]["load"]), -1, shares)
+    parts = page["parts"]
+    at_points = plane[:: parts["load"], page["first"] :: parts["velocity"]][:, :velocities]
+    columns = unpacked(page["columns"], "<f4").reshape(velocities, -1, shares)
     assert at_points.shape[0] == loads
+    np.testing.assert_array_equal(
+        columns[:, :: parts["load"]].swapaxes(0, 1)[at_points > 0], at_points[at_points > 0]
+    )
     for share in (0.0, 0.1, 0.35):
         expected = decisive_rise(held, synthetic.conditions(share)).values
         place = page["shares"].index(share)
