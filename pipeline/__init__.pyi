@@ -20,7 +20,6 @@ from .run.critical_temperature import critical_temperatures as critical_temperat
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
 from .run.work import ExecutionError as ExecutionError
-from .scene.along import Place as Place
 from .scene.faults import SceneFileError as SceneFileError
 from .scene.reference import new_scene as new_scene
 from .scene.scan import surface_statistics as surface_statistics

@@ -104,9 +104,9 @@ def at(
     Examples
     --------
     >>> import pipeline
-    >>> hot = pipeline.at("results/first_try.zarr", friction=0.12, bulk_temperature="60 degC")
-    >>> pipeline.boundary(hot)["critical_velocity"].sel(load=600).round(2).item()
-    0.67
+    >>> warmer = pipeline.at("results/first_try.zarr", friction=0.09, bulk_temperature="40 degC")
+    >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
+    1.48
     >>> several = pipeline.at("results/first_try.zarr", **{"friction.coefficient": (0.09, 0.103)})
     >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
     array([1.88, 1.48])
@@ -132,11 +132,13 @@ def at(
     wanted = {path: _in_si(path, value) for path, value in wanted.items()}
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
     ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several}, own_laws)
-    for path, values in several.items():
+    for path, values in reversed(several.items()):
         if path not in _NAMES or path == PATHS["criterion"]:
             raise InputError(f"{path} takes one value at a time here; give one")
         axis = (path, values, {"units": _UNITS[path], "long_name": path})
-        ds = ds.expand_dims({path: values}).assign_coords({path: axis})
+        # The status alone tells of which scenes a sweep is; all else would be read to be repeated.
+        status = ds["status"].expand_dims({path: values})
+        ds = ds.assign(status=status).assign_coords({path: axis})
     for scene in scenes(ds) if wanted else ():
         read_conditions(scene, with_criterion=False)  # refuses what the sweep has nothing for
     return ds
@@ -219,7 +221,9 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any], own_laws: bool) -> xr.Da
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
     attributes["at"] = json.dumps(both)
-    return ds.drop_vars(values.keys() & ds.coords.keys()).assign_attrs(attributes)
+    # A label of a condition that holds no more goes; inputs of samples are those that were drawn.
+    labels = [path for path in values if path in ds.coords and path in _NAMES]
+    return ds.drop_vars(labels).assign_attrs(attributes)
 
 
 def _within(unknown: Unknown, value: float | str) -> float:

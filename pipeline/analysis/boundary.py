@@ -153,6 +153,9 @@ _UNITS = {
 """Units of the conditions that are attributes of a boundary."""
 
 
+_TURNS = 5  # of a line that are told; more are waves between points
+
+
 def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
     plane = field.planes[0]
@@ -162,7 +165,6 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
         field.lines(axis, *((other, here) if line == "load" else (here, other))) for other in others
     ]
     found = [[one.transition(field.limit) for one in row] for row in zip(*rows, strict=True)]
-    most = max(len(one.places) for row in found for one in row)
     noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
     columns: dict[str, tuple[Callable[[Transition], Any], str, str]] = {
         f"critical_{axis}": (
@@ -196,9 +198,9 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
     missing = [plane.is_missing.sum(axis=number) for plane in field.planes]
     words = f"pending or failed points at this {line}"
     result[f"missing_at_{line}"] = labelled(missing, "1", words)
-    padded = [[[*one.places, *[np.nan] * (most - len(one.places))] for one in row] for row in found]
+    padded = [[(one.places + (np.nan,) * _TURNS)[:_TURNS] for one in row] for row in found]
     attrs = {"units": unit, "long_name": f"{noun} at which wear turns"}
-    result[f"turns_at_{line}"] = [*dims, "turn"], np.reshape(padded, (*shape, most)), attrs
+    result[f"turns_at_{line}"] = [*dims, "turn"], np.reshape(padded, (*shape, _TURNS)), attrs
     if axis == "velocity":
         slopes = [
             [line.curve.exponent(line.transition(field.limit).place) for line in lines]
@@ -241,7 +243,7 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     low, high = (float(end) for end in field.ends["velocity"])
     grid = np.geomspace(low, high, _STEPS)
     scatter = model_error(ds, field)
-    rows = [field.probability(load, grid, scatter) for load in loads.tolist()]
+    rows = field.plane(loads.tolist(), grid, scatter)
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
         coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline.analysis import accessor as accessor  # ds.irg
 from pipeline.scene.faults import quoted
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike

@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import math
 import pkgutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -50,6 +50,8 @@ _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
 _SAMPLES = "pipeline.uncertain.samples:fields"
 """Maker of the fields of samples, an extra that may be missing."""
 _PARTS = 64  # of an interval of velocities, between which friction is taken as it is there
+_OF_FILM = 0.032
+"""Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
 LEAST_SLOPE = 0.05
 """Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
 
@@ -109,6 +111,9 @@ class Field(Protocol):
         The shift of ln(rise) makes all rises larger.
         """
 
+    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
+        """The same by load and velocity."""
+
 
 class Here(NamedTuple):
     """Deciding temperatures of the members of a field at a place."""
@@ -137,11 +142,13 @@ class Line:
         """Ranges in which wear is severe, where the line goes on by the power law of its ends."""
         x, y = self.curve.x, self.curve.y
         ranges = self.transition(limit).severe()
-        if len(x) < 2 or not 0 < limit < math.inf or not (x > 0).all() or not (y > 0).all():
+        if not len(x) or not 0 < limit < math.inf or not (x > 0).all() or not (y > 0).all():
             return ranges
 
         def beyond(end: int) -> float:
-            slope = max(self.curve.end_exponent(end), LEAST_SLOPE)
+            slope = 1.0  # at most, of a point by itself
+            if len(x) > 1:
+                slope = max(self.curve.end_exponent(end), LEAST_SLOPE)
             return float(x[end] * (limit / y[end]) ** (1 / slope))
 
         if ranges and ranges[0][0] == 0:
@@ -246,7 +253,11 @@ class PointField:
     def error(self, load: float, velocity: float) -> RiseError:
         """See `Field`."""
         errors = [rise_error(plane, load, velocity, self.promised) for plane in self.planes]
-        return max(errors, key=lambda one: math.inf if one.total is None else one.total)
+        worst = max(errors, key=lambda one: math.inf if one.total is None else one.total)
+        corrections = self.conditions.corrections
+        if not (corrections and corrections.film_resistance) or worst.warned is None:
+            return worst
+        return replace(worst, warned=math.hypot(worst.warned, _OF_FILM))
 
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """See `Field`."""
@@ -262,6 +273,10 @@ class PointField:
         lines = self.lines("velocity", load, float(velocities[0]))
         shares = [severe_share(line.severe(limit), velocities, scatter) for line in lines]
         return np.asarray(self.weights @ np.array(shares))
+
+    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
+        """See `Field`."""
+        return np.array([self.probability(load, velocities, scatter) for load in loads])
 
     @functools.cached_property
     def _kept(self) -> dict[tuple[str, float, float], list[Line]]:
@@ -357,11 +372,11 @@ def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> Poin
 def _field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
     conditions = conditions or read_conditions(scene)
     placed = [name for name in PLANE if name not in scene.dims]
-    place = tuple(scene[name].item() for name in PLANE) if placed else None
+    place = tuple(scene[name].item() for name in PLANE) if len(placed) == len(PLANE) else None
     coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
     shown = {name: label.item() for name, label in coords.items() if not label.ndim}
     entries = {path: scene[path].item() for path in taken_entries(scene)}
-    scene, sweep = scene.expand_dims(placed), stored_sweep(scene)
+    scene, sweep = scene.expand_dims(placed if place else []), stored_sweep(scene)
     rise = decisive_rise(scene, conditions)
     ends = {
         name: (at, at) if place else range_of(scene, name)

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.dataset import entry_dims, variant_of
-from pipeline.analysis.scenes import heads_of, parts_of
+from pipeline.analysis.scenes import heads_of, parts_of, words
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
 from pipeline.sweep.conditions import PATHS
@@ -36,10 +36,12 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
 
 def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
     """The frames of a boundary, its error, what its film means, and how many points it lacks."""
+    yield from _decided(boundaries)
     alone = ["friction"] if "friction" in boundaries.attrs else []
     for frame in frames_of(boundaries):
         yield short(frame, [*alone, *JUDGED.values()])
-    yield f"the model's own error: {boundaries.attrs['model_error']}"
+    told = dict.fromkeys(part.attrs["model_error"] for _, part in parts_of(boundaries))
+    yield f"the model's own error: {' or '.join(told)}"
     if "film_parameter_at_load" in boundaries:
         yield (
             "Λ is the minimum film over Rq, at the bulk temperature and the unworn radius: below "
@@ -48,6 +50,27 @@ def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
         )
     if missing := missing_points(boundaries):
         yield f"{missing} points are pending or failed and were left out"
+
+
+_BAND = "mild_below", "severe_above"
+
+
+def _decided(boundaries: xr.Dataset) -> Iterator[str]:
+    """The answer for those who decide: where the next run is mild, and where it is severe."""
+    for values, part in parts_of(boundaries):
+        names = entry_dims(boundaries["mild_below"])
+        labels = words(boundaries, dict(zip(names, values, strict=True)))
+        said = []
+        for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):
+            low, high = (
+                float(part[name].sel(load=load)) for name in ("mild_below", "severe_above")
+            )
+            ends = [
+                f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
+                for kind, side, end in (("mild", "below", low), ("severe", "above", high))
+            ]
+            said.append(f"at {load:g} N {' and '.join(ends)}")
+        yield f"{f'{labels}: ' if labels else ''}the next run is {'; '.join(said)}"
 
 
 def missing_points(boundaries: xr.Dataset) -> int:

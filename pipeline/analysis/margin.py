@@ -26,7 +26,7 @@ NOT_DECIDED = "not decided"
 """Verdict on a place whose next run is neither mild nor severe with 95 % probability."""
 DECIDED = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: mild up to the first, severe from the last on."""
-_LEAST = 1e-4  # probability that is told as a number
+_LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing is known of tails
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +36,13 @@ class Margin:
     Over several surfaces or samples, numbers are medians, and ``intervals`` has what 5 and 95 % of
     them stay below. Beyond the velocities computed at a load the rise is extrapolated as a power of
     the velocity, such as in a sweep of the boundary alone.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> here = pipeline.margin("results/first_try.zarr", "400 N", "1.4 m/s")
+    >>> here.verdict, here.probability < 0.01
+    ('mild', True)
     """
 
     load: float  #: Normal load on the whole pin [N].
@@ -112,7 +119,8 @@ class Margin:
         plain: dict[str, Any] = asdict(self)
         entries: dict[str, Any] = plain.pop("entries")
         names = "verdict", "sentence", "temperature_error", "velocity_factor", "load_factor"
-        return {name: getattr(self, name) for name in names} | plain | entries
+        chances = {name: told(plain[name]) for name in ("probability", "lowest", "highest")}
+        return {name: getattr(self, name) for name in names} | plain | chances | entries
 
 
 _EXACT = "errors of the inputs, such as of the conductivity of the steel, are not in this"
@@ -123,6 +131,11 @@ def verdict_between(lowest: float, highest: float) -> str:
     if highest <= DECIDED[0]:
         return "mild"
     return "severe" if lowest >= DECIDED[-1] else NOT_DECIDED
+
+
+def told(probability: float) -> float:
+    """A probability as a number, which is not told nearer to 0 or 1 than is known."""
+    return min(max(probability, _LEAST), 1 - _LEAST)
 
 
 def percent(probability: float) -> str:

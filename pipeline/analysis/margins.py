@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, is_emulated, require_plane
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.laboratory import model_error, tests_beside
-from pipeline.analysis.margin import Margin, answer
+from pipeline.analysis.margin import Margin, answer, told
 from pipeline.analysis.scenes import heads_of
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.scene.along import OperatingPoints, Place
@@ -186,7 +186,8 @@ LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "loa
 def _value(margin: Margin, name: str) -> Any:
     if name in ("distance_low", "distance_high"):
         return margin.intervals.get("distance", (math.nan, math.nan))[name == "distance_high"]
-    return getattr(margin, name)
+    value = getattr(margin, name)
+    return told(value) if name == "probability" else value
 
 
 def _labels(found: Sequence[Judged]) -> list[str]:

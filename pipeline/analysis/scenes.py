@@ -55,7 +55,7 @@ def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) 
 
 def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
     """Boundaries of all scenes one by one, each with the values of its entries."""
-    names = entry_dims(boundaries[next(iter(boundaries.data_vars))])
+    names = entry_dims(boundaries["mild_below"])
     for places in np.ndindex(*(boundaries.sizes[name] for name in names)):
         part = boundaries.isel(dict(zip(names, places, strict=True)))
         values = tuple(part[name].item() for name in names)

@@ -163,12 +163,13 @@ class Turns(NamedTuple):
         """Turns of transitions about a velocity [m/s] or a load [N]."""
         nearest = np.array([one.nearest_or_beyond(here) for one in transitions])
         pairs = [*zip(transitions, nearest.tolist(), strict=True)]
+        known = [one for one in transitions if one.outcome != UNKNOWN]
         return cls(
             nearest,
             np.array([one.outcome for one in transitions]),
             (
-                float(np.nanmin([one.computed[0] for one in transitions])),
-                float(np.nanmax([one.computed[1] for one in transitions])),
+                min((one.computed[0] for one in known), default=math.nan),
+                max((one.computed[1] for one in known), default=math.nan),
             ),
             max(one.bridged(place) for one, place in pairs),
             tuple(one.places for one in transitions),

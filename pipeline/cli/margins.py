@@ -56,6 +56,7 @@ def margin(options: argparse.Namespace) -> Result:
         document, text = _on_points(options, table, points)
     document |= _on_samples([one.field for one in found], text)
     known = [one for one in found if one.margin]
+    text += [] if is_one else _on_errors(known)
     commands, open_ = _next(ds, options, known)
     document["next"] = commands
     if open_:
@@ -79,10 +80,11 @@ def _next(
     for one in known:
         if (here := one.known()).verdict == NOT_DECIDED:
             open_.append(here)
-            if not here.is_open_by_model and not is_emulated(ds):
-                conditions = one.field.conditions.as_dict()
-                more = commands_that_decide(ds, options.store, [here], conditions)
-                commands |= dict.fromkeys(more)
+            if here.is_open_by_model:
+                continue
+            conditions = one.field.conditions.as_dict()
+            more = commands_that_decide(ds, options.store, [here], conditions)
+            commands |= dict.fromkeys(more)
     return [*commands], open_
 
 
@@ -141,6 +143,16 @@ def _on_points(
         document["columns_not_used"] = [*points.unused]
     remarks = points.remarks if points else []
     return document, [said, *shown, *notes_of(frame), *remarks]
+
+
+def _on_errors(known: list[Judged]) -> list[str]:
+    """What the verdicts of a table rest on."""
+    errors = dict.fromkeys(one.known().model_error for one in known)
+    misfits = dict.fromkeys(one.known().misfit for one in known)
+    return [
+        *([f"the model's own error: {' or '.join(errors)}"] if errors else []),
+        *(f"warning: {misfit}" for misfit in misfits if misfit),
+    ]
 
 
 def _on_samples(some: Sequence[Field], text: list[str | pd.DataFrame]) -> dict[str, Any]:
@@ -224,7 +236,7 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     names = ("friction", *frames.JUDGED)
     conditions = {name: held[name] for name in names if name in held}
     missing = frames.missing_points(crossings)
-    told = {"conditions": conditions, "model_error": crossings.attrs["model_error"]}
+    told = {"conditions": conditions, "model_error": held["model_error"]}
     return document | told | {"missing_points": missing}
 
 

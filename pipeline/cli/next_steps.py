@@ -46,6 +46,10 @@ def commands_that_decide(
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
     sweep = scene_sweep(ds)
+    if sweep.variants.draw:
+        bound = velocity_error(sweep)
+        better = [accuracy for accuracy in _ACCURACIES if bound is None or accuracy < bound]
+        return [_more_accurate(sweep, store, better[0])] if better else []
     rows = [_row_sweep(sweep, margin.entries) for margin in undecided]
     if None in rows:
         places = (Point(one.load, one.velocity, tuple(one.entries.items())) for one in undecided)

@@ -29,7 +29,8 @@ from pipeline.analysis.dataset import (
     stored_sweep,
 )
 from pipeline.analysis.decisive import decisive_rise, refined
-from pipeline.analysis.laboratory import laboratory_tests
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, UNITS, in_words, outcomes
 from pipeline.analysis.warned_points import warnings_of
@@ -106,8 +107,10 @@ def diagram(
     _frame(axes, ds, log)
     if is_plane:
         name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
-    severe = judged_by([conditions])
-    style.legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
+    title = judged_by([conditions])
+    if is_plane:
+        title += f"\nthe model's own error: {model_error(ds, point_field(ds)).worded}"
+    style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 
 
@@ -267,7 +270,7 @@ def _error_band(axes: Axes, ds: xr.Dataset) -> list[Artist]:
     look: dict[str, Any] = {"fc": TINTS["band"], "ec": GREY, "ls": "--", "lw": 0.8, "alpha": 0.6}
     band = axes.fill_betweenx(loads[known], low[known], high[known], zorder=0.8, **look)
     band.set_gid("error band")
-    text = f"next run not decided: {boundaries.attrs['model_error']}"
+    text = "next run not decided"
     return [Patch(label=text, **look)]
 
 

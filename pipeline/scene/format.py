@@ -47,7 +47,6 @@ def one_or_two(kind: Quantity) -> Either:
     return Either(kind, List(kind, length=2))
 
 
-WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
 ANY_WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True)
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)

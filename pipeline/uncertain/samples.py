@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -181,8 +181,15 @@ class SampleField:
             held += np.bincount(k + 1, weight * share, _GRID)
             (some,) = np.nonzero(held)
             apart = grid[some] - np.log(velocities)[:, None]
-            result += (1 - part.below(apart)) @ held[some]
+            far = max(-apart.min(), apart.max(), step)
+            table = np.linspace(-far, far, _GRID)
+            result += (1 - np.interp(apart, table, part.below(table))) @ held[some]
         return np.asarray(np.clip(result, 0.0, 1.0))
+
+    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
+        """Probability that the next run is severe, by load and velocity."""
+        self._keep(loads)  # at once, in place of one by one
+        return np.array([self.probability(load, velocities, scatter) for load in loads])
 
     def _parts(self, scatter: Scatter) -> list[tuple[Any, Array]]:
         """Distributions of the next run, each with the weights of the draws that have it."""
@@ -198,12 +205,18 @@ class SampleField:
     def _lines(self, load: float) -> tuple[Array, Array]:
         """Logarithms of velocities, and the excess of the next run by draw (n, m)."""
         if load not in self._kept:
-            velocities = np.geomspace(*self.ensemble.velocities, STEPS)
-            excess = self.ensemble.excess(self.draws.inputs, load, velocities)
-            lines = excess.with_chance(self.ensemble.design.seed)
-            self._kept.clear()
-            self._kept[load] = np.log(velocities), self._by_chance(lines)
+            self._keep([load])
         return self._kept[load]
+
+    def _keep(self, loads: Sequence[float]) -> None:
+        """Find the lines at some loads, which takes hardly longer than at one of them."""
+        velocities = np.geomspace(*self.ensemble.velocities, STEPS)
+        excess = self.ensemble.excess(self.draws.inputs, loads, velocities)
+        lines = excess.with_chance(self.ensemble.design.seed)
+        if len(self._kept) > _MOST_KEPT:
+            self._kept.clear()
+        for number, load in enumerate(loads):
+            self._kept[load] = np.log(velocities), self._by_chance(lines[:, number])
 
     def _by_chance(self, lines: Array) -> Array:
         """Excess by draw with the friction that the next run has by chance."""
@@ -214,6 +227,7 @@ class SampleField:
 
 
 _GRID = 4001
+_MOST_KEPT = 64  # loads, of 1.3 MB each
 
 
 @dataclass(frozen=True, slots=True)

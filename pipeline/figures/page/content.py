@@ -175,7 +175,7 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
     loads = loads if len(ensemble.loads) > 1 else ensemble.loads
     velocities = np.linspace(*ensemble.velocities, _VELOCITIES)
-    plane = np.array([field.probability(load, velocities, scatter) for load in loads.tolist()])
+    plane = field.plane(loads.tolist(), velocities, scatter)
     rising = np.maximum.accumulate(plane, axis=1)
     lines = [np.interp(DECIDED, row, velocities) for row in rising]
     return {

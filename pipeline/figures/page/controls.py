@@ -12,7 +12,6 @@ from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL
 from pipeline.sweep.conditions import Conditions
 
 _ZERO_CELSIUS = 273.15  # [K]
-_RATE = "mm³/(N m)"
 
 
 @dataclass(frozen=True, slots=True)
