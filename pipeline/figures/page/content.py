@@ -28,13 +28,12 @@ from pipeline.analysis.dataset import (
     stored_sweep,
     values_of,
 )
-from pipeline.analysis.decisive import at_one_friction, decisive_rise, require_all_sound
+from pipeline.analysis.decisive import decisive_rise, require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.field import LEAST_SLOPE, point_field
+from pipeline.analysis.field import LEAST_SLOPE, PointField, point_field
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import agreement, compared, laboratory_tests, model_error
 from pipeline.analysis.margin import DECIDED
-from pipeline.analysis.margin_error import error_table, grids_of, rise_error
 from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.tables import html_of
 from pipeline.analysis.transition import outcomes, range_of
@@ -43,7 +42,7 @@ from pipeline.figures.page.controls import controls
 from pipeline.figures.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.accuracy import error_in_words, velocity_error
+from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
@@ -254,7 +253,7 @@ def _planes(
         "first": first,
         "friction_factors": conditions.friction_factor(nodes).tolist(),
         "plane": packed_array(plane, "<f4"),
-        "errors": packed_array(node_errors(ds, conditions, state, fine_loads, nodes), "<f4"),
+        "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
         "columns": packed_array(columns.swapaxes(-4, -3), "<f4"),
         "state": "".join(map(str, state.ravel().tolist())),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
@@ -265,29 +264,32 @@ def _planes(
     }
 
 
-def node_errors(
-    ds: xr.Dataset, conditions: Conditions, state: Indices, loads: Array, velocities: Array
-) -> Array:
+def node_errors(field: PointField, state: Indices, loads: Array, velocities: Array) -> Array:
     """Relative numerical error of the rise at nodes: by surface, load and velocity.
 
     It is the same between the same points; beyond them it grows with the way from the last one.
     """
-    rise = at_one_friction(decisive_rise(ds, conditions), conditions)
-    table = error_table(ds, rise)
-    places = [
-        2 * np.searchsorted(x, nodes) - ~np.isin(nodes, x)
-        for x, nodes in ((rise["load"].values, loads), (rise["velocity"].values, velocities))
-    ]
-    clipped = [np.clip(at, 0, n - 1) for at, n in zip(places, table.shape[1:], strict=True)]
-    _, rows, alike = np.unique(clipped[0], return_index=True, return_inverse=True)
-    errors = table[:, :, clipped[1]]
-    goes_on = np.isin(state, (BETWEEN, EXTRAPOLATED)).reshape(len(table), *state.shape[-2:])
-    promised = velocity_error(stored_sweep(ds))
-    for grid, own, mask in zip(grids_of(ds, rise), errors, goes_on[:, rows], strict=True):
-        for k, j in np.argwhere(mask).tolist():
-            here = rise_error(grid, float(loads[rows[k]]), float(velocities[j]), promised)
-            own[k, j] = np.nan if here.total is None else here.total
+    state = state.reshape(-1, *state.shape[-2:])
+    own, others = field.planes[0].velocities, field.planes[0].loads
+    _, rows, alike = np.unique(_slots(others, loads), return_index=True, return_inverse=True)
+    _, columns, same = np.unique(_slots(own, velocities), return_index=True, return_inverse=True)
+    errors = np.full((len(state), len(rows), len(velocities)), np.nan)
+    for number, plane in enumerate(field.planes):
+        one = replace(field, planes=(plane,))
+        for k, row in enumerate(rows.tolist()):
+            goes_on = np.isin(state[number, row], (BETWEEN, EXTRAPOLATED))
+            asked = np.union1d(columns, np.flatnonzero(goes_on))
+            totals = {j: one.error(float(loads[row]), float(velocities[j])).total for j in asked}
+            errors[number, k] = [
+                totals[j if goes_on[j] else columns[same[j]]] for j in range(len(velocities))
+            ]
     return errors[:, alike]
+
+
+def _slots(points: Array, nodes: Array) -> Indices:
+    """Numbers of the points, and of the intervals between them, in which nodes lie."""
+    slots: Indices = 2 * np.searchsorted(points, nodes) - ~np.isin(nodes, points)
+    return slots
 
 
 def _on_model(ds: xr.Dataset) -> dict[str, Any]:

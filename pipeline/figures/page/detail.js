@@ -16,9 +16,9 @@ function showDistribution(rows) {
   const room = element("distribution");
   const critical = chosen.conditions.critical_temperature;
   const share = 100 * chosen.conditions.failing_share;
-  const limit = `${shown((critical ?? NaN) - ZERO_CELSIUS, 6)} °C`;
+  const degrees = `${shown((critical ?? NaN) - ZERO_CELSIUS, 6)} °C`;
   const rule = critical === null || !hasShare ? "" : " Wear is severe where the curve passes above the " +
-    `crossing of the dashed lines: more than ${shown(share)} % hotter than ${limit}.`;
+    `crossing of the dashed lines: more than ${shown(share)} % hotter than ${degrees}.`;
   const text = `Distribution of the temperature over the contact.${rule}`;
   element("distribution-caption").textContent = rows.length ? text : "";
   room.replaceChildren();

@@ -73,7 +73,10 @@ function expectedVelocity(test) {
 
 /** ln(measured/computed) of the tests that count, as pipeline.analysis.laboratory has them. */
 function residuals() {
-  const inside = content.measured.filter((test) => isJudged() && isInside(test, sweep));
+  const inside = content.measured.filter((test) => {
+    const { critical_temperature, bulk_temperature: pin, disk_temperature: disk = pin } = conditionsOf(test);
+    return (critical_temperature ?? 0) > Math.max(pin, disk) && isInside(test, sweep);
+  });
   return inside.flatMap((test) => {
     const [[k, j], own] = [sweep.nearest(test), conditionsOf(test)];
     const hot = surfaces().filter((surface) => sweep.table("plane", own)[surface][k][j] > riseLimit(own));

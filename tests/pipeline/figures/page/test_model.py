@@ -43,6 +43,9 @@ return argument.map(({ conditions, places }) => {
       place: [f, v], temperature: quantileOf(rises.map(temperature), 0.5), error, probabilities,
       verdict, velocity: way("velocity", k, v), load: way("load", j, f),
       states: surfaces().map((one) => Number(sweep.state(one, k, j))), words: modelError().words,
+      isWhole: sweep.fine.load.every((_, i) => sweep.inner().every((_, n) =>
+        (i !== k && n + content.first !== j) ||
+        surfaces().every((one) => sweep.state(one, i, n + content.first) < "3"))),
     };
   });
 });
@@ -84,10 +87,7 @@ def test_the_boundary_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
     asked, crossings = list(random_conditions(ds)), 0
     for conditions, sides in zip(asked, run(ds, BOUNDARY, asked), strict=True):
-        try:
-            expected = pipeline.boundary(under(ds, conditions))
-        except ValueError:
-            print("TURN BUG", kind, conditions); continue
+        expected = pipeline.boundary(under(ds, conditions))
         for side, axis, name in zip(
             sides, ("load", "velocity"), ("critical_velocity", "critical_load"), strict=True
         ):
@@ -123,21 +123,21 @@ def test_the_verdict_at_a_node_is_that_of_the_command(kind):
             expected = answer(field, *page["place"], scatter)
             assert page["temperature"] == pytest.approx(expected.decisive_temperature, abs=0.05)
             rise = expected.decisive_temperature - field.conditions.coldest_bulk_temperature
-            if field.conditions.failing_share == read_conditions(ds).failing_share:
-                bulks = 0.3 if "bulk_ratio" in ds.coords else 1e-4
-                error = pytest.approx(expected.temperature_error, rel=bulks)
-                assert page["error"] * rise == error
+            kept = "failing_share", "bulk_ratio"
+            if all(getattr(field.conditions, x) == getattr(read_conditions(ds), x) for x in kept):
+                assert page["error"] * rise == pytest.approx(expected.temperature_error, rel=1e-4)
+                likely = expected.lowest, expected.probability, expected.highest
+                assert page["probabilities"] == pytest.approx(likely, abs=0.02)
+                if abs(expected.highest - 0.05) > 0.02 and abs(expected.lowest - 0.95) > 0.02:
+                    assert page["verdict"] == expected.verdict
             assert page["words"].split(" % ")[-1] == expected.model_error.split(" % ")[-1]
-            likely = expected.lowest, expected.probability, expected.highest
-            assert page["probabilities"] == pytest.approx(likely, abs=0.04)
-            if abs(expected.highest - 0.05) > 0.02 and abs(expected.lowest - 0.95) > 0.02:
-                assert page["verdict"] == expected.verdict
-            for there_, critical in (
+            assert page["probabilities"][1] == pytest.approx(expected.probability, abs=0.02)
+            for own, critical in (
                 (page["velocity"], expected.critical_velocity),
                 (page["load"], expected.critical_load),
             ):
-                if np.isfinite(critical):
-                    same(there_, critical, rtol=0.02)
+                if np.isfinite(critical) and page["isWhole"]:
+                    same(own, critical, rtol=0.02)
             compared += 1
             verdicts.add(expected.verdict)
     assert compared > 15
@@ -211,11 +211,12 @@ def test_no_line_is_drawn_beyond_what_was_computed():
     frictions = [0.02, 0.05, 0.1, 0.3]
     for friction, (places, _) in zip(frictions, run(ds, GRID, frictions), strict=True):
         outcomes = pipeline.boundary(pipeline.at(ds, friction=friction))["outcome_at_load"].values
-        if not (outcomes == CROSSES).any():
+        crossing = ds["load"].values[outcomes == CROSSES]
+        if not crossing.size:
             assert not places
         if friction == 0.1:
             loads = [load for _, load in places]
-            assert (min(loads), max(loads)) == (200.0, 750.0)
+            assert (min(loads), max(loads)) == (crossing[0], crossing[-1])
 
 
 @pytest.mark.parametrize("kind", ["one surface", "zero velocity"])
