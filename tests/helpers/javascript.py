@@ -12,7 +12,7 @@ from tests.helpers.browser import absent
 
 _FOLDER = Path(pipeline.figures.page.__file__).parent
 _SCRIPTS = (
-    "criterion", "lines", "rise", "plot", "state", "conditions", "margin", "operating",
+    "lines", "rise", "plot", "state", "conditions", "margin", "operating",
     "tables", "diagram",
 )  # fmt: skip
 _STUB = """

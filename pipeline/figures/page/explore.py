@@ -29,8 +29,8 @@ from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "scene", "criterion", "lines", "rise", "plot", "conditions", "margin", "operating",
-    "points", "diagram", "tables", "detail",
+    "scene", "lines", "rise", "plot", "conditions", "margin", "operating",
+    "points", "diagram", "tables",
 )  # fmt: skip
 
 
