@@ -23,7 +23,6 @@ import xarray as xr
 
 from pipeline.analysis.dataset import asked, stored_sweep, with_steps
 from pipeline.analysis.warned_points import warnings_of
-from pipeline.sweep.accuracy import velocity_error
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
@@ -157,20 +156,6 @@ def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
     parts = (part.transpose(*rise.dims).values.reshape(shape) for part in of_rows)
     axes = rise["load"].values, rise["velocity"].values
     return [RisePlane(*axes, *values) for values in zip(*parts, strict=True)]
-
-
-def error_table(ds: xr.Dataset, rise: xr.DataArray) -> Array:
-    """Relative error of the rise on and midway between loads and velocities, by surface."""
-    promised = velocity_error(stored_sweep(ds))
-    twice = (np.repeat(rise[name].values, 2) for name in ("load", "velocity"))
-    loads, velocities = (((x[1:] + x[:-1]) / 2).tolist() for x in twice)
-    totals = [
-        rise_error(grid, load, velocity, promised).total
-        for grid in grids_of(ds, rise)
-        for load in loads
-        for velocity in velocities
-    ]
-    return np.array(totals, dtype=float).reshape(-1, len(loads), len(velocities))
 
 
 def rise_error(

@@ -29,8 +29,8 @@ from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "scene", "criterion", "lines", "rise", "plot", "conditions",
-    "verdict", "points", "diagram", "tables", "margin", "detail",
+    "scene", "lines", "rise", "plot", "conditions", "margin", "operating",
+    "points", "diagram", "tables",
 )  # fmt: skip
 
 
@@ -142,7 +142,11 @@ def _of_plane(held: dict[str, Any]) -> str:
     """A scene of loads and velocities."""
     several = f", {len(held['surfaces'])} surfaces" if held["surfaces"] else ""
     sizes = f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}"
+    tests, agreement = held.pop("tests"), held.pop("agreement")
     own = {
+        "tests": tests,
+        "without_tests": "" if tests else "hidden",
+        "agreement": html.escape(agreement),
         "controls": "\n".join(Control(**control).html() for control in held["controls"]),
         "surfaces": surface_choice(held["surfaces"]),
         "error": f"{100 * held['error']:.2g} %",
