@@ -60,10 +60,11 @@ lowest:               ## install the lowest versions that are declared, and run 
 slow: .venv/test      ## the long checks: random scenes, workers that die, promised accuracies
 	$(BIN)/python -m pytest tests -m slow
 
-promises: .venv/test  ## judge --accuracy and the presets on random scenes, for an hour at most
+promises: .venv/test  ## judge --accuracy, presets and stated errors on random scenes, in two hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.curved
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 
 samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its next tests by truths, in 2 hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk

@@ -5,26 +5,28 @@ From a scene to its boundary, in a script under ``if __name__ == "__main__":``::
     import pipeline
     scene = pipeline.load_scene("first_try", overrides={"pin.radius": "2 mm"})
     pipeline.run_sweep(scene, "results/first_try.zarr")
-    pipeline.boundary("results/first_try.zarr", friction=0.12)["critical_velocity"]
+    pipeline.boundary("results/first_try.zarr")["critical_velocity"]
+    hotter = pipeline.at("results/first_try.zarr", friction=0.12)
+    pipeline.margin(hotter, "400 N", "1.4 m/s").verdict
     pipeline.end_of_point("results/first_try.zarr")["contact_width"]
 
 A scene is given by its path, by the name of a shipped one, or read; a store by its path or opened
 by `open_sweep`; a quantity in SI or as text with a unit, such as ``"400 N"``. The end of
-each point stands at step 0, which `end_of_point` takes.
+each point stands at step 0, which `end_of_point` takes. A dataset of a sweep has these answers as
+``ds.irg``, too: ``ds.irg.at(friction=0.12).irg.boundary()``.
 
 The public names, in the order of the page ``API.md``, which says what each is for:
 
 - scenes: `new_scene`, `load_scene`, `scene_entry`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `follow_boundary`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`
-- answers: `boundary`, `Conditions`, `temperatures`, `decisive_temperature`, `margins`,
-  `margin_table`, `warned`, `at_entries`, `diff`, `vary`, `critical_temperatures`
-- inputs that are not known exactly: `Ensemble`, `probabilities`, `risk`, `risk_table`,
-  `margin_intervals`, `sensitivity`, `posterior`, `candidates`, `plan_tests`, `design`, `Goal`,
-  `Place`
+- answers: `at`, `boundary`, `margin`, `Margin`, `Conditions`, `temperatures`, `warned`, `diff`,
+  `vary`, `critical_temperatures`
+- inputs that are not known exactly: `Ensemble`, `sensitivity`, `posterior`, `candidates`,
+  `plan_tests`, `design`, `Goal`
 - accuracy: `choose_fidelity`, `trade`
-- figures: `plot`, `draw_variations`, `draw_trade`, `draw_risk`, `draw_sensitivity`,
-  `draw_posterior`, `draw_design`, `report`, `explore`
+- figures: `plot`, `draw_variations`, `draw_trade`, `draw_sensitivity`, `draw_posterior`,
+  `draw_design`, `report`, `explore`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 

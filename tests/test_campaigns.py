@@ -4,10 +4,13 @@ import ast
 import re
 import subprocess
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from tests.helpers.campaigns import PAGE, ROOT, older
 from tests.mutants.changes import changes
+from tests.promises.errors import are_covered, covered, places
 from tests.promises.report import are_right, kept
 
 
@@ -56,6 +59,33 @@ def test_many_broken_in_silence_fail_a_campaign_that_warnings_would_excuse():
     errors = [0.01] * 95 + [0.2] * 5
     for excuse, is_right in (("warned", True), ("", False)):
         assert are_right([kept("draft", 0.08, errors, [excuse] * 100)], "wide") == is_right
+
+
+def test_stated_errors_are_judged_at_points_and_between_them():
+    loads, velocities = [100.0, 200.0, 300.0, 400.0], [1.0, 2.0, 3.0, 4.0, 5.0]
+    row = {"family": "wide", "number": 1, "pixels": [64, 64]}
+    row |= {"loads": loads, "velocities": velocities}
+    row |= {"all_loads": [*loads, 250.0], "all_velocities": [*velocities, 2.5]}
+
+    def plane(loads, velocities, factor=1.0):
+        rise = factor * np.outer(loads, np.sqrt(velocities))
+        zeros = {name: np.zeros(rise.shape) for name in ("flags", "durations", "fractions")}
+        return {"0.1": rise, **zeros}
+
+    row["draft"] = plane(loads, velocities, factor=1.02)
+    row["fine"] = plane(row["all_loads"], row["all_velocities"])
+    found = pd.DataFrame(places(row, "draft", 0.1))
+    assert (len(found), found["is_point"].sum(), found["half"].min()) == (30, 20, 1)
+    assert found["error"].to_numpy() == pytest.approx(0.02)
+    assert found["between"].to_numpy() == pytest.approx(0.0, abs=1e-9)
+    for stated, over, held, is_right in (
+        (0.03, "1.5", "100.0%", True),
+        (0.01, "0.5", "0.0%", False),
+    ):
+        line = covered("draft", found.assign(stated=stated))
+        assert line == ("draft", 1, 30, "2.00%", "2.00%", f"{stated:.2%}", over, held)
+        assert are_covered([line]) == is_right
+    assert not are_covered([covered("draft", found.assign(stated=0.1))])  # too wide
 
 
 def test_a_mutant_differs_at_one_place_of_what_runs():

@@ -7,15 +7,27 @@ was computed; a mean, which this would bias, is given only if every surface has 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import asked, dataset_of, require_plane, stored_sweep, variant_of
-from pipeline.analysis.decisive import Bulk, attributes_by, conditions_of, decisive_rise
-from pipeline.analysis.scenes import by_scene, scenes, stacked
+from pipeline.analysis.dataset import (
+    dataset_of,
+    entry_dims,
+    is_emulated,
+    read_conditions,
+    require_plane,
+    stored_sweep,
+    variant_of,
+)
+from pipeline.analysis.decisive import attributes_by
+from pipeline.analysis.field import Field, PointField, fields, point_field
+from pipeline.analysis.laboratory import model_error
+from pipeline.analysis.margin import DECIDED, error_band
+from pipeline.analysis.scenes import by_scene
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
@@ -23,83 +35,60 @@ from pipeline.analysis.transition import (
     MILD,
     SEVERE,
     UNITS,
-    Crossing,
-    along_friction,
-    exponent,
+    Transition,
     outcomes,
-    range_of,
-    spread,
 )
 from pipeline.store.place import PathLike
+from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.physics import cold_bodies, on_cold_bodies, with_turns
 from pipeline.sweep.surface import Lubrication
-from tribo import InputError
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 
-def boundary(
-    ds: xr.Dataset | PathLike,
-    friction: float | Sequence[float] | Array | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
-    own_laws: bool = False,
-) -> xr.Dataset:
+def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
-
-    Over several random surfaces there is a boundary for each of them, and the band of them all.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or folder or address of the store. Points that are pending
-        or failed are skipped.
-    friction : float or several, optional
-        Coefficient of friction, at least 0. A condition that is not given is the sweep's own.
-        Several give a dimension ``friction``.
-    bulk_temperature, critical_temperature : float, str or mapping, optional
-        Temperature far from the contact, and the one above which the lubricant fails [K]; or text
-        with a unit, such as ``"80 degC"``. In a sweep of bodies of unequal bulk temperatures, such
-        as ``{"pin": "60 degC", "disk": "25 degC"}`` for both.
-    share : float or str, optional
-        Wear is severe where more than this share of the contact area is hotter than the critical
-        temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
-    criterion : str, optional
-        Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
-        ``"mean"``; see `tribo.CRITERIA`. Or your own, such as ``"laws:hottest"``.
-    own_laws : bool
-        Allow your own criterion to run, which is code of a file in the working folder.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store. Points
+        that are pending or failed are skipped.
 
     Returns
     -------
     Dataset
-        ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first crossing
-        from mild to severe wear, NaN where the computed points do not cross. With each, by the
+        ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first place at
+        which wear turns severe, NaN where the computed points do not cross. With each, by the
         suffix ``_at_load`` or ``_at_velocity``: ``outcome``, which gives the reason (mild or severe
         throughout, where the outermost points of the scene's own range are done and say so; above
-        or below what was computed; not known for want of points); ``computed_from`` and
-        ``computed_to``, the ends of what was computed [m/s, N]; ``missing``, the points that are
-        pending or failed, and ``bridged``, those of them that a crossing is interpolated across;
-        ``film_parameter``, where the scene gives an oil. ``rise_exponent_at_load`` is d ln(rise)
-        over d ln(velocity) at the crossing: an error of the rise, divided by it, is that of the
-        critical velocity. The conditions are attributes, whose units are in
-        ``units_of_attributes``, and ``missing_points`` is the total of those that are missing.
+        or below what was computed; not known for want of points; severe at some and mild at a
+        higher one); ``turns(load, turn)``, all places at which wear turns, of which the first is to
+        mild wear where ``begins_severe``; ``computed_from`` and ``computed_to``, the ends of what
+        was computed [m/s, N]; ``missing``, the points that are pending or failed, and ``bridged``,
+        those of them that a crossing is interpolated across; ``film_parameter``, where the scene
+        gives an oil. ``rise_exponent_at_load`` is d ln(rise) over d ln(velocity) at the crossing.
 
-        Over several surfaces all have a dimension ``realization`` in front, and there are also
-        ``critical_velocity_quantile(quantile, load)``, the velocity below which 10, 50 and 90 %
-        of the surfaces turn severe: those that stay mild or are severe throughout are counted,
-        beyond all velocities, so that a quantile among them is NaN. ``critical_velocity_mean``
-        and ``critical_velocity_spread`` (standard deviation) are NaN unless every surface
-        crosses. ``crossing_at_load`` counts those that do, ``known_at_load`` those that are known
-        to cross or not. Likewise for ``critical_load``.
+        ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the band that the
+        errors leave: below and above it the verdict of `pipeline.margin` is decided. The conditions
+        are attributes, whose units are in ``units_of_attributes``; ``model_error`` says what the
+        model's own error rests on, and ``missing_points`` is the number of those missing.
+
+        Over several surfaces all but the band have a dimension ``realization`` in front, and there
+        is ``critical_velocity_quantile(quantile, load)``, the velocity below which a share of the
+        surfaces turn severe: those that stay mild or are severe throughout are counted, beyond all
+        velocities, so that a quantile among them is NaN. ``critical_velocity_mean`` and
+        ``critical_velocity_spread`` (standard deviation) are NaN unless every surface crosses.
+        ``crossing_at_load`` counts those that do, ``known_at_load`` those that are known to cross
+        or not. Likewise for ``critical_load``.
+
+        Of samples there are ``critical_velocity_quantile``, with the velocities at which the next
+        run is severe with a probability of 5, 50 and 95 %, and the band.
 
     Raises
     ------
     InputError
-        If a condition lies outside its range; if neither the sweep nor the call gives a critical
-        temperature; or if the sweep has samples of unknown inputs.
+        If no critical temperature is known.
     StoreError
         If the path is not a readable store.
 
@@ -114,95 +103,47 @@ def boundary(
     600.0    1.56
     750.0    1.24
     Name: critical_velocity, dtype: float64
-    >>> warmer = pipeline.boundary(ds, friction=0.09, bulk_temperature="40 degC")
-    >>> warmer["critical_velocity"].sel(load=600).round(2).item()
+    >>> warmer = pipeline.at(ds, friction=0.09, bulk_temperature="40 degC")
+    >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
     1.48
     """
-    given: Any = friction
-    several = list[float | None](np.ravel(given).tolist())
-    if isinstance(friction, str) or not several:
-        raise InputError(f"friction is {friction!r}; give a number such as 0.1, or several")
     ds = dataset_of(ds)
+    if is_emulated(ds):
+        return by_scene(ds, _band_alone)
     require_plane(ds)
-    others = (bulk_temperature, critical_temperature, share, criterion, own_laws)
-
-    def of_scene(scene: xr.Dataset) -> xr.Dataset:
-        judged = [conditions_of(scene, value, *others) for value in several]
-        axis = xr.DataArray(
-            [conditions.friction for conditions in judged],
-            dims="friction",
-            name="friction",
-            attrs={"units": "1", "long_name": "friction coefficient"},
-        )
-        frictions = [axis] if np.ndim(given) else []
-        return stacked([_judged(scene, one) for one in judged], frictions)
-
-    return _boundaries(next(scenes(ds)), by_scene(ds, of_scene))
+    return by_scene(ds, boundary_under)
 
 
-def boundary_under(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """The boundary of one scene under some conditions, with a band over several surfaces."""
-    return _boundaries(ds, _judged(ds, conditions))
-
-
-def _judged(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """What the boundary of one scene follows from: rises, their limit, and the oil."""
-    rise = decisive_rise(ds, conditions)
-    is_missing = rise.isnull() & asked(ds)
-    oil = np.array(None, dtype=object)
-    oil[()] = Lubrication.of(stored_sweep(ds))
-    friction = np.array(None, dtype=object)
-    friction[()] = conditions.friction_factor if conditions.has_friction_curve else None
-    parts = {  # underscored, since a dimension may have any other name
-        "_rise": rise,
-        "_is_missing": is_missing,
-        "_limit": rise_limit(conditions),
-        "_friction": ((), friction),
-        "_oil": ((), oil),
-        "_temperature": conditions.mean_bulk_temperature,
+def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
+    """The boundary of one scene, under conditions in place of its own if they are given."""
+    found = point_field(ds, conditions)
+    coords = {
+        name: ds[name].variable
+        for name in ("realization", *PLANE)
+        if name in ds.coords and name in ds.dims
     }
-    judged = xr.Dataset(parts, attrs=attributes_by(conditions))
-    judged.attrs["missing_points"] = int(is_missing.sum())
-    return judged
-
-
-def _boundaries(ds: xr.Dataset, judged: xr.Dataset) -> xr.Dataset:
-    """The boundary of scenes, of which one gives the range, from what all are judged by."""
-    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in judged.attrs]
-    attributes = judged.attrs | {"units_of_attributes": ", ".join(units)}
-    boundaries = xr.Dataset(coords=judged["_rise"].coords, attrs=attributes)
+    result = xr.Dataset(coords=coords, attrs=_attributes(found.conditions))
     for axis, line in (("velocity", "load"), ("load", "velocity")):
-        boundaries = boundaries.assign(_transitions(axis, ds, judged))
-        if judged["_oil"].notnull().any():
-            film = _film(line, judged, boundaries[f"critical_{axis}"])
-            boundaries[f"film_parameter_at_{line}"] = film
-    return with_band(boundaries, variant_of(ds))
+        result = result.assign(_transitions(found, axis, line, ds))
+    result.attrs["missing_points"] = int(sum(plane.is_missing.sum() for plane in found.planes))
+    if oil := Lubrication.of(stored_sweep(ds)):
+        for axis, line in (("velocity", "load"), ("load", "velocity")):
+            places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
+            film = oil.film_parameter(
+                places["load"], places["velocity"], found.conditions.mean_bulk_temperature
+            )
+            dims = result[f"critical_{axis}"].dims
+            words = "film parameter at the crossing"
+            result[f"film_parameter_at_{line}"] = dims, film, {"units": "1", "long_name": words}
+    result = with_band(result, variant_of(ds))
+    return _with_errors(result, found, ds)
 
 
-def _film(line: str, judged: xr.Dataset, crossings: xr.DataArray) -> xr.DataArray:
-    """Film parameters at crossings along a line; NaN where a scene gives no oil."""
-
-    def along(oil: Lubrication | None, temperature: float, x: Array, crossing: Array) -> Array:
-        if oil is None:
-            return np.full(x.shape, np.nan)
-        places = (x, crossing) if line == "load" else (crossing, x)
-        return oil.film_parameter(*places, temperature)
-
-    film: xr.DataArray = xr.apply_ufunc(
-        along,
-        judged["_oil"],
-        judged["_temperature"],
-        crossings[line],
-        crossings,
-        input_core_dims=[[], [], [line], [line]],
-        output_core_dims=[[line]],
-        vectorize=True,
-    )
-    return _described(film, "1", "film parameter at the crossing")
-
-
-def _described(values: xr.DataArray, units: str, words: str) -> xr.DataArray:
-    return values.drop_attrs(deep=False).assign_attrs(units=units, long_name=words)
+def _attributes(conditions: Conditions) -> dict[str, Any]:
+    """Conditions as attributes, with their units."""
+    attributes = attributes_by(conditions)
+    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in attributes]
+    return attributes | {"units_of_attributes": ", ".join(units)}
 
 
 _UNITS = {
@@ -212,58 +153,108 @@ _UNITS = {
 """Units of the conditions that are attributes of a boundary."""
 
 
-def _transitions(axis: str, ds: xr.Dataset, judged: xr.Dataset) -> dict[str, xr.DataArray]:
+_TURNS = 5  # of a line that are told; more are waves between points
+
+
+def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
-    rise, is_missing = judged["_rise"], judged["_is_missing"]
-    line = "load" if axis == "velocity" else "velocity"
-    noun = "velocity" if axis == "velocity" else "normal load"
-    x, ends = rise[axis].values, range_of(ds, axis)
-
-    def along(
-        row: Array, missing: Mask, limit: float, friction: Callable[[Array], Array] | None
-    ) -> tuple[float, ...]:
-        places, is_done = x, np.isfinite(row)
-        if friction and axis == "velocity":
-            places, row = along_friction(x, row, friction)
-            missing, is_done = spread(missing), spread(is_done)
-        transition = Crossing.along(places, row, limit, ends, missing, is_done)
-        slope = exponent(places, row, transition.place)
-        return transition.place, transition.outcome, *transition.computed, transition.bridged, slope
-
-    place, outcome, low, high, bridged, slope = xr.apply_ufunc(
-        along,
-        rise,
-        is_missing,
-        judged["_limit"],
-        judged["_friction"],
-        input_core_dims=[[axis], [axis], [], []],
-        output_core_dims=[[]] * 6,
-        output_dtypes=[float, np.int8, float, float, int, float],
-        vectorize=True,
-    )
-    unit = UNITS[axis]
-    columns = {
-        f"critical_{axis}": (place, unit, f"{noun} at the transition to severe wear"),
-        f"computed_from_at_{line}": (low, unit, f"{axis} computed from at this {line}"),
-        f"computed_to_at_{line}": (high, unit, f"{axis} computed to at this {line}"),
-        f"missing_at_{line}": (
-            is_missing.sum(axis), "1", f"pending or failed points at this {line}"
+    plane = field.planes[0]
+    others = (plane.loads if line == "load" else plane.velocities).tolist()
+    here = float((plane.velocities if line == "load" else plane.loads)[-1])
+    rows = [
+        field.lines(axis, *((other, here) if line == "load" else (here, other))) for other in others
+    ]
+    found = [[one.transition(field.limit) for one in row] for row in zip(*rows, strict=True)]
+    noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
+    columns: dict[str, tuple[Callable[[Transition], Any], str, str]] = {
+        f"critical_{axis}": (
+            lambda one: one.place, unit, f"{noun} at the transition to severe wear"
+        ),
+        f"computed_from_at_{line}": (
+            lambda one: one.computed[0], unit, f"{axis} computed from at this {line}"
+        ),
+        f"computed_to_at_{line}": (
+            lambda one: one.computed[1], unit, f"{axis} computed to at this {line}"
         ),
         f"bridged_at_{line}": (
-            bridged, "1", "pending or failed points that the crossing is interpolated across"
+            lambda one: one.bridged(one.place), "1",
+            "pending or failed points that the crossing is interpolated across",
+        ),
+        f"begins_severe_at_{line}": (
+            lambda one: one.begins_severe, "1", f"wear is severe at the lowest {axis} known"
         ),
     }  # fmt: skip
+    dims = [*(["realization"] if "realization" in ds.dims else []), line]
+    shape = tuple(ds.sizes[name] for name in dims)
+
+    def labelled(values: Any, units: str, words: str) -> tuple[list[str], Any, dict[str, str]]:
+        return dims, np.reshape(values, shape), {"units": units, "long_name": words}
+
+    result: dict[str, Any] = {
+        name: labelled([[take(one) for one in row] for row in found], units, words)
+        for name, (take, units, words) in columns.items()
+    }
+    number = 1 if line == "load" else 0
+    missing = [plane.is_missing.sum(axis=number) for plane in field.planes]
+    words = f"pending or failed points at this {line}"
+    result[f"missing_at_{line}"] = labelled(missing, "1", words)
+    padded = [[(one.places + (np.nan,) * _TURNS)[:_TURNS] for one in row] for row in found]
+    attrs = {"units": unit, "long_name": f"{noun} at which wear turns"}
+    result[f"turns_at_{line}"] = [*dims, "turn"], np.reshape(padded, (*shape, _TURNS)), attrs
     if axis == "velocity":
+        slopes = [
+            [line.curve.exponent(line.transition(field.limit).place) for line in lines]
+            for lines in zip(*rows, strict=True)
+        ]
         words = "d ln(rise) / d ln(velocity) at the crossing"
-        columns["rise_exponent_at_load"] = slope, "1", words
-    transitions = {name: _described(*column) for name, column in columns.items()}
+        result["rise_exponent_at_load"] = labelled(slopes, "1", words)
+    codes = [[one.outcome for one in row] for row in found]
     meanings = {
         "long_name": "why there is no crossing",
         "flag_values": np.array(list(outcomes(axis)), dtype=np.int8),
         "flag_meanings": " ".join(word.replace(" ", "_") for word in outcomes(axis).values()),
     }
-    outcome = outcome.drop_attrs(deep=False).assign_attrs(meanings)
-    return transitions | {f"outcome_at_{line}": outcome}
+    result[f"outcome_at_{line}"] = dims, np.reshape(codes, shape).astype(np.int8), meanings
+    return result
+
+
+_STEPS = 241  # velocities among which the ends of a band are sought
+_BEYOND = 3.0  # factor beyond the velocities computed to which they are
+
+
+def _with_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Dataset:
+    """Add the ends of the band that the errors leave, by load."""
+    loads, scatter = boundaries["load"].values.tolist(), model_error(ds, field)
+    velocities = ds["velocity"].values[ds["velocity"].values > 0]
+    bands = np.full((len(loads), 2), math.nan)
+    if velocities.size:
+        grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
+        bands = np.array([error_band(field, load, grid, scatter) for load in loads])
+    for name, ends, words in (
+        ("mild_below", bands[:, 0], "below this velocity the next run is mild"),
+        ("severe_above", bands[:, 1], "above this velocity the next run is severe"),
+    ):
+        boundaries[name] = "load", ends, {"units": "m/s", "long_name": words}
+    return boundaries.assign_attrs(model_error=scatter.worded)
+
+
+def _band_alone(ds: xr.Dataset) -> xr.Dataset:
+    """The boundary of samples, by the probability of severe wear."""
+    (field,) = fields(ds)
+    loads = ds["load"].values
+    low, high = (float(end) for end in field.ends["velocity"])
+    grid = np.geomspace(low, high, _STEPS)
+    scatter = model_error(ds, field)
+    rows = field.plane(loads.tolist(), grid, scatter)
+    lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
+    result = xr.Dataset(
+        coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},
+        attrs=_attributes(field.conditions),
+    )
+    words = "velocity at which the next run is severe with a probability"
+    attrs = {"units": "m/s", "long_name": words}
+    result["critical_velocity_quantile"] = ("quantile", "load"), np.transpose(lines), attrs
+    return _with_errors(result, field, ds)
 
 
 BAND = (0.1, 0.5, 0.9)
@@ -333,3 +324,22 @@ def quantile(low: Array, high: Array, share: float) -> float:
     if not np.isfinite(ends).all() or (ends != greatest[[below, above]]).any():
         return math.nan
     return float(ends[0] + (place - below) * (ends[1] - ends[0]))
+
+
+def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset) -> str | None:
+    """Say that bodies roll as if each turn met a cold track; None where none does."""
+    scene = stored_sweep(ds).scene
+    if entry_dims(ds) or not (motion := scene.motion):
+        return None
+    judged = read_conditions(ds)
+    cold = cold_bodies(motion, judged.corrections)
+    if not cold:
+        return None
+    corrections, around = with_turns(judged.corrections, scene.pin, scene.disk, motion)
+    warm = boundary_under(ds, replace(judged, corrections=corrections))
+    moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
+    moved = moved[np.isfinite(moved)]
+    size = "move the boundary to lower velocities, by more than is computed here"
+    if moved.size:
+        size = f"move the critical velocities by {moved.max():+.0f} to {moved.min():+.0f} %"
+    return on_cold_bodies(cold, around, size)

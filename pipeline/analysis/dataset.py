@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 import functools
+import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline.analysis import accessor as accessor  # ds.irg
+from pipeline.scene.faults import quoted
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED
 from pipeline.sweep.codec import text_sweep
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import PATHS, Conditions, changes_of
+from pipeline.sweep.judged import with_conditions, with_fixed
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.severity import RISES, at_bulks, columns_needed, corrected_columns
+from pipeline.sweep.own_laws import Own, OwnLawError, Reference
+from pipeline.sweep.severity import (
+    RISES,
+    at_bulks,
+    columns_needed,
+    corrected_columns,
+    require_bulks,
+)
 from pipeline.sweep.variants import VARIANT, Column, Label, Variant, written_of
 from tribo import InputError
 from tribo.types import Array
@@ -37,17 +48,80 @@ class _Source:
         return split_arrays(self.ds[INPUTS].values, self.ds[INPUTS].attrs)
 
 
-def stored_sweep(ds: xr.Dataset) -> Sweep:
-    """The sweep that a dataset is of, at those labels that the dataset was taken at.
+ALLOWED: dict[str, Own] = {}
+"""Criteria of the user that `pipeline.at` was allowed to run, by the attribute ``own_law``."""
 
-    Raise an `InputError` if it has lost its attribute ``sweep``.
+
+def scene_sweep(ds: xr.Dataset) -> Sweep:
+    """The sweep that was stored, whatever the dataset is judged at.
+
+    Raise an `InputError` if the dataset has lost its attribute ``sweep``.
     """
-    return _stored_sweep(_text(ds), taken_at(ds), _Source(ds))
+    return _sweep(_text(ds), _Source(ds))
+
+
+def whole_sweep(ds: xr.Dataset) -> Sweep:
+    """The sweep that a dataset is of or was taken from, judged as `pipeline.at` says."""
+    return _judged_at(_text(ds), _Source(ds), json.dumps(judged_values(ds)), _at(ds)[1])
+
+
+def stored_sweep(ds: xr.Dataset) -> Sweep:
+    """The same, at those labels that the dataset was taken at."""
+    columns = {column.name for column in scene_sweep(ds).variants.columns}
+    values = {
+        path: ds[path].item()
+        for path in PATHS.values()
+        if path in ds.coords and not ds[path].ndim and path not in columns
+    }
+    at, law = json.dumps(judged_values(ds) | values), _at(ds)[1]
+    return _taken_at(_text(ds), _Source(ds), at, law, taken_at(ds))
+
+
+GIVEN_MEASURED = "given_measured"
+"""Among the values that a dataset is judged at: the scatter of tests that weigh its samples."""
+
+
+def judged_values(ds: xr.Dataset) -> dict[str, Any]:
+    """Values that a dataset is judged at, by the paths of entries [SI]."""
+    try:
+        return dict(json.loads(_at(ds)[0]))
+    except ValueError as error:
+        raise InputError(f"the attribute at is {ds.attrs['at']!r:.60}, which is none") from error
+
+
+def _at(ds: xr.Dataset) -> tuple[str, str]:
+    """Values that a dataset is judged at, as JSON, and the token of a law that is allowed."""
+    return str(ds.attrs.get("at", "{}")), str(ds.attrs.get("own_law", ""))
+
+
+def read_conditions(ds: xr.Dataset, with_criterion: bool = True) -> Conditions:
+    """The conditions that one scene is judged by, if the sweep has what they need.
+
+    Without the criterion, that of a store may be code that is not allowed to run.
+    """
+    sweep = stored_sweep(ds)
+    conditions = sweep.conditions
+    if not with_criterion:
+        conditions = replace(conditions, criterion="share")
+    elif isinstance(reference := conditions.own_criterion, Reference):
+        raise OwnLawError(
+            f"the store was judged by the criterion {quoted(reference.reference)} (SHA-256 "
+            f"{reference.digest}), which is code, and nothing that a store names is run; give "
+            f"--criterion={quoted(reference.reference)} --own-laws in the folder of its file, or "
+            "another, such as --criterion=share"
+        )
+    require_bulks(ds, conditions)
+    if conditions.friction and not sweep.scene.friction_heat:
+        raise InputError(
+            f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
+            "so without any heat: run it again with friction, into another store"
+        )
+    return conditions
 
 
 def taken_at(ds: xr.Dataset) -> Variant:
     """Values of entries that a dataset was taken at; none unless each has one."""
-    table = _sweep(_text(ds), _Source(ds)).variants
+    table = scene_sweep(ds).variants
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
     name = tuple((one.name, ds[one.name].item()) for one in table.chosen)
@@ -58,7 +132,7 @@ def taken_at(ds: xr.Dataset) -> Variant:
 
 def taken_entries(ds: xr.Dataset) -> dict[str, Any]:
     """Values of entries that a dataset was taken at, as its scene writes them."""
-    return written_of(_sweep(_text(ds), _Source(ds)).variants, taken_at(ds))
+    return written_of(scene_sweep(ds).variants, taken_at(ds))
 
 
 def _text(ds: xr.Dataset) -> str:
@@ -76,8 +150,22 @@ def _sweep(text: str, source: _Source) -> Sweep:
 
 
 @functools.lru_cache(maxsize=64)
-def _stored_sweep(text: str, name: Variant, source: _Source) -> Sweep:
-    whole = _sweep(text, source)
+def _judged_at(text: str, source: _Source, at: str, own_law: str) -> Sweep:
+    """A sweep at values by the paths of entries [SI], as JSON."""
+    sweep, values = _sweep(text, source), json.loads(at)
+    given = {name: values[path] for name, path in PATHS.items() if path in values}
+    law = ALLOWED.get(own_law)
+    if law and law.reference == given.get("criterion"):
+        changes = changes_of(**given | {"criterion": None})
+        changes |= {"criterion": law.reference, "own_criterion": law}
+    else:
+        changes = changes_of(**given)
+    return with_fixed(with_conditions(sweep, changes), values) if values else sweep
+
+
+@functools.lru_cache(maxsize=64)
+def _taken_at(text: str, source: _Source, at: str, own_law: str, name: Variant) -> Sweep:
+    whole = _judged_at(text, source, at, own_law)
     if not name:
         return whole
     words = ", ".join(f"{path} {value}" for path, value in written_of(whole.variants, name).items())
@@ -92,7 +180,7 @@ def _label(column: Column, value: Any) -> Label:
     return min(numbers, key=lambda label: abs(label - value))
 
 
-_USUAL = {*COORDINATES, "friction"}
+_USUAL = {*COORDINATES}
 _ORDER = (*PLANE, "step", "bulk_ratio", "cooler_share")
 
 
@@ -170,6 +258,12 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     ]
 
 
+def judged_dims(ds: xr.Dataset) -> list[str]:
+    """Dimensions of conditions that a dataset is judged at several values of."""
+    columns = {column.name for column in scene_sweep(ds).variants.columns}
+    return [name for name in entry_dims(ds) if name in PATHS.values() and name not in columns]
+
+
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """Dataset of a sweep with loads and velocities; one of rows with own places is refused."""
     ds = dataset_of(source)
@@ -183,8 +277,7 @@ def require_plane(ds: xr.Dataset) -> None:
     if not has_plane(ds):
         raise InputError(
             "the sweep has rows with places of their own, and no plane of velocities and loads; "
-            "irg margin, plot, report and diff take pairs row by row, and of samples irg risk, "
-            "boundary, margin and plot tell the probabilities, in Python pipeline.Ensemble.of(ds)"
+            "irg margin, plot, report and diff take them row by row"
         )
 
 
@@ -199,15 +292,6 @@ def is_emulated(ds: xr.Dataset) -> bool:
     return bool(draw and draw.unknown)
 
 
-def require_samples(ds: xr.Dataset, given_measured: bool, scatter: float | None) -> None:
-    """Refuse to weigh inputs by tests where there are no samples of them."""
-    if not is_emulated(ds) and (given_measured or scatter is not None):
-        raise InputError(
-            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
-            "given_measured and scatter)"
-        )
-
-
 def require_one_scene(ds: xr.Dataset) -> None:
     """Raise an `InputError` at a sweep in which entries have several values."""
     if names := entry_dims(ds):
@@ -215,7 +299,7 @@ def require_one_scene(ds: xr.Dataset) -> None:
         options = " ".join(f'--at "{name}=..."' for name in names)
         raise InputError(
             f"the sweep has several values of {several}; take one of each: {options}, in Python "
-            "pipeline.at_entries"
+            "pipeline.at"
         )
 
 

@@ -4,105 +4,33 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.curve import certain, interpolated
 from pipeline.analysis.dataset import (
     dataset_of,
-    plane_of,
-    stored_sweep,
+    read_conditions,
     sweep_at_bulks,
     values_of,
     with_steps,
 )
 from pipeline.analysis.scenes import by_scene
-from pipeline.analysis.transition import certain, interpolated
-from pipeline.scene.faults import quoted
-from pipeline.scene.format import OIL_WORKS
-from pipeline.scene.units import in_si, share_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.own_laws import OwnLawError, Reference
 from pipeline.sweep.severity import (
     columns_needed,
     contact_temperature,
     failed_fraction,
-    require_bulks,
     rise_limit,
     worst_rises,
 )
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
-
-Bulk = float | str | Mapping[str, float | str]
-"""A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
-
-CONDITIONS = (
-    "friction", "bulk_temperature", "critical_temperature", "share", "criterion", "own_laws",
-)  # fmt: skip
-"""Names of the conditions that may be given in place of the sweep's own, and the permission."""
-
-COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
-"""Bulk temperatures between which an oil may work [K]."""
-
-
-def conditions_of(
-    ds: xr.Dataset,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
-    own_laws: bool = False,
-) -> Conditions:
-    """Take the sweep's own conditions, and those that are given in their place."""
-    bulk: Any = bulk_temperature
-    stored = stored_sweep(ds)
-    conditions = stored.conditions.changed(
-        friction=friction,
-        bulk_temperature={body: _kelvin("bulk_temperature", one) for body, one in bulk.items()}
-        if isinstance(bulk, Mapping)
-        else _kelvin("bulk_temperature", bulk),
-        critical_temperature=_kelvin("critical_temperature", critical_temperature),
-        share=None if share is None else share_of(share),
-        criterion=criterion,
-        own_laws=own_laws,
-    )
-    if isinstance(reference := conditions.own_criterion, Reference):
-        raise OwnLawError(
-            f"the store was judged by the criterion {quoted(reference.reference)} (SHA-256 "
-            f"{reference.digest}), which is code, and nothing that a store names is run; give "
-            f"--criterion={quoted(reference.reference)} --own-laws in the folder of its file, or "
-            "another, such as --criterion=share"
-        )
-    require_bulks(ds, conditions)
-    if conditions.friction and not stored.scene.friction_heat:
-        raise InputError(
-            f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
-            "so without any heat: run it again with friction, into another store"
-        )
-    return conditions
-
-
-def _kelvin(name: str, value: float | str | None) -> float | None:
-    """Read a temperature [K], and refuse one at which no oil works."""
-    if isinstance(value, str):
-        value = in_si(name, value, "80 degC")
-    if value is None or isinstance(value, Iterable):
-        return value  # several are refused with the other conditions
-    hottest = HOTTEST_OIL if name == "bulk_temperature" else np.inf
-    if value < COLDEST_OIL or hottest < value < np.inf:
-        raise InputError(
-            f"{name} is {value - 273.15:.4g} °C ({value:g} K), at which no oil works; give one "
-            f"from {COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
-            'text has its unit, such as "80 degC"'
-        )
-    return value
 
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:
@@ -221,58 +149,14 @@ def refined(
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
 
 
-def decisive_temperature(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.DataArray:
-    """Deciding temperature of the contact at each point, the highest while its load is held.
-
-    Wear is severe where it lies above the critical temperature.
-
-    Parameters
-    ----------
-    ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or the path of a store.
-    **conditions
-        Friction, temperatures, share and criterion; see `pipeline.boundary`.
-
-    Returns
-    -------
-    DataArray, dims (load, velocity), after ``realization`` over several surfaces
-        Temperature [K]; NaN at points that are pending or failed.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ds = pipeline.open_sweep("results/first_try.zarr")
-    >>> temperature = pipeline.decisive_temperature(ds, friction=0.12)
-    >>> temperature.sel(load=600, velocity=1.6).round().item()
-    444.0
-    """
-
-    def of_scene(scene: xr.Dataset) -> xr.DataArray:
-        scene = plane_of(scene)
-        judged = conditions_of(scene, **conditions)
-        temperature = contact_temperature(decisive_rise(scene, judged), judged)
-        words = f"deciding temperature, {judged.decisive.temperature}"
-        temperature.attrs = {"units": "K", "long_name": words, **attributes_by(judged)}
-        return temperature.rename("decisive_temperature")
-
-    return by_scene(ds, of_scene)
-
-
-def temperatures(
-    ds: xr.Dataset | PathLike,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-) -> xr.Dataset:
+def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Temperatures of the contact, at each station of each point.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, a part of it, or the path of a store. The whole of a large
-        sweep takes much memory: select loads and velocities first.
-    friction, bulk_temperature, critical_temperature
-        See `boundary`; one friction.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of it, or the path of a store. The
+        whole of a large sweep takes much memory: select loads and velocities first.
 
     Returns
     -------
@@ -288,14 +172,12 @@ def temperatures(
     >>> end = pipeline.end_of_point(point)
     >>> pipeline.temperatures(end)["max_temperature"].round().item()
     436.0
-    >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
+    >>> hotter = pipeline.at(end, friction=0.12)
+    >>> pipeline.temperatures(hotter)["max_temperature"].round().item()
     463.0
     """
-    given = friction, bulk_temperature, critical_temperature
-    # No temperature depends on the criterion, and that of a store may be code.
-    return by_scene(
-        ds, lambda scene: _temperatures(scene, conditions_of(scene, *given, criterion="share"))
-    )
+    # No temperature depends on the criterion.
+    return by_scene(ds, lambda scene: _temperatures(scene, read_conditions(scene, False)))
 
 
 def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

@@ -22,9 +22,9 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.margins import labels_of_rows, margin_table
+from pipeline.analysis.margins import margin, row_labels
 from pipeline.analysis.tables import as_dict, frame_of
-from pipeline.analysis.transition import outcomes
+from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.own_laws import OwnLawError
@@ -59,20 +59,13 @@ class Difference:
         }
 
 
-def diff(
-    a: xr.Dataset | PathLike,
-    b: xr.Dataset | PathLike,
-    criterion: str | None = None,
-    own_laws: bool = False,
-) -> Difference:
+def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     """Find the differences between two stores.
 
     Parameters
     ----------
     a, b : Dataset, str or path
-        Datasets of `pipeline.open_sweep`, or paths of stores.
-    criterion, own_laws : optional
-        Criterion of both in place of their own; see `pipeline.boundary`.
+        Datasets of `pipeline.open_sweep` or `pipeline.at`, or paths of stores.
 
     Raises
     ------
@@ -100,7 +93,7 @@ def diff(
         require_all_sound(ds)
     points, alike = _points(first, second)
     between = _boundary if all(are_planes) else _margins
-    crossings = between(first, second, criterion=criterion, own_laws=own_laws)
+    crossings = between(first, second)
     return Difference(_entries(first, second), crossings, points, alike)
 
 
@@ -111,14 +104,14 @@ def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     return frame_of(("entry", "a", "b"), (row for row in rows if row[1] != row[2]))
 
 
-def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
+def _boundary(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     """Critical velocities at the loads of both; none where wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
-        first, second = (_critical_velocities(ds, **criterion) for ds in (a, b))
+        first, second = (_critical_velocities(ds) for ds in (a, b))
     except OwnLawError:
         raise
-    except InputError:  # no critical temperature, or samples, whose boundary is a probability
+    except InputError:  # no critical temperature
         return frame_of(heads, ())
     both = pd.merge(first, second, on="load", suffixes=(" a", " b"))
     change = both["velocity b"] / both["velocity a"] - 1
@@ -126,11 +119,11 @@ def _boundary(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
     return frame_of(heads, zip(*columns, both["outcome a"], both["outcome b"], strict=True))
 
 
-def _margins(a: xr.Dataset, b: xr.Dataset, **criterion: Any) -> pd.DataFrame:
+def _margins(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     """Margins of rows with places of their own, row by row, and the labels in which they differ."""
-    tables = [margin_table(ds, **criterion) for ds in (a, b)]
+    tables = [margin(ds) for ds in (a, b)]
     count = max(map(len, tables))
-    labels = [table[labels_of_rows(table)].reindex(range(count)) for table in tables]
+    labels = [table[row_labels(table)].reindex(range(count)) for table in tables]
     first, second = (table.reindex(range(count)) for table in tables)
     frame = labels[0].combine_first(labels[1])[[*dict.fromkeys([*labels[0], *labels[1]])]]
     frame["a [K]"], frame["b [K]"] = first["distance [K]"], second["distance [K]"]
@@ -149,9 +142,16 @@ def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
     return ", ".join(words) or None
 
 
-def _critical_velocities(ds: xr.Dataset, **criterion: Any) -> pd.DataFrame:
-    """Critical velocity and outcome at each load; over several surfaces the median."""
-    boundaries, meanings = boundary(ds, **criterion), outcomes("velocity")
+def _critical_velocities(ds: xr.Dataset) -> pd.DataFrame:
+    """Critical velocity and outcome at each load; over several surfaces or samples the median."""
+    boundaries, meanings = boundary(ds), outcomes("velocity")
+    if "critical_velocity" not in boundaries:
+        velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
+        beyond = np.where(velocity == 0, meanings[SEVERE], meanings[CROSSES])
+        outcome = np.where(np.isinf(velocity), meanings[MILD], beyond)
+        known = np.where(np.isfinite(velocity) & (velocity > 0), velocity, np.nan)
+        columns = {"load": boundaries["load"].values, "velocity": known, "outcome": outcome}
+        return pd.DataFrame(columns)
     codes = boundaries["outcome_at_load"].transpose("load", ...).values
     velocities = boundaries["critical_velocity"]
     if "critical_velocity_quantile" in boundaries:

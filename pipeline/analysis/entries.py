@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.transition import ENTRIES
-from pipeline.scene.compounds import Either, List, Range
-from pipeline.scene.kinds import Kind, Quantity
-from pipeline.scene.reference import sections
+from pipeline.scene.reference import quantity_in, sections
 from pipeline.scene.units import display
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Own, Reference, own_laws, refer
 from tribo import Scene
@@ -25,7 +23,10 @@ _PATHS = {
     "pixels.periodic": "window.periodic",
     "roughness": "disk.roughness",
     "disk": "disk.material",
-    **{f"conditions.{name}": path for name, path in ENTRIES.items()},
+    **{
+        f"conditions.{'failing_share' if name == 'share' else name}": path
+        for name, path in PATHS.items()
+    },
     "conditions.disk_temperature": "temperature.bulk.disk",
     "conditions.corrections.friction": "friction.by_velocity",
     "conditions.corrections.stem": "pin.stem",
@@ -87,6 +88,7 @@ def _values(sweep: Sweep) -> Iterator[tuple[str, Any]]:
     if criterion := sweep.conditions.own_criterion:
         yield "conditions.criterion_hash", criterion.digest
     yield from _flat(about.friction_band, "friction.band")
+    yield from _flat(about.model_scatter, "model.scatter")
     yield from _flat(about.oil, "oil")
     yield "sweep.loads", plane.loads
     yield "sweep.velocities", plane.velocities
@@ -151,20 +153,8 @@ def _units() -> Mapping[str, str]:
     units: dict[str, str] = {}
     for section in sections():
         for key, (entry, _) in section.keys().items():
-            if quantity := _quantity(entry.kind):
+            if quantity := quantity_in(entry.kind):
                 unit = quantity.example.partition(" ")[2]
                 unit = unit.replace("^2", "²").replace("^3", "³").translate(signs)
                 units.setdefault(key, names.get(unit, unit))
     return units
-
-
-def _quantity(kind: Kind) -> Quantity | None:
-    """The quantity that a value is, or that its parts are."""
-    match kind:
-        case Quantity():
-            return kind
-        case List(of) | Range(of):
-            return _quantity(of)
-        case Either():
-            return next(filter(None, map(_quantity, kind.kinds)), None)
-    return None

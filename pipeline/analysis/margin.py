@@ -1,94 +1,89 @@
-"""Distance of an operating point from severe wear: in temperature, in velocity and in load.
+"""Verdict on an operating point: its probability, its distance from severe wear, and its errors.
 
-The decisive rise is interpolated along the velocity at each load, then along the load
-(`pipeline.analysis.transition`). Its error has three parts (`pipeline.analysis.margin_error`):
-interpolation, preset and warned points. The interpolation error is estimated by leaving out the
-points next to the place, and asking how far interpolation misses them. That spans twice the
-distance, so it is mostly too large: it held at 54 of 60 random places of
-`workflows/first_try.toml`.
+The error has three parts. The numerical one (`pipeline.analysis.margin_error`) moves all rises,
+the inputs are the members of the field, and the model's own (`pipeline.analysis.model_error`) moves
+the velocity of the next run. Wear is mild where the next run is severe with a probability of at
+most 5 % at the worst numerical error, severe where of at least 95 %, and else not decided.
 """
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
-from pipeline.analysis.decisive import require_sound
-from pipeline.analysis.margin_error import RiseError, RisePlane, rise_error
-from pipeline.analysis.transition import (
-    SEVERAL,
-    UNITS,
-    Crossing,
-    along_friction,
-    certain,
-    interpolated,
-    outcomes,
-    spread,
-)
-from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import contact_temperature, rise_limit
-from tribo import Criterion, InputError
+from pipeline.analysis.field import Field, quantile
+from pipeline.analysis.margin_error import RiseError
+from pipeline.analysis.model_error import Scatter, severe_share
+from pipeline.analysis.transition import CROSSES, Turns, outcomes
 from tribo.types import Array
 
 NOT_DECIDED = "not decided"
-"""Verdict on a place whose distance from severe wear lies within the error of its temperature."""
+"""Verdict on a place whose next run is neither mild nor severe with 95 % probability."""
+DECIDED = (0.05, 0.5, 0.95)
+"""Probabilities of severe wear: mild up to the first, severe from the last on."""
+_LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing is known of tails
 
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """The distance of an operating point from severe wear.
+    """The verdict on an operating point, and its distance from severe wear.
 
-    Beyond the velocities computed at a load the rise is extrapolated as a power of the velocity,
-    such as in a sweep of the boundary alone. The boundary is not extrapolated.
+    Over several surfaces or samples, numbers are medians, and ``intervals`` has what 5 and 95 % of
+    them stay below. Beyond the velocities computed at a load the rise is extrapolated as a power of
+    the velocity, such as in a sweep of the boundary alone.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> here = pipeline.margin("results/first_try.zarr", "400 N", "1.4 m/s")
+    >>> here.verdict, here.probability < 0.01
+    ('mild', True)
     """
 
     load: float  #: Normal load on the whole pin [N].
     velocity: float  #: Sliding velocity [m/s].
-    realization: int | None  #: Seed of the random surface, in a sweep over several.
+    probability: float  #: Probability that the next run is severe.
+    lowest: float  #: That at the worst numerical error, with colder contacts.
+    highest: float  #: Likewise, with hotter ones.
     decisive_temperature: float  #: Temperature of the contact that decides [K].
-    is_severe: bool  #: Severe wear by that temperature as it was found, whatever its error.
-    error: RiseError  #: Error of that temperature by its three parts [K].
-    is_computed: bool  #: That very point is done, and the temperature not interpolated.
-    is_continued: bool  #: Temperature extrapolated beyond the computed points.
+    error: RiseError  #: Numerical error of that temperature by its parts [K].
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
-    critical_velocity: float  #: At this load [m/s]; NaN if the sweep does not reach it.
-    critical_load: float  #: At this velocity [N]; NaN if the sweep does not reach it.
+    distance: float  #: Critical less deciding temperature [K]; negative where wear is severe.
+    model_error: str  #: The model's own error, and what it rests on.
+    critical_velocity: float  #: The nearest at this load [m/s]; NaN if the sweep has none.
+    critical_load: float  #: The nearest at this velocity [N]; NaN if the sweep has none.
     velocity_outcome: str  #: One of `pipeline.analysis.transition.outcomes`.
     load_outcome: str  #: Likewise, along the load.
+    velocity_turns: tuple[float, ...]  #: All velocities at which wear turns at this load [m/s].
+    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N].
     velocity_range: tuple[float, float]  #: Lowest and highest velocity computed there [m/s].
     load_range: tuple[float, float]  #: Lowest and highest load computed there [N].
     velocity_bridged: int  #: Points not done that the critical velocity is interpolated across.
     load_bridged: int  #: Points not done that the critical load is interpolated across.
+    is_computed: bool  #: That very point is done, and the temperature not interpolated.
+    is_continued: bool  #: Temperature extrapolated beyond the computed points.
+    members: int  #: Surfaces, or draws of unknown inputs, that it rests on.
+    #: Of these numbers that 5 and 95 % stay below, where there are several members.
+    intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    tested: tuple[str, ...] = ()  #: Tests of the scene at or beside the place, in words.
+    misfit: str = ""  #: Why the tests contradict the model, which then decides nothing.
     #: Values of entries with several, by their paths [SI].
     entries: Mapping[str, float | str] = field(default_factory=dict)
 
     @property
-    def distance(self) -> float:
-        """Critical less deciding temperature [K]; negative where wear is severe."""
-        return self.critical_temperature - self.decisive_temperature
+    def verdict(self) -> str:
+        """``"mild"`` or ``"severe"`` of the next run, or that it is not decided."""
+        return NOT_DECIDED if self.misfit else verdict_between(self.lowest, self.highest)
 
     @property
     def temperature_error(self) -> float | None:
-        """Error of the deciding temperature [K]: the sum of its parts; None if one is unknown."""
+        """Numerical error of the deciding temperature [K]; None if a part is unknown."""
         return self.error.total
-
-    @property
-    def verdict(self) -> str:
-        """``"mild"`` or ``"severe"`` beyond the error of the temperature, else not decided.
-
-        Nor is a place between points decided where wear is severe at a lower velocity or load, and
-        mild at a higher one.
-        """
-        named = zip(("velocity", "load"), (self.velocity_outcome, self.load_outcome), strict=True)
-        if not self.is_computed and any(said == outcomes(axis)[SEVERAL] for axis, said in named):
-            return NOT_DECIDED
-        return verdict_on(self.is_severe, self.distance, self.temperature_error)
 
     @property
     def velocity_factor(self) -> float:
@@ -100,144 +95,190 @@ class Margin:
         """Critical load at this velocity over the load; NaN where it is not known."""
         return self.critical_load / self.load
 
+    @property
+    def is_open_by_model(self) -> bool:
+        """True if no numerical error would decide: the model's own leaves it open."""
+        return self.verdict == NOT_DECIDED and (
+            bool(self.misfit) or verdict_between(self.probability, self.probability) == NOT_DECIDED
+        )
+
+    @property
+    def sentence(self) -> str:
+        """The answer for those who decide."""
+        side = "below" if self.distance >= 0 else "above"
+        ends = percent(self.lowest), percent(self.highest)
+        within = f" ({ends[0].removesuffix(' %')} to {ends[1]})" if ends[0] != ends[1] else ""
+        likely = f"severe wear is {percent(self.probability)} likely{within}"
+        where = f"{abs(self.distance):.3g} K {side} the critical temperature"
+        rest = "" if self.intervals else f"; {_EXACT}"
+        tests = f"; tested there: {', '.join(self.tested)}" if self.tested else ""
+        return f"{self.verdict.capitalize()}: {likely}, {where}{rest}{tests}"
+
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
         plain: dict[str, Any] = asdict(self)
         entries: dict[str, Any] = plain.pop("entries")
-        del plain["is_severe"]
-        names = "verdict", "temperature_error", "distance", "velocity_factor", "load_factor"
-        return plain | entries | {name: getattr(self, name) for name in names}
+        names = "verdict", "sentence", "temperature_error", "velocity_factor", "load_factor"
+        chances = {name: told(plain[name]) for name in ("probability", "lowest", "highest")}
+        return {name: getattr(self, name) for name in names} | plain | chances | entries
 
 
-def verdict_on(is_severe: bool, distance: float, error: float | None) -> str:
-    """Verdict at a distance from severe wear [K] that has an error [K]."""
-    if error is None or abs(distance) <= error:
-        return NOT_DECIDED
-    return "severe" if is_severe else "mild"
+_EXACT = "errors of the inputs, such as of the conductivity of the steel, are not in this"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class JudgedRow:
-    """Decisive rises of one row of the table of variants by load and velocity, and how to judge."""
+def verdict_between(lowest: float, highest: float) -> str:
+    """Verdict by the probabilities of severe wear at the worst numerical errors."""
+    if highest <= DECIDED[0]:
+        return "mild"
+    return "severe" if lowest >= DECIDED[-1] else NOT_DECIDED
 
-    grid: RisePlane  # at one friction, where it depends on the velocity
-    conditions: Conditions
-    promised: float | None  # relative error of its boundary velocities
-    ends: Mapping[str, tuple[float, float]]  # of the loads [N] and velocities [m/s] asked for
-    realization: int | None
-    entries: Mapping[str, Any]
-    shown: Mapping[str, Any]  # all labels of the row
-    source: xr.Dataset  # where the rises are from
-    place: tuple[float, float] | None = None  # load [N] and velocity [m/s] if it has no plane
 
-    def here(self) -> Margin:
-        """The margin at the row's own place."""
-        if self.place is None:
-            raise InputError(
-                "no operating point is given, and the rows have none of their own; give a load and "
-                "a velocity (--load and --velocity), or a table of them (--points)"
-            )
-        return self.at(*self.place)
+def told(probability: float) -> float:
+    """A probability as a number, which is not told nearer to 0 or 1 than is known."""
+    return min(max(probability, _LEAST), 1 - _LEAST)
 
-    def at(self, load: float, velocity: float) -> Margin:
-        """The margin at a load [N] and a velocity [m/s]; an `InputError` where it is not known."""
-        grid, conditions = self.grid, self.conditions
-        for name, x, value in (("load", grid.loads, load), ("velocity", grid.velocities, velocity)):
-            lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
-            if not (lowest <= value <= highest and value > 0):
-                raise InputError(
-                    f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
-                    f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
-                )
-        rise = _at(grid.loads, self.at_velocity(velocity, continued=True), load)
-        if not math.isfinite(rise):
-            raise InputError(
-                f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
-                "sweep to its end, or add points there"
-            )
-        if self.place is None:  # else all rows are checked
-            require_sound(self.source, grid.beneath(load, velocity), *PLANE)
-        is_within = math.isfinite(_at(grid.loads, self.at_velocity(velocity), load))
-        here = grid.rises[np.ix_(grid.loads == load, grid.velocities == velocity)]
-        error = rise_error(grid, load, velocity, self.promised)
-        through = load, velocity, rise if is_within else math.nan
-        by_velocity, by_load = (self.along(axis, *through) for axis in ("velocity", "load"))
-        return Margin(
-            load=load,
-            velocity=velocity,
-            realization=self.realization,
-            decisive_temperature=contact_temperature(rise, conditions),
-            is_severe=bool(Criterion.is_severe(rise, rise_limit(conditions))),
-            error=error.times(conditions.rise_factor * rise),
-            is_computed=bool(np.isfinite(here).any()),
-            is_continued=not is_within,
-            critical_temperature=conditions.known_critical_temperature(),
-            critical_velocity=by_velocity.place,
-            critical_load=by_load.place,
-            velocity_outcome=outcomes("velocity")[by_velocity.outcome],
-            load_outcome=outcomes("load")[by_load.outcome],
-            velocity_range=by_velocity.computed,
-            load_range=by_load.computed,
-            velocity_bridged=by_velocity.bridged,
-            load_bridged=by_load.bridged,
-            entries=self.entries,
+
+def percent(probability: float) -> str:
+    """A probability in words, which are no number where it is next to certain."""
+    if probability < _LEAST:
+        return f"less than {100 * _LEAST:g} %"
+    if probability > 1 - _LEAST:
+        return f"more than {100 * (1 - _LEAST):g} %"
+    digits = 2 if probability < 0.995 else 4
+    return f"{100 * probability:.{digits}g} %"
+
+
+def answer(
+    field: Field,
+    load: float,
+    velocity: float,
+    scatter: Scatter,
+    tested: Sequence[str] = (),
+) -> Margin:
+    """The margin of a field at a load [N] and a velocity [m/s].
+
+    Raises
+    ------
+    InputError
+        If the place lies outside the sweep, or too little of it is done to tell.
+    """
+    here, weights = field.temperatures(load, velocity), field.weights
+    error = field.error(load, velocity)
+    lowest, middle, highest = probabilities(field, load, np.array([velocity]), scatter, error)
+    turns = {axis: field.turns(axis, load, velocity) for axis in ("velocity", "load")}
+    spread = {
+        "decisive_temperature": here.values,
+        "distance": here.critical - here.values,
+        "critical_velocity": turns["velocity"].nearest,
+        "critical_load": turns["load"].nearest,
+    }
+    middles: dict[str, Any] = {
+        name: quantile(values, weights, 0.5) for name, values in spread.items()
+    }
+    intervals = {}
+    if len(weights) > 1:
+        intervals = {
+            name: (quantile(values, weights, DECIDED[0]), quantile(values, weights, DECIDED[-1]))
+            for name, values in spread.items()
+        }
+    rise = middles["decisive_temperature"] - field.conditions.coldest_bulk_temperature
+    told: dict[str, Any] = {
+        f"{axis}_{name}": value
+        for axis, one in turns.items()
+        for name, value in (
+            ("outcome", outcome_in_words(one, axis)),
+            ("turns", tuple(one.places[0]) if len(one.places) == 1 else ()),
+            ("range", one.computed),
+            ("bridged", one.bridged),
         )
-
-    def at_velocity(self, velocity: float, continued: bool = False) -> Array:
-        """Rise by load at one velocity [K], with the friction there."""
-        x, rows = self.grid.velocities, self.grid.rises
-        at_one_friction = np.array([_at(x, row, velocity, continued) for row in rows])
-        return at_one_friction * self.conditions.friction_factor(np.array(velocity))
-
-    def along(self, axis: str, load: float, velocity: float, rise: float) -> Crossing:
-        """Transition along an axis through a place, and the rise there if that is finite.
-
-        Between those of the sweep, rises go on where wear is certainly mild or severe.
-        """
-        x, other, place, along = self.grid.velocities, self.grid.loads, load, velocity
-        limit, ends = rise_limit(self.conditions), self.ends[axis]
-        rises = self.grid.rises * self.conditions.friction_factor(x)
-        is_missing = self.grid.is_missing
-        if axis == "load":
-            x, other, place, along = other, x, velocity, load
-            rises, is_missing = rises.T, is_missing.T
-        above = int(np.searchsorted(other, place))
-        is_between = above < len(other) and other[above] != place
-        missing = np.logical_or.reduce(is_missing[above - is_between : above + 1])
-        has_curve = self.conditions.has_friction_curve
-        if place in other:
-            computed = going_on = rises[above]
-            rise = math.nan
-        elif axis == "load":
-            computed, here = self.at_velocity(velocity), np.array([velocity])
-            factor = self.conditions.friction_factor(here)
-            by_load = [certain(other, row, here, limit / factor[0]) for row in self.grid.rises]
-            going_on = np.concatenate(by_load) * factor
-        elif has_curve:  # how friction goes on beyond the points is no power law
-            computed = going_on = np.array([_at(other, column, place) for column in rises.T])
-        else:
-            certainly = [certain(x, row, x, limit) for row in rises]
-            rows = np.where(np.isfinite(rises), rises, certainly)
-            computed, going_on = (
-                np.array([_at(other, column, place) for column in lines.T])
-                for lines in (rises, rows)
-            )
-        is_done = np.isfinite(computed)
-        if math.isfinite(rise):
-            number = int(np.searchsorted(x, along))
-            if along not in x:
-                x, going_on = np.insert(x, number, along), np.insert(going_on, number, rise)
-                is_done, missing = (np.insert(mask, number, False) for mask in (is_done, missing))
-            going_on[number] = rise
-        if has_curve and axis == "velocity":
-            x, going_on = along_friction(x, going_on, self.conditions.friction_factor)
-            missing, is_done = spread(missing), spread(is_done)
-        return Crossing.along(x, going_on, limit, ends, missing, is_done)
+    }
+    for axis in turns:
+        if not math.isfinite(middles[f"critical_{axis}"]) or middles[f"critical_{axis}"] == 0:
+            middles[f"critical_{axis}"] = math.nan
+    return Margin(
+        load=load,
+        velocity=velocity,
+        probability=float(middle[0]),
+        lowest=float(lowest[0]),
+        highest=float(highest[0]),
+        error=error.times(rise),
+        critical_temperature=quantile(here.critical, weights, 0.5),
+        model_error=scatter.worded,
+        is_computed=here.is_computed,
+        is_continued=here.is_continued,
+        members=len(weights),
+        intervals=intervals,
+        tested=tuple(tested),
+        misfit=field.misfit,
+        entries=field.entries,
+        **middles,
+        **told,
+    )
 
 
-def _at(x: Array, y: Array, place: float, continued: bool = False) -> float:
-    """Value at one abscissa; that of a point itself where there is one."""
-    (same,) = np.nonzero((x == place) & np.isfinite(y))
-    if same.size:
-        return float(y[same[0]])
-    return float(interpolated(x, y, np.array([place]), continued)[0])
+def probabilities(
+    field: Field, load: float, velocities: Array, scatter: Scatter, error: RiseError
+) -> tuple[Array, Array, Array]:
+    """Probability of a severe next run by velocity, with colder, the same and hotter rises."""
+    at = functools.partial(field.probability, load, velocities, scatter)
+    middle = at(0.0)
+    if error.total is None:
+        return np.zeros_like(middle), middle, np.ones_like(middle)
+    shift = math.log1p(error.total)
+    return (at(-shift), middle, at(shift)) if shift else (middle, middle, middle)
+
+
+def probabilities_alone(
+    rise: float, limit: float, scatter: Scatter, error: RiseError
+) -> tuple[float, float, float]:
+    """The same of a point by itself, whose rise [K] grows with exponent 1 at most."""
+
+    def share(shift: float) -> float:
+        if not (rise > 0 and math.isfinite(limit)):
+            return 0.0
+        critical = limit / rise * math.exp(-shift)  # over the velocity
+        return float(severe_share([(critical, math.inf)], np.array(1.0), scatter))
+
+    if error.total is None:
+        return 0.0, share(0.0), 1.0
+    shift = math.log1p(error.total)
+    return share(-shift), share(0.0), share(shift)
+
+
+def error_band(
+    field: Field, load: float, velocities: Array, scatter: Scatter
+) -> tuple[float, float]:
+    """Velocities below which wear is mild and above which it is severe; NaN where unknown.
+
+    Velocities ascend; the numerical error is that at the transition.
+    """
+    ends = field.ends["velocity"]
+    here = math.sqrt(max(ends[0], 1e-3 * ends[1]) * ends[1])
+    place = quantile(field.turns("velocity", load, here).nearest, field.weights, 0.5)
+    if math.isnan(place) or field.misfit:
+        return math.nan, math.nan
+    place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
+    error = field.error(load, place)
+    lowest, _, highest = probabilities(field, load, velocities, scatter, error)
+    (open_,), (shut,) = np.nonzero(highest > DECIDED[0]), np.nonzero(lowest < DECIDED[-1])
+    below = math.inf if not open_.size else math.nan
+    if open_.size and open_[0] > 0:
+        part = slice(open_[0] - 1, open_[0] + 1)
+        below = float(np.interp(DECIDED[0], highest[part], velocities[part]))
+    above = math.nan
+    if not shut.size:
+        above = 0.0
+    elif shut[-1] < len(velocities) - 1:
+        part = slice(shut[-1], shut[-1] + 2)
+        above = float(np.interp(DECIDED[-1], lowest[part], velocities[part]))
+    return below, above
+
+
+def outcome_in_words(turns: Turns, axis: str) -> str:
+    """Outcome of a line, or on how many of several members wear turns."""
+    codes = np.unique(turns.outcome)
+    words = outcomes(axis)
+    if len(codes) == 1:
+        return words[int(codes[0])]
+    crossing = int(np.sum(turns.outcome == CROSSES))
+    return f"crosses on {crossing} of {len(turns.outcome)}"

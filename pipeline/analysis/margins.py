@@ -1,320 +1,222 @@
-"""Distances of operating points from severe wear, along whatever stands in front, and as frames."""
+"""Margins of operating points: one, those of a table, or the places of a sweep's own rows."""
 
 from __future__ import annotations
 
-import itertools
+import functools
+import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import replace
-from functools import partial
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, overload
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.boundary import BAND
-from pipeline.analysis.dataset import (
-    dataset_of,
-    has_plane,
-    is_emulated,
-    require_plane,
-    stored_sweep,
-    taken_entries,
-)
-from pipeline.analysis.decisive import (
-    at_one_friction,
-    conditions_of,
-    decisive_rise,
-    require_all_sound,
-)
-from pipeline.analysis.margin import NOT_DECIDED, JudgedRow, Margin
-from pipeline.analysis.margin_error import RisePlane, grids_of
-from pipeline.analysis.scenes import frame_by_scene, heads_of, scenes
+from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, is_emulated, require_plane
+from pipeline.analysis.field import Field, fields
+from pipeline.analysis.laboratory import model_error, tests_beside
+from pipeline.analysis.margin import Margin, answer, told
+from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import as_dict, frame_of
-from pipeline.analysis.transition import range_of
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
-from pipeline.store.schema import COORDINATES, PLANE
-from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 
-_USUAL = COORDINATES.keys() - {VARIANT, "realization"}
+Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
+"""Operating points as they may be given."""
 
 
-def margins(
-    ds: xr.Dataset | PathLike,
-    load: float | str | None = None,
-    velocity: float | str | None = None,
-    **conditions: Any,
-) -> tuple[Margin, ...]:
-    """Distance of an operating point from severe wear, without a new simulation.
+@overload
+def margin(
+    ds: xr.Dataset | PathLike, load: float | str, velocity: float | str
+) -> Margin | pd.DataFrame: ...
+
+
+@overload
+def margin(ds: xr.Dataset | PathLike, load: Points | None = None) -> pd.DataFrame: ...
+
+
+def margin(
+    ds: xr.Dataset | PathLike, load: Any = None, velocity: Any = None
+) -> Margin | pd.DataFrame:
+    """Verdict on operating points, and their distance from severe wear, without a new simulation.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or the path of a store. Points that are pending or failed
-        are skipped.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. Points that are
+        pending or failed are skipped.
     load : float or str
-        Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep.
+        Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep. Or
+        a table of operating points in place of load and velocity: a .csv or .xlsx file with columns
+        ``load [N]`` and ``velocity [m/s]``, or in other units; or columns by heading, such as a
+        data frame. Columns ``friction``, ``bulk_temperature`` and ``critical_temperature`` are the
+        conditions of their row. Further columns are passed on, with "(given)" after the heading
+        where a result has the same. Nothing, where rows of the sweep have places of their own.
     velocity : float or str
-        Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep. Both
-        are left out where rows have places of their own (``[sweep] along``).
-    **conditions
-        Friction, temperatures, share and criterion; see `pipeline.boundary`.
+        Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep.
 
     Returns
     -------
-    tuple of Margin
-        One for each random surface of the sweep, and each value of entries with several; or for
-        each row, at its own place.
+    Margin or DataFrame
+        The `Margin` of one place in a single scene. Of several a row each: its place, the
+        ``verdict`` on the next run, the ``probability`` that it is severe, ``decisive temperature
+        [°C]``, its numerical ``temperature error [K]``, the ``distance [K]`` below the critical
+        temperature and, along velocity and load, the factor to the nearest critical value, that
+        value and the outcome. Over several surfaces or samples these are medians, and ``distance
+        low [K]`` and ``distance high [K]`` are what 5 and 95 % stay below. A place that the sweep
+        says nothing about has a ``note`` instead.
 
     Raises
     ------
     InputError
-        If the operating point lies outside the sweep, too little of the sweep is done, or a
-        condition lies outside its range.
+        If the operating point lies outside the sweep, too little of the sweep is done, or the table
+        has faults, all of which are named.
 
     Examples
     --------
     >>> import pipeline
-    >>> ds = pipeline.open_sweep("results/first_try.zarr")
-    >>> (margin,) = pipeline.margins(ds, "500 N", "1.6 m/s", friction=0.12)
-    >>> margin.verdict, f"{margin.distance:.0f} K"
-    ('severe', '-13 K')
-    """
-    if load is None or velocity is None:
-        return tuple(row.here() for row in rows_of(ds, **conditions))
-    place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
-    ds = dataset_of(ds)
-    require_plane(ds)
-    return tuple(row.at(*place) for row in rows_of(ds, **conditions))
-
-
-def margins_at(
-    ds: xr.Dataset, points: OperatingPoints | None, **conditions: Any
-) -> Iterator[tuple[Conditions, Margin]]:
-    """Margins at points, or the rows' own if none are given, where the sweep tells."""
-    rows = rows_of(ds, **conditions)
-    places: list[tuple[Place | None, Mapping[str, float]]] = [(None, {})]
-    for place, own in places if points is None else points.rows:
-        with suppress(InputError):
-            for row in rows_with(ds, rows, own, conditions):
-                with suppress(InputError):
-                    if at := place or row.place:
-                        yield row.conditions, row.at(*at)
-
-
-def rows_of(
-    ds: xr.Dataset | PathLike, own: Mapping[str, float] | None = None, **given: Any
-) -> tuple[JudgedRow, ...]:
-    """The planes of a sweep along whatever stands in front, each judged by its conditions.
-
-    Own conditions are those of a row of a table; see `Conditions.of_row`.
-    """
-    ds = dataset_of(ds)
-    if is_emulated(ds):
-        require_plane(ds)
-    if not has_plane(ds):  # at once, for a read of each row by itself takes ten times as long
-        require_all_sound(ds)
-        ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    rows = (
-        row
-        for one in scenes(ds)
-        for row in rows_under(one, conditions_of(one, **given).of_row(own or {}))
-    )
-    return tuple(_about_places(rows))
-
-
-def rows_under(scene: xr.Dataset, conditions: Conditions) -> Iterator[JudgedRow]:
-    """The planes of one scene, each judged by some conditions."""
-    placed = [name for name in PLANE if name not in scene.dims]
-    place = tuple(scene[name].item() for name in PLANE) if placed else None
-    coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
-    shown = {name: label.item() for name, label in coords.items() if not label.ndim}
-    scene, sweep = scene.expand_dims(placed), stored_sweep(scene)
-    rise = decisive_rise(scene, conditions)
-    ends = {
-        name: (at, at) if place else range_of(scene, name)
-        for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
-    }
-    entries = {path: scene[path].item() for path in taken_entries(scene)}
-    front = {str(name): rise[name].values.tolist() for name in rise.dims[:-2]}
-    grids = grids_of(scene, at_one_friction(rise, conditions))
-    for grid, row in zip(grids, itertools.product(*front.values()), strict=True):
-        labels = dict(zip(front, row, strict=True))
-        yield JudgedRow(
-            grid=grid,
-            conditions=conditions,
-            promised=velocity_error(sweep),
-            ends=ends,
-            realization=labels.get("realization"),
-            entries=entries,
-            shown=shown | labels,
-            place=place,
-            source=scene.sel(labels),
-        )
-
-
-def rows_with(
-    ds: xr.Dataset, rows: Sequence[JudgedRow], own: Mapping[str, float], given: Mapping[str, Any]
-) -> Sequence[JudgedRow]:
-    """Planes judged by what a row of a table has of its own, too; see `Conditions.of_row`."""
-    judged = [row.conditions.of_row(own) for row in rows]
-    if all(a.bulk_ratio == b.conditions.bulk_ratio for a, b in zip(judged, rows, strict=True)):
-        # Rises at friction 1 are the same.
-        return [replace(row, conditions=one) for row, one in zip(rows, judged, strict=True)]
-    return rows_of(ds, own, **given)
-
-
-def _about_places(rows: Iterable[JudgedRow]) -> Iterator[JudgedRow]:
-    """Rows, those that lie about one place as one; the first of these is the place itself."""
-    about = dict[Any, list[JudgedRow]]()
-    for row in rows:
-        labels = [label for label in row.shown.items() if label[0] != VARIANT]
-        about.setdefault((*labels,) if PLACE in row.shown else id(row), []).append(row)
-    for first, *others in about.values():
-        if others:
-            grid = RisePlane.joined([row.grid for row in (first, *others)])
-            axes = {"load": grid.loads, "velocity": grid.velocities}
-            ends = {name: (float(x[0]), float(x[-1])) for name, x in axes.items()}
-            first = replace(first, grid=grid, ends=ends)
-        yield first
-
-
-def margin_table(
-    ds: xr.Dataset | PathLike,
-    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
-    **conditions: Any,
-) -> pd.DataFrame:
-    """Distances of operating points from severe wear, without a new simulation.
-
-    Parameters
-    ----------
-    ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or the path of a store.
-    points : path or mapping of str to sequence
-        A .csv or .xlsx file with columns ``load [N]`` and ``velocity [m/s]``, or in other units; or
-        columns by heading, such as a data frame. Columns ``friction``, ``bulk_temperature`` and
-        ``critical_temperature`` are the conditions of their row. Further columns are passed on,
-        with "(given)" after the heading where a result has the same.
-    **conditions
-        Friction, temperatures, share and criterion; see `pipeline.boundary`.
-
-    Returns
-    -------
-    DataFrame
-        For each operating point its place, the ``verdict`` beyond the error of its temperature,
-        ``decisive temperature [°C]``, ``temperature error [K]``, the ``distance [K]`` below the
-        critical temperature and, along velocity and load, the factor to the critical value, that
-        value and the outcome. Over several surfaces it has medians, the numbers of ``variants`` and
-        of those that are ``severe`` and ``undecided``, and the ends of the band of the distance. A
-        point that the sweep says nothing about has a ``note`` instead.
-
-    Raises
-    ------
-    InputError
-        If the table has faults, all of which are named, or a condition lies outside its range.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> points = {"load": ["500 N", "600 N"], "velocity": ["1.6 m/s", "2 m/s"]}
-    >>> pipeline.margin_table("results/first_try.zarr", points)[["load [N]", "verdict"]]
+    >>> here = pipeline.margin("results/first_try.zarr", "400 N", "1.4 m/s")
+    >>> here.verdict, f"{here.distance:.0f} K"
+    ('mild', '31 K')
+    >>> points = {"load": ["400 N", "600 N"], "velocity": ["1.4 m/s", "2.4 m/s"]}
+    >>> pipeline.margin("results/first_try.zarr", points)[["load [N]", "verdict"]]
        load [N] verdict
-    0     500.0    mild
+    0     400.0    mild
     1     600.0  severe
     """
-    if points is None:
-        ds = dataset_of(ds)
-        return frame_of_rows(ds, rows_of(ds, **conditions))
-    read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
     ds = dataset_of(ds)
-    require_plane(ds)
+    if velocity is not None:
+        if load is None:
+            raise InputError("velocity is given without a load; give both")
+        place = Place(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
+        found = [*judged(ds, OperatingPoints((place,), {}))]
+        if len(found) == 1:
+            return found[0].known()
+        return margin_frame(ds, found)
+    if load is None or isinstance(load, OperatingPoints):
+        points = load
+    elif isinstance(load, float | int):
+        raise InputError("load is given without a velocity; give both")
+    else:
+        points = OperatingPoints.read(load)
+    return margin_frame(ds, [*judged(ds, points)], points)
 
-    def of_scene(scene: xr.Dataset) -> pd.DataFrame:
-        rows = rows_of(scene, **conditions)
-        is_one = len(rows) == 1
 
-        def answer(place: Place, own: Mapping[str, float]) -> Sequence[Any]:
-            judged = rows_with(scene, rows, own, conditions)
-            return (_of_one if is_one else _of_several)(judged, *place)
+class Judged(NamedTuple):
+    """A place of a scene, judged; or why it is not."""
 
-        return frame_of_points(read, _HEADS if is_one else _HEADS_OF_SEVERAL, answer)
+    field: Field  # under the conditions of the place
+    place: Place
+    own: Mapping[str, float]  # conditions that a row of a table has of its own
+    margin: Margin | None
+    reason: str = ""
 
-    return frame_by_scene(ds, of_scene)
+    def known(self) -> Margin:
+        """The margin; an `InputError` where there is none."""
+        if self.margin is None:
+            raise InputError(self.reason)
+        return self.margin
 
 
-def frame_of_points(
-    points: OperatingPoints,
-    heads: Sequence[str],
-    answer: Callable[[Place, Mapping[str, float]], Sequence[Any]],
+def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
+    """Places of each scene of a sweep, or of its rows where no points are given."""
+    if points is not None and not is_emulated(ds):
+        require_plane(ds)
+    for field in fields(ds):
+        scatter, under = model_error(field.source, field), functools.cache(_under(field))
+        if points is None and field.place is None:
+            raise InputError(
+                "no operating point is given, and the rows have none of their own; give a load and "
+                "a velocity (--load and --velocity), or a table of them (--points)"
+            )
+        own_place = [(Place(*field.place), dict[str, float]())] if field.place else []
+        places = points.rows if points else own_place
+        for place, own in places:
+            try:
+                here = under(*own.items())
+                tested = [*tests_beside(field.source, *place)]
+                found = answer(here, place.load, place.velocity, scatter, tested)
+                yield Judged(here, place, own, found)
+            except InputError as error:
+                yield Judged(field, place, own, None, str(error))
+
+
+def _under(field: Field) -> Any:
+    return lambda *own: field.judged_by(dict(own))
+
+
+def margin_frame(
+    ds: xr.Dataset, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
-    """Frame of operating points with an answer that ends with a note; an error is the note."""
-    answers = [partial(answer, place, own) for place, own in points.rows]
-    results = _results(heads, points.places, answers)
-    doubts = ["; ".join(doubts_of_row(own)) for _, own in points.rows]
-    told = [note if isinstance(note, str) else "" for note in results["note"]]
-    both = zip(told, doubts, strict=True)
-    results["note"] = ["; ".join(filter(None, pair)) or None for pair in both]
-    others = {
-        f"{head} (given)" if head in {*results, *as_dict(results)} else head: values
-        for head, values in points.others.items()
-    }
-    return pd.concat([pd.DataFrame(others, index=results.index), results], axis="columns")
-
-
-def _results(
-    heads: Sequence[str],
-    places: Iterable[tuple[float, float]],
-    answers: Iterable[Callable[[], Sequence[Any]]],
-) -> pd.DataFrame:
-    """Frame of answers at places; where an `InputError` stands for one it is the note."""
+    """Frame of places, with the labels of their scenes and further columns in front."""
+    names = [*entry_dims(ds)] if has_plane(ds) or is_emulated(ds) else _labels(found)
+    heads = heads_of(ds, names)
+    labels = pd.DataFrame(
+        {
+            head: [shown_label(ds[name], one.field.shown[name]) for one in found]
+            for name, head in heads.items()
+        }
+    )
     rows = []
-    for place, answer in zip(places, answers, strict=True):
-        try:
-            rows.append((*place, *answer()))
-        except InputError as error:
-            rows.append((*place, "not known", *[None] * (len(heads) - 1), str(error)))
-    return frame_of(["load [N]", "velocity [m/s]", *heads, "note"], rows)
+    for one in found:
+        notes = [*doubts_of_row(one.own)]
+        if one.margin is None:
+            values = ["not known", *[None] * (len(_COLUMNS) - 1)]
+            notes.insert(0, one.reason)
+        else:
+            values = [_value(one.margin, name) for name in _COLUMNS.values()]
+            notes = [*_bridged(one.margin), *notes]
+        rows.append((*one.place, *values, "; ".join(notes) or None))
+    results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS, "note"), rows)
+    return pd.concat([labels, _passed_on(points, results), results], axis="columns")
 
 
-def frame_of_rows(ds: xr.Dataset, rows: Iterable[JudgedRow]) -> pd.DataFrame:
-    """Frame of the rows of the table of variants that have places of their own, with margins."""
-    placed = {row: row.place for row in rows if row.place}
-    held = [name for row in [*placed][:1] for name in row.shown]
-    heads = heads_of(ds, [name for name in held if name not in (PLACE, VARIANT)] or held)
-    labels = frame_of([*heads.values()], [[row.shown[name] for name in heads] for row in placed])
-    answers = [partial(_of_one, [row], *place) for row, place in placed.items()]
-    return pd.concat([labels, _results(_HEADS, placed.values(), answers)], axis="columns")
+_COLUMNS = {
+    "verdict": "verdict", "probability": "probability",
+    "decisive temperature [°C]": "decisive_temperature",
+    "temperature error [K]": "temperature_error", "distance [K]": "distance",
+    "distance low [K]": "distance_low", "distance high [K]": "distance_high",
+    "velocity factor": "velocity_factor", "critical velocity [m/s]": "critical_velocity",
+    "velocity outcome": "velocity_outcome", "load factor": "load_factor",
+    "critical load [N]": "critical_load", "load outcome": "load_outcome",
+}  # fmt: skip
+"""Heads of a table, and where each stands in a `Margin`."""
+LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")
+"""Columns for which a terminal or a page is too narrow."""
 
 
-def labels_of_rows(frame: pd.DataFrame) -> list[str]:
+def _value(margin: Margin, name: str) -> Any:
+    if name in ("distance_low", "distance_high"):
+        return margin.intervals.get("distance", (math.nan, math.nan))[name == "distance_high"]
+    value = getattr(margin, name)
+    return told(value) if name == "probability" else value
+
+
+def _labels(found: Sequence[Judged]) -> list[str]:
+    """Labels of rows with places of their own; their numbers where they have no others."""
+    held = [name for one in found[:1] for name in one.field.shown]
+    return [name for name in held if name not in (PLACE, VARIANT)] or held
+
+
+def _passed_on(points: OperatingPoints | None, results: pd.DataFrame) -> pd.DataFrame:
+    """Further columns of a table, for each of the scenes that it is judged in."""
+    taken, count = {*results, *as_dict(results)}, len(results)
+    columns = {
+        f"{head} (given)" if head in taken else head: [*values] * (count // max(len(values), 1))
+        for head, values in (points.others.items() if points else ())
+    }
+    return pd.DataFrame(columns, index=results.index)
+
+
+def row_labels(frame: pd.DataFrame) -> list[str]:
     """Heads of the labels of rows, their loads and their velocities, before those of answers."""
     return [*map(str, frame)][: frame.columns.get_loc("verdict")]
 
 
-LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")
-"""Columns for which a terminal or a page is too narrow."""
-_HEADS = (
-    "verdict", "decisive temperature [°C]", "temperature error [K]", "distance [K]",
-    "velocity factor", "critical velocity [m/s]", "velocity outcome",
-    "load factor", "critical load [N]", "load outcome",
-)  # fmt: skip
-_FIELDS = [*as_dict(pd.DataFrame(columns=[*_HEADS]))]
-_HEADS_OF_SEVERAL = (
-    "verdict", "severe", "undecided", "variants", "decisive temperature [°C]",
-    "temperature error [K]", "distance [K]", "distance low [K]", "distance high [K]",
-    "velocity factor", "load factor",
-)  # fmt: skip
-
-
-def in_counts(frame: pd.DataFrame) -> str:
+def counts_in_words(frame: pd.DataFrame) -> str:
     """Numbers of operating points by verdict in words, and which of them is the nearest."""
     counts = Counter(frame["verdict"])
     said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
@@ -325,43 +227,8 @@ def in_counts(frame: pd.DataFrame) -> str:
     return f"{said}; the least margin is {least['distance [K]']:.3g} K, at {place}"
 
 
-def notes_of(frame: pd.DataFrame) -> list[str]:
-    """Notes of a frame of operating points, each with its place in words."""
-    noted = frame[["load [N]", "velocity [m/s]", "note"]].dropna()
-    rows = noted.itertuples(index=False, name=None)
-    return [f"{load:g} N at {velocity:g} m/s: {note}" for load, velocity, note in rows if note]
-
-
-def _note(margins: Sequence[Margin]) -> str | None:
+def _bridged(margin: Margin) -> Iterator[str]:
     """Note on critical values that are interpolated across points that are not done."""
-    bridged = {
-        "velocity": max(margin.velocity_bridged for margin in margins),
-        "load": max(margin.load_bridged for margin in margins),
-    }
-    listed = [f"{count} along the {name}" for name, count in bridged.items() if count]
-    return f"points not done next to the transition: {', '.join(listed)}" if listed else None
-
-
-def _of_one(rows: Sequence[JudgedRow], load: float, velocity: float) -> tuple[Any, ...]:
-    (row,) = rows
-    margin = row.at(load, velocity)
-    return *(getattr(margin, name) for name in _FIELDS), _note([margin])
-
-
-def _of_several(rows: Sequence[JudgedRow], load: float, velocity: float) -> tuple[Any, ...]:
-    """Medians over surfaces, and the band of the distance; factors only if all surfaces cross."""
-    margins = [row.at(load, velocity) for row in rows]
-    counts = Counter(margin.verdict for margin in margins)
-    severe, undecided = counts["severe"], counts[NOT_DECIDED]
-    verdict = NOT_DECIDED if undecided else "severe on some"
-    if len(counts) == 1:
-        (verdict,) = counts
-    errors = [margin.temperature_error for margin in margins]
-    error = None if None in errors else max(filter(None, errors), default=0.0)
-    low, middle, high = np.quantile([margin.distance for margin in margins], BAND).tolist()
-    temperature, *factors = (
-        float(np.median([getattr(margin, name) for margin in margins]))
-        for name in ("decisive_temperature", "velocity_factor", "load_factor")
-    )
-    values = severe, undecided, len(margins), temperature, error, middle, low, high, *factors
-    return verdict, *values, _note(margins)
+    counts = {"velocity": margin.velocity_bridged, "load": margin.load_bridged}
+    if listed := [f"{count} along the {name}" for name, count in counts.items() if count]:
+        yield f"points not done next to the transition: {', '.join(listed)}"

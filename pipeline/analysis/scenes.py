@@ -1,10 +1,8 @@
-"""A sweep at values of entries that it was computed for, and scene by scene."""
+"""A sweep scene by scene: with each combination of the values of its entries."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from typing import Any, TypeVar
 
 import numpy as np
@@ -13,67 +11,13 @@ import xarray as xr
 
 from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, taken_entries
 from pipeline.analysis.tables import frame_of
-from pipeline.scene.units import display, to_si
+from pipeline.scene.units import display, shown_in
 from pipeline.store.place import PathLike
-from pipeline.store.schema import PLANE
-from tribo import InputError
 
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
 _SHOWN = {"m s-1": "m/s", "m": "mm", "K": "°C", "Pa": "GPa", "m2 N-1": "mm³/(N m)"}
 _SHORT = 1e-4  # m: lengths of an entry that are all shorter are shown in µm
-
-
-def at_entries(ds: xr.Dataset | PathLike, values: Mapping[str, float | str]) -> xr.Dataset:
-    """Take a sweep at values of entries for which it was computed.
-
-    Parameters
-    ----------
-    ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or the path of a store, of a scene with ``[sweep] over``.
-    values : mapping
-        Value by the path of an entry [SI], or text such as ``"2 mm"``.
-
-    Returns
-    -------
-    Dataset
-        The sweep without these dimensions.
-
-    Raises
-    ------
-    InputError
-        If the sweep was not computed for such an entry or value.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ds = pipeline.open_sweep("results/first_try.zarr")
-    >>> pipeline.at_entries(ds, {"pin.radius": "2 mm"})
-    Traceback (most recent call last):
-        ...
-    tribo.errors.InputError: pin.radius has one value alone in this sweep; leave it out, or give \
-its scene sweep.over, and run it into another store
-    """
-    ds, others = taken(dataset_of(ds), values)
-    for path in others:
-        names = entry_dims(ds)
-        several = f"; it has several of {', '.join(names)}" if names else ""
-        raise InputError(
-            f"{path} has one value alone in this sweep{several}; leave it out, or give its "
-            "scene sweep.over, and run it into another store"
-        )
-    return ds
-
-
-def taken(
-    ds: xr.Dataset, values: Mapping[str, float | str]
-) -> tuple[xr.Dataset, dict[str, float | str]]:
-    """Take a sweep at those values that its table of variants has, and return the others."""
-    columns = {*entry_dims(ds), *taken_entries(ds)}
-    places = {path: _place(ds[path], values[path]) for path in values if path in columns}
-    ds = ds.isel({path: place for path, place in places.items() if path in ds.dims})
-    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # of a row of pairs
-    return ds, {path: value for path, value in values.items() if path not in columns}
 
 
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
@@ -94,12 +38,15 @@ def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) 
     ds = dataset_of(ds)
     results, axes = [answer(scene) for scene in scenes(ds)], [ds[name] for name in entry_dims(ds)]
     rows = [result.attrs for result in results]
-    names, sizes = [axis.name for axis in axes], [axis.size for axis in axes]
-    alike = {k: v for k, v in rows[0].items() if all(k in row and row[k] == v for row in rows)}
+    names: list[str] = [str(axis.name) for axis in axes]
+    sizes = [axis.size for axis in axes]
+    alike: dict[str, Any] = {
+        k: v for k, v in rows[0].items() if all(k in row and row[k] == v for row in rows)
+    }
     others = {
         name: (names, np.reshape([row.get(name) for row in rows], sizes))
         for name in rows[0]
-        if name not in alike
+        if name not in {*alike, *names}
     }
     whole = stacked(results, axes).assign_coords(others)
     whole.attrs = alike
@@ -108,7 +55,7 @@ def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) 
 
 def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
     """Boundaries of all scenes one by one, each with the values of its entries."""
-    names = entry_dims(boundaries["critical_velocity"])
+    names = entry_dims(boundaries["mild_below"])
     for places in np.ndindex(*(boundaries.sizes[name] for name in names)):
         part = boundaries.isel(dict(zip(names, places, strict=True)))
         values = tuple(part[name].item() for name in names)
@@ -127,6 +74,13 @@ def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str] | None = None) 
         unit = _usual_unit(ds[name])
         heads[name] = name if unit in ("", "1") else f"{name} [{unit}]"
     return heads
+
+
+def shown_label(axis: xr.DataArray, value: Any) -> Any:
+    """A label of a row in the unit of its head; one that a scene gave in another unit as it is."""
+    unit = _usual_unit(axis)
+    is_number = axis.attrs.get("units") in _SHOWN and not isinstance(value, str)
+    return shown_in(value, unit) if is_number else value
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
@@ -182,25 +136,3 @@ def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
 def entries_in_words(scene: xr.Dataset) -> str:
     """Values of the entries of one of `scenes` in words, as its sweep gives them."""
     return ", ".join(f"{path} {text}" for path, text in taken_entries(scene).items())
-
-
-def _place(axis: xr.DataArray, value: float | str) -> int:
-    """Place of a value along the dimension of an entry."""
-    values = np.atleast_1d(axis.values).tolist()
-    if isinstance(values[0], str):
-        matches = [number for number, held in enumerate(values) if held == value]
-    else:
-        wanted = _number(value)
-        matches = np.flatnonzero(np.isclose(values, wanted, rtol=1e-9, atol=0)).tolist()
-    if not matches:
-        held = ", ".join(value_text(axis, one) for one in values)
-        raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {held}")
-    return int(matches[0])
-
-
-def _number(value: float | str) -> float:
-    """Value of a number or of a quantity [SI]; NaN if it is neither."""
-    for read in (float, lambda text: to_si(text, like=text)):
-        with suppress(ValueError):
-            return read(value)
-    return math.nan

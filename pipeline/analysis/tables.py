@@ -158,3 +158,10 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     if path.is_dir() or not os.access(path.parent, os.W_OK):
         raise InputError(f"cannot write {out}: it is a folder, or its folder is not writable")
     return path
+
+
+def notes_of(frame: pd.DataFrame) -> list[str]:
+    """Notes of a frame of operating points, each with its place in words."""
+    noted = frame[["load [N]", "velocity [m/s]", "note"]].dropna()
+    rows = noted.itertuples(index=False, name=None)
+    return [f"{load:g} N at {velocity:g} m/s: {note}" for load, velocity, note in rows if note]

@@ -9,23 +9,27 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.boundary import boundary_under
-from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, stored_sweep
-from pipeline.analysis.decisive import beside_boundary, conditions_of, decisive_rise
+from pipeline.analysis.dataset import (
+    dataset_of,
+    has_plane,
+    judged_dims,
+    read_conditions,
+    stored_sweep,
+)
+from pipeline.analysis.decisive import beside_boundary, decisive_rise
 from pipeline.analysis.scenes import by_scene, planes, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.physics import cold_bodies, on_cold_bodies, with_turns
 from pipeline.sweep.severity import MELTS, MOLTEN, contact_temperature, rise_limit
 from tribo import CRITERIA, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
@@ -77,15 +81,14 @@ NO_WARNING = Warned(0, {}, 0)
 """Of a sweep in which no point carries one."""
 
 
-def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
+def warned(ds: xr.Dataset | PathLike) -> Warned:
     """Count the points of a sweep that carry a warning.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or the path of a store.
-    **conditions
-        Those of `pipeline.boundary`, to tell which points lie beside it.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. Of several values
+        of a condition, such as two frictions, a point lies beside the boundary at any of them.
 
     Examples
     --------
@@ -94,18 +97,20 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
     0
     """
     ds = dataset_of(ds)
-    flags = warnings_of(ds) | _molten(ds, conditions) * int(WarningKind.MOLTEN)
+    judged = judged_dims(ds)
+    alone = ds.isel(dict.fromkeys(judged, 0))
+    flags = warnings_of(alone) | _molten(ds).any(judged) * int(WarningKind.MOLTEN)
     there = flags != 0
     if not there.any():
         return NO_WARNING
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
-    near = _beside_boundaries(ds, conditions)
-    beside = there if near is None else there & near
+    near = _beside_boundaries(ds)
+    beside = there if near is None else there & near.any(judged)
     return Warned(
         points=int(there.sum()),
         kinds={kind: count for kind, count in counts.items() if count},
         at_boundary=None if near is None else int(beside.sum()),
-        example=_first(ds, beside if beside.any() else there, flags),
+        example=_first(alone, beside if beside.any() else there, flags),
     )
 
 
@@ -117,14 +122,12 @@ def warnings_of(ds: xr.Dataset) -> xr.DataArray:
     return all_flags
 
 
-def _molten(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
-    """Points at which steel would have melted; none where no single condition judges them."""
-    if isinstance(conditions.get("friction"), Iterable):
-        return xr.zeros_like(ds["status"], bool)
+def _molten(ds: xr.Dataset) -> xr.DataArray:
+    """Points at which steel would have melted."""
 
     def of_scene(scene: xr.Dataset) -> xr.DataArray:
         # Of a criterion that is code nothing runs here; the share serves as well.
-        judged = conditions_of(scene, **conditions | {"criterion": "share"})
+        judged = read_conditions(scene, with_criterion=False)
         return contact_temperature(decisive_rise(scene, judged), judged) > MELTS
 
     return _marked(ds, of_scene)
@@ -135,24 +138,19 @@ def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.Da
     return by_scene(ds, mark) if has_plane(ds) else xr.zeros_like(ds["status"], bool)
 
 
-def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
-    """Points beside the other kind of wear, at any friction; None where that is not known."""
-    frictions = conditions.get("friction")
-    several = frictions if isinstance(frictions, Iterable) else [frictions]
-    given = [conditions | {"friction": friction} for friction in several]
+def _beside_boundaries(ds: xr.Dataset) -> xr.DataArray | None:
+    """Points beside the other kind of wear; None where that is not known."""
     try:
-        judged = [conditions_of(scene, **one) for scene in planes(ds) for one in given]
+        judged = [read_conditions(scene) for scene in planes(ds)]
     except OwnLawError:
         return None
     if not judged or any(one.critical_temperature is None for one in judged):
         return None
 
     def of_scene(scene: xr.Dataset) -> xr.DataArray:
-        judged = [conditions_of(scene, **one) for one in given]
-        rises = [decisive_rise(scene, one) for one in judged]
-        pairs = zip(rises, map(rise_limit, judged), strict=True)
-        marks = [beside_boundary(rise.values, limit) for rise, limit in pairs]
-        return rises[0].copy(data=np.logical_or.reduce(marks))
+        conditions = read_conditions(scene)
+        rise = decisive_rise(scene, conditions)
+        return rise.copy(data=beside_boundary(rise.values, rise_limit(conditions)))
 
     return by_scene(ds, of_scene)
 
@@ -201,23 +199,3 @@ def exponents(x: Array, y: Array) -> Array:
         if log_x[high] - log_x[low] >= least:
             result[place] = (log_y[high] - log_y[low]) / (log_x[high] - log_x[low])
     return result
-
-
-def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset, **conditions: Any) -> str | None:
-    """Say that bodies roll as if each turn met a cold track; None where none does."""
-    scene = stored_sweep(ds).scene
-    several = entry_dims(ds) or np.ndim(conditions.get("friction", 0.0))
-    if several or not (motion := scene.motion):
-        return None
-    judged = conditions_of(ds, **conditions)
-    cold = cold_bodies(motion, judged.corrections)
-    if not cold:
-        return None
-    corrections, around = with_turns(judged.corrections, scene.pin, scene.disk, motion)
-    warm = boundary_under(ds, replace(judged, corrections=corrections))
-    moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
-    moved = moved[np.isfinite(moved)]
-    size = "move the boundary to lower velocities, by more than is computed here"
-    if moved.size:
-        size = f"move the critical velocities by {moved.max():+.0f} to {moved.min():+.0f} %"
-    return on_cold_bodies(cold, around, size)

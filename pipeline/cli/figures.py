@@ -10,16 +10,16 @@ from pipeline.cli.output import Result, tell, working
 from pipeline.figures.plot import options_of, watch
 from tribo import InputError
 
-_OF_KINDS = (*given.PLACE, "scatter", "log", "show", "given_measured")
+_OF_KINDS = (*given.PLACE, "log", "show")
 """Options that only some kinds of figures have, beside the conditions."""
 
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store, or draw it again and again as points come."""
-    kind, conditions = options.kind, given.conditions_in(options)
-    look = given.values_in(options, *_OF_KINDS) | conditions
-    allowed = [name for name in options_of(kind) if name in (*_OF_KINDS, *given.CONDITIONS)]
-    if others := [name for name in look if name not in (*allowed, "own_laws")]:
+    kind = options.kind
+    look = given.values_in(options, *_OF_KINDS)
+    allowed = [name for name in options_of(kind) if name in _OF_KINDS]
+    if others := [name for name in look if name not in allowed]:
         flag, flags = given.flags_of(others[:1]), given.flags_of(allowed)
         raise InputError(f"--kind {kind} takes no {flag}; it takes {flags}")
     look |= given.values_in(options, "width") | {"with_title": not options.no_title}
@@ -27,7 +27,7 @@ def plot(options: argparse.Namespace) -> Result:
         ds = given.dataset_in(options)
         out = options.output or given.beside(options.store, f"_{kind}.png")
         written = pipeline.plot(ds, kind, out, **look)
-        warned = pipeline.warned(ds, **conditions)
+        warned = pipeline.warned(ds)
         return Result({"kind": kind, "file": str(written)}, [str(written)], warned)
     state = watch(
         options.store,
@@ -47,21 +47,17 @@ def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
     ds = given.dataset_in(options)
     out = options.output or given.beside(options.store, ".html")
-    criterion = given.criterion_in(options)
-    chosen = given.values_in(options, "scatter", "given_measured") | criterion
-    if options.no_fields:
-        chosen["most_fields"] = 0
+    chosen = {"most_fields": 0} if options.no_fields else {}
     with working("writing the page"):
         page = pipeline.explore(ds, out, **chosen)
-    return Result(page.as_dict(), [str(page)], pipeline.warned(ds, **criterion))
+    return Result(page.as_dict(), [str(page)], pipeline.warned(ds))
 
 
 def report(options: argparse.Namespace) -> Result:
     """Write a report of a store."""
-    ds, conditions = given.dataset_in(options), given.conditions_in(options)
+    ds = given.dataset_in(options)
     out = options.output or given.beside(options.store, "_report.html")
-    weighing = given.values_in(options, "scatter", "given_measured")
     with working("writing the report"):
-        written = pipeline.report(ds, out, given.table_in(options), **weighing, **conditions)
-    warned = pipeline.warned(ds, **conditions)
+        written = pipeline.report(ds, out, given.table_in(options))
+    warned = pipeline.warned(ds)
     return Result({"file": str(written)}, [str(written)], warned)

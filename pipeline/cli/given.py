@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import is_emulated, stored_sweep
-from pipeline.analysis.scenes import taken
+from pipeline.analysis.dataset import scene_sweep
 from pipeline.cli.output import tell
 from pipeline.cli.values import setting
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
+from pipeline.scene.reference import unit_example
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.own_laws import own_laws
@@ -32,8 +32,6 @@ CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
 PLACE = ("load", "velocity", "realization")
 """Options that `pipeline.plot` takes by these names."""
-_FIXING = ("unknowns:risk", "margins:margin", "margins:boundary", "studies:design")
-"""Commands that take ``--at`` for unknown inputs of samples, too."""
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
@@ -66,8 +64,14 @@ def settings_in(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def at_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Values of --at by their paths."""
-    return _each_once("--at", options.at)
+    """Values of --at by their paths, those of quantities with their units."""
+    values = _each_once("--at", getattr(options, "at", []))
+    for path, value in values.items():
+        if isinstance(value, float | int) and (example := unit_example(path)):
+            raise InputError(
+                f'--at: {path} is {value:g}, without a unit; give one such as "{example}"'
+            )
+    return values
 
 
 def _each_once(flag: str, pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
@@ -163,25 +167,17 @@ def selected(sweep: Sweep) -> dict[str, Any]:
 
 
 def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """The store, or another one, at the entries that the user asked for."""
+    """The store, or another one, judged as the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
     _tell_of_another_law(options, ds)
-    wanted = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
-    if not is_emulated(ds):
-        return pipeline.at_entries(ds, wanted)
-    ds, to_fix = taken(ds, wanted)
-    if to_fix and options.command not in _FIXING:
-        raise InputError(
-            "--at fixes unknown inputs of samples in irg risk, irg margin, irg boundary, irg infer "
-            f"and irg design alone; leave out {', '.join(to_fix)}, or run the scene with --set "
-            "into another store"
-        )
-    return ds
+    entries = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
+    weighing = values_in(options, "given_measured", "scatter")
+    return pipeline.at(ds, **conditions_in(options), **weighing, **entries)
 
 
 def _tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
     """Note that the criterion which the user gave is not the text that the store was judged by."""
-    given, stored = criterion_in(options), stored_sweep(ds).conditions.own_criterion
+    given, stored = criterion_in(options), scene_sweep(ds).conditions.own_criterion
     if not (stored and given.get("own_laws")) or given["criterion"] != stored.reference:
         return
     digest = changes_of(**given)["own_criterion"].digest
@@ -192,14 +188,9 @@ def _tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
         )
 
 
-def by_samples(options: argparse.Namespace, ds: xr.Dataset) -> bool:
-    """True if the answer is one of samples: the sweep has them, or they are asked for."""
-    return is_emulated(ds) or bool(values_in(options, "scatter", "given_measured"))
-
-
 def scene_with_of(ds: xr.Dataset) -> SceneWith:
     """Reader of the scene of a store with other entries, if its file is still the same."""
-    stored = stored_sweep(ds)
+    stored = scene_sweep(ds)
     path, *words = stored.about.arguments or [""]
     given = [word.partition("=")[::2] for word in words]
     settings = dict(setting(value) for flag, value in given if flag == "--set")

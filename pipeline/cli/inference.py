@@ -11,8 +11,14 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 import pipeline
-from pipeline.analysis.margin import NOT_DECIDED, verdict_on
+from pipeline.analysis.margin import (
+    NOT_DECIDED,
+    percent,
+    probabilities_alone,
+    verdict_between,
+)
 from pipeline.analysis.margin_error import RiseError, error_of_point
+from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.tables import TABLES, frame_of, short, upright, writable_path
 from pipeline.cli.given import PLACE, conditions_in, flags_of, one_scene_in, selected, values_in
 from pipeline.cli.next_steps import lines_on, point_that_decides
@@ -24,7 +30,7 @@ from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
-from pipeline.sweep.severity import MELTS, MOLTEN
+from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from tribo import InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
@@ -46,12 +52,20 @@ def point(options: argparse.Namespace) -> Result:
     rise = decisive - conditions.coldest_bulk_temperature
     flags = sum({int(warning.kind) for warning in result.warnings})
     promised = velocity_error(sweep)
-    error = error_of_point(flags, result.state.time, promised).times(rise)
+    is_refined = not sweep.about.selection and result.state.pressure.shape != result.shape
+    relative = error_of_point(flags, result.state.time, promised, is_refined)
+    error = relative.times(rise)
     judged, commands = None, list[str]()
     distance = None if critical is None else critical - decisive
-    if distance is not None and verdict.is_severe is not None:
-        judged = verdict_on(verdict.is_severe, distance, error.total)
-        if judged == NOT_DECIDED:
+    usual = sweep.about.model_scatter
+    model = ModelError(usual=USUAL if usual is None else usual)
+    chances = None
+    if distance is not None:
+        rise_at_one = rise / conditions.rise_factor if conditions.rise_factor else 0.0
+        chances = probabilities_alone(rise_at_one, rise_limit(conditions), model, relative)
+        judged = verdict_between(chances[0], chances[2])
+        by_model = verdict_between(chances[1], chances[1]) == NOT_DECIDED
+        if judged == NOT_DECIDED and not by_model:
             about = distance, rise, conditions_in(options)
             commands = point_that_decides(sweep, place, options.realization, *about)
     document = measures(sweep.scene, result.state) | {
@@ -63,6 +77,8 @@ def point(options: argparse.Namespace) -> Result:
         "failed_fraction_time": verdict.time,
         "verdict": judged,
         "temperature_error": error.total,
+        "probability": chances and chances[1],
+        "model_error": model.worded,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": decisive > MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
@@ -73,7 +89,7 @@ def point(options: argparse.Namespace) -> Result:
     values = document | {"load": options.load, "distance": distance}
     frame = frame_of(tuple(_COLUMNS), [[values[name] for name in _COLUMNS.values()]])
     text = [*_on_point(sweep, result, document, error), "", upright(frame)]
-    text += lines_on(commands) if judged == NOT_DECIDED else ()
+    text += lines_on(commands, by_model=not commands) if judged == NOT_DECIDED else ()
     return Result(document, text, frames=[frame])
 
 
@@ -109,6 +125,11 @@ def _on_point(
         critical = display(conditions.critical_temperature, "°C")
         severe = f"wear is severe with {decisive.severe} {critical}; "
     yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
+    if (chance := document["probability"]) is not None:
+        yield (
+            f"the next run is severe with {percent(chance)} probability at most where the rise "
+            f"grows as the velocity; the model's own error: {document['model_error']}"
+        )
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.scene.roughness is not None:
         yield (

@@ -10,16 +10,17 @@ from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.dataset import asked, stored_sweep
+from pipeline.analysis.dataset import asked, scene_sweep
 from pipeline.analysis.margin import Margin
-from pipeline.analysis.transition import ENTRIES
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.accuracy import velocity_error
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Point, Sweep
 
 _COARSE = 0.05  # error of the boundary velocity from which a table is no more than a first look
 _ACCURACIES = (0.05, 0.02, 0.01)  # that are suggested, of the boundary velocity
 _MOST = 5  # commands that are printed
+_FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 _BULKS = {
     "bulk_temperature": "temperature.bulk.pin",
     "disk_temperature": "temperature.bulk.disk",
@@ -44,7 +45,11 @@ def commands_that_decide(
     A point that was asked for and is not done is run. Any other place that is not computed is
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
-    sweep = stored_sweep(ds)
+    sweep = scene_sweep(ds)
+    if sweep.variants.draw:
+        bound = velocity_error(sweep)
+        better = [accuracy for accuracy in _ACCURACIES if bound is None or accuracy < bound]
+        return [_more_accurate(sweep, store, better[0])] if better else []
     rows = [_row_sweep(sweep, margin.entries) for margin in undecided]
     if None in rows:
         places = (Point(one.load, one.velocity, tuple(one.entries.items())) for one in undecided)
@@ -65,14 +70,20 @@ def commands_that_decide(
             rise = margin.decisive_temperature - float(min(bulks))
             alone = None if bound is None else bound * rise
             accuracy = _accuracy_for(bound, margin.distance, alone)
-            commands[_point(row or sweep, margin, margin.realization, accuracy, judged)] = None
+            commands[_point(row or sweep, margin, None, accuracy, judged)] = None
     if math.isfinite(sharpest):
         commands[_more_accurate(sweep, store, sharpest)] = None
     return list(commands)
 
 
-def lines_on(commands: Sequence[str]) -> Iterator[str]:
-    """Lines on the commands that decide what is not decided."""
+def lines_on(commands: Sequence[str], by_model: bool = False) -> Iterator[str]:
+    """Lines on the commands that decide what is not decided, if not the model leaves it open."""
+    if by_model:
+        yield (
+            "not decided by the model's own error, whatever is computed: test there, or say what "
+            "is known of it by [model] scatter"
+        )
+        return
     for command in commands[:_MOST]:
         yield f"not decided; next: {command}"
     if more := len(commands[_MOST:]):
@@ -83,7 +94,7 @@ def lines_on(commands: Sequence[str]) -> Iterator[str]:
 
 def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str, Any]) -> str:
     """Command that computes more of a boundary under some conditions: first its missing points."""
-    sweep = stored_sweep(ds)
+    sweep = scene_sweep(ds)
     missing = {int(status) for status in ds["status"].values[asked(ds).values]} - {DONE}
     settings = [] if missing else _settings(sweep, conditions)
     replaced = tuple(setting[: setting.rindex("=") + 1] for setting in settings)
@@ -135,7 +146,7 @@ def _settings(
     sweep: Sweep, conditions: Mapping[str, Any], given: Collection[str] = ()
 ) -> list[str]:
     """Settings of the conditions that differ from those of a sweep, or are given anew."""
-    stored, entries = sweep.conditions.as_dict(), ENTRIES
+    stored, entries = sweep.conditions.as_dict(), _FIELDS
     stored = {name: value for name, value in stored.items() if name not in given}
     if "disk_temperature" in stored:
         entries = entries | _BULKS

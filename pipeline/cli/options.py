@@ -199,8 +199,8 @@ REALIZATION = Option(
 )  # fmt: skip
 AT = Option(
     "--at", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
-    help='take one value of an entry in sweep.over, like "pin.radius=2 mm"; for samples, fix an '
-    "unknown input; may be repeated for other entries",
+    help='judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", of an unknown input '
+    'of samples, or of a condition, like "temperature.critical=150 degC"; may be repeated',
 )  # fmt: skip
 
 FRICTION = Option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
@@ -247,7 +247,7 @@ GIVEN_MEASURED = _flag(
     "--given-measured", "use the posterior: inputs weighed by the scene's transitions and tests"
 )
 WEIGHED = (GIVEN_MEASURED, SCATTER)
-JUDGED = (AT, CRITERION, OWN_LAWS)
+JUDGED = (AT, CONDITIONS, OWN_LAWS)
 OF_INFER = (
     SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
     PRESET,

@@ -64,10 +64,10 @@ COMMANDS = (
     ),
     Command(
         "ask", "margin", "margins:margin",
-        "distance of operating points from severe wear: one, a table, or the rows of pairs",
+        "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
         (
-            o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
+            o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
             o.OWN_LAWS,
         ),
     ),
@@ -93,12 +93,6 @@ COMMANDS = (
         "width; from a store of samples, all unknown inputs by the transitions and tests",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
         (*o.OF_INFER, o.AT),
-    ),
-    Command(
-        "ask", "risk", "unknowns:risk",
-        "find the probability of severe wear, where inputs are not known exactly",
-        f"results/uncertain.zarr {_AT}",
-        (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
         "ask", "sensitivity", "unknowns:sensitivity",
@@ -132,7 +126,7 @@ COMMANDS = (
         "results/scene.zarr --points duty.csv -o report.html",
         (
             o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            *o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS, o.OWN_LAWS,
+            *o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS,
         ),
     ),
     Command(

@@ -13,7 +13,7 @@ from typing import Any
 import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
-from pipeline.cli.given import criterion_in, dataset_in
+from pipeline.cli.given import dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
 from pipeline.store.place import DAMAGED, ROOT, StoreError
 from pipeline.store.progress import summary
@@ -105,8 +105,7 @@ def verify(options: argparse.Namespace) -> Result:
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
     stores = dataset_in(options), dataset_in(options, options.other)
-    criterion = criterion_in(options)
-    between = pipeline.diff(*stores, **criterion)
+    between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
     changes = points["change [%]"].dropna().abs()
     unlike = f" (by up to {changes.max():.2g} % of the rise)" if len(changes) else ""
@@ -116,7 +115,7 @@ def diff(options: argparse.Namespace) -> Result:
         "",
         short(crossings)
         if len(crossings)
-        else "no boundaries to compare: no common load, no critical temperature, or samples",
+        else "no boundaries to compare: no common load, or no critical temperature",
         "",
         f"points: {between.alike} alike, {len(changes)} unlike{unlike}, "
         f"{len(points) - len(changes)} done in one alone",
@@ -127,7 +126,7 @@ def diff(options: argparse.Namespace) -> Result:
         text.append(f"and {len(points) - _MOST_POINTS} more, which -o TABLE.csv writes")
     if len(points):
         text.append("rise: the highest of the contact at the end of the point, at friction 1")
-    warned = sum((pipeline.warned(ds, **criterion) for ds in stores), NO_WARNING)
+    warned = sum((pipeline.warned(ds) for ds in stores), NO_WARNING)
     return Result(between.as_dict(), text, warned, [entries, crossings, points])
 
 

@@ -108,7 +108,7 @@ def design(options: argparse.Namespace) -> Result:
     if len(entries) > 2 or len(set(entries)) < len(entries):
         raise InputError(f"--over is {', '.join(entries)}; give one entry, or two different ones")
     ds = given.dataset_in(options)
-    samples = samples_in(options, ds, **given.criterion_in(options))
+    samples = samples_in(ds)
     shift, direct = 0.0, None
     for seed in range(2):  # the first time to correct the limit, the second to check it
         with working("seeking the limit") as progress:

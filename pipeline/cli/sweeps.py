@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> Result:
             tell=tell,
         )
     own = sweep.conditions.own_criterion
-    keep_fits(out, **({"criterion": own.reference, "own_laws": True} if own else {}))
+    keep_fits(pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own)))
     document = {
         "store": str(out),
         "points": outcome.total,

@@ -1,11 +1,9 @@
-"""The commands on inputs not known exactly: risk, sensitivity, and inputs by measurements."""
+"""The command on the causes of what is not known exactly, and what is said of samples."""
 
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator
-from dataclasses import astuple
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,115 +12,24 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.tables import as_dict, frame_of, short
-from pipeline.analysis.transition import UNITS
+from pipeline.analysis.tables import frame_of, short
 from pipeline.cli import given
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, working
 from pipeline.sweep.samples import JUDGED
-from pipeline.uncertain.answers import MEAN_OF_RUNS, frame_of_lines
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.inputs import QUANTILES, Draws
+from pipeline.uncertain.inputs import Draws
 from pipeline.uncertain.posterior import Posterior
-from pipeline.uncertain.risks import MarginIntervals, Risk
 from pipeline.uncertain.sensitivity import Sensitivity
-from pipeline.uncertain.weigh import posterior_if_given
-from tribo import InputError
+from pipeline.uncertain.weigh import posterior_at
 
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
-
-
-def risk(options: argparse.Namespace) -> Result:
-    """Print the probability of severe wear at a point, or draw it over the plane."""
-    place = given.values_in(options, "load", "velocity")
-    if len(place) == 1:
-        raise InputError("only one of --load and --velocity is given; give both or neither")
-    ds = given.dataset_in(options)
-    samples = samples_in(options, ds, **given.criterion_in(options))
-    ensemble, document, text = samples.ensemble, samples.as_dict(), list(samples.notes())
-    if place:
-        with working("finding the probability"):
-            here = pipeline.risk(ensemble, options.load, options.velocity, samples.draws)
-        document |= here.as_dict()
-        text = [
-            on_risk(here),
-            *text,
-            f"  emulated from {here.samples} samples: the rise errs by "
-            f"{100 * here.rise_error:.2g} %, which the ± includes",
-            *_to_weigh(samples),
-        ]
-    warned = pipeline.warned(ds)
-    if place and options.output is None:
-        return Result(document, text, warned)
-    with working("finding probabilities over the plane"):
-        plane = pipeline.probabilities(ensemble, samples.draws)
-        lines = frame_of_lines(ensemble, samples.draws)
-    text += [] if place else [_ON_LINES, lines]
-    rows = plane.to_dataframe().reset_index().itertuples(index=False, name=None)
-    cells = frame_of(("load [N]", "velocity [m/s]", "probability"), rows)
-    draw = partial(pipeline.draw_risk, ensemble, plane, place, samples.posterior)
-    out = given.beside(options.store, "_risk.png")
-    return Result(document | _velocities(lines), text, warned, [cells], draw, out)
-
-
-def on_risk(here: Risk) -> str:
-    """Probability of severe wear at an operating point, in words."""
-    return (
-        f"{here.load:g} N at {here.velocity:g} m/s: severe wear with a probability of "
-        f"{here.probability:.3g} ± {here.error:.2g}, {here.lowest:.2g} to {here.highest:.2g} with "
-        f"the error of the preset: {here.verdict}"
-    )
-
-
-def _to_weigh(samples: Samples) -> Iterator[str]:
-    ensemble, weighed = samples
-    if ensemble.tests and weighed is None:
-        yield "next: add --given-measured to weigh the inputs by the scene's tests"
-
-
-_ON_LINES = "velocity at which wear is severe with a probability of 5, 50 and 95 %"
-
-
-def _velocities(lines: pd.DataFrame) -> dict[str, Any]:
-    """Velocities of some probabilities by load, as plain data; null where they lie beyond."""
-    loads, *velocities = as_dict(lines).values()
-    shares = map(str, QUANTILES)
-    return {"load": loads, "velocity_of_probability": dict(zip(shares, velocities, strict=True))}
-
-
-def boundary_of_samples(
-    options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]
-) -> Result:
-    """Print the velocities at which wear is severe with some probabilities."""
-    samples = samples_in(options, ds, **conditions)
-    with working("finding probabilities at each load"):
-        lines = frame_of_lines(samples.ensemble, samples.draws)
-    text = [_ON_LINES, lines, *samples.notes(), *(() if conditions else _to_weigh(samples))]
-    return Result(samples.as_dict() | _velocities(lines), text, pipeline.warned(ds), [lines])
-
-
-def frame_of_intervals(answer: MarginIntervals) -> pd.DataFrame:
-    """Distance of an operating point from severe wear, a quantity a row."""
-    place, temperature = answer.risk, answer.decisive_temperature
-    rows: list[tuple[Any, ...]] = [
-        ("decisive temperature [°C]", *(value - 273.15 for value in astuple(temperature))),
-        ("distance below the critical [K]", *astuple(answer.distance)),
-    ]
-    for name, interval, here in (
-        ("velocity", answer.critical_velocity, place.velocity),
-        ("load", answer.critical_load, place.load),
-    ):
-        if interval is not None:
-            values = [value or -math.inf for value in astuple(interval)]  # 0 below the sweep
-            rows.append((f"critical {name} [{UNITS[name]}]", *values))
-            rows.append((f"{name} factor", *(value / here for value in values)))
-    return frame_of(("quantity", "5 %", "50 %", "95 %"), rows)
 
 
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
     ds = given.dataset_in(options)
-    samples = samples_in(options, ds, **given.criterion_in(options))
+    samples = samples_in(ds)
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(samples.ensemble, samples.draws)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
@@ -204,7 +111,6 @@ class Samples(NamedTuple):
     def notes(self) -> Iterator[str]:
         """Basis of the numbers."""
         ensemble, weighed = self
-        yield f"  {MEAN_OF_RUNS}"
         if weighed and weighed.misfit:
             yield f"warning: {weighed.misfit}"
         basis = "as the scene assumes them"
@@ -221,19 +127,12 @@ class Samples(NamedTuple):
         yield f"  {_on_left_out(ensemble)}"
 
 
-def samples_in(options: argparse.Namespace, ds: xr.Dataset, **conditions: Any) -> Samples:
-    """The samples of a sweep under conditions, weighed as the options say."""
-    others = [name for name in conditions if name not in ("criterion", "own_laws")]
-    if others and (weighed := given.values_in(options, "scatter", "given_measured")):
-        raise InputError(
-            f"{given.flags_of(weighed)} weighs the conditions as they were drawn: leave out "
-            f"{given.flags_of(others)}"
-        )
+def samples_in(ds: xr.Dataset) -> Samples:
+    """The samples of a sweep, weighed as it says."""
     with working("reading samples"):
-        ensemble = pipeline.Ensemble.of(ds, given.at_in(options), **conditions)
+        ensemble = pipeline.Ensemble.of(ds)
     with working("weighing the inputs by the measurements"):
-        posterior = posterior_if_given(ensemble, options.given_measured, options.scatter)
-    return Samples(ensemble, posterior)
+        return Samples(ensemble, posterior_at(ds, ensemble))
 
 
 def _on_left_out(ensemble: Ensemble) -> str:

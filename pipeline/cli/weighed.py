@@ -48,7 +48,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         at, criterion, ensembles = at_in(options), criterion_in(options), []
         for store, ds in zip(stores, datasets, strict=True):
             try:
-                ensembles.append(pipeline.Ensemble.of(ds, at, **criterion))
+                ensembles.append(pipeline.Ensemble.of(pipeline.at(ds, **criterion, **at)))
             except InputError as error:
                 raise InputError(f"{store}: {error}") from error
     with working("weighing the inputs by the tests"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -24,10 +24,13 @@ from pipeline.analysis.dataset import (
     entry_dims,
     has_plane,
     is_emulated,
+    read_conditions,
+    scene_sweep,
     stored_sweep,
 )
-from pipeline.analysis.decisive import conditions_of, decisive_rise, refined
-from pipeline.analysis.frames import laboratory_tests
+from pipeline.analysis.decisive import decisive_rise, refined
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, UNITS, in_words, outcomes
 from pipeline.analysis.warned_points import warnings_of
@@ -50,18 +53,8 @@ from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Mask
 
-_AS_DRAWN = (
-    "the diagram of samples shows the probability of severe wear for the inputs as they were "
-    "drawn; leave out conditions, surface and ax"
-)
-_ONE_LINE_EACH = (
-    "the diagram of several scenes has one line for each; leave out a second friction, "
-    'or take one scene with --at "{}=..."'
-)
-_OF_A_PLANE = (
-    "rows with places of their own have margins, one for each, and no plane; leave out log and a "
-    "second friction"
-)
+_OF_SAMPLES = "the diagram of samples shows probabilities; leave out the surface and ax"
+_OF_A_PLANE = "rows with places of their own have margins, and no plane; leave out log"
 _RESOLUTION = 240
 _COLOURS = colormaps["viridis"]
 
@@ -69,39 +62,31 @@ _COLOURS = colormaps["viridis"]
 @style.in_house_style
 def diagram(
     ds: xr.Dataset,
-    friction: float | Sequence[float] | None = None,
     realization: int | None = None,
     log: bool = False,
-    given_measured: bool = False,
-    scatter: float | None = None,
     ax: Axes | None = None,
-    **changed: Any,
 ) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear; of rows, margins.
 
     Over several surfaces the boundary is that of the median one, in a band from the tenth to the
     ninetieth of a hundred. It lies on the plane interpolated between the computed points.
     """
-    if is_emulated(ds) or given_measured or scatter is not None:
-        judged = {k: changed.pop(k) for k in ("criterion", "own_laws") if k in changed}
-        others = (friction, realization, ax, *changed.values())
-        if any(value is not None for value in others):
-            raise InputError(_AS_DRAWN)
-        return _probability(ds, given_measured, scatter, log, **judged)
+    if is_emulated(ds):
+        if realization is not None or ax is not None:
+            raise InputError(_OF_SAMPLES)
+        # With the libraries that only this needs.
+        from pipeline.figures.uncertainty import draw_probability
+
+        return draw_probability(ds, log)
     ds = at_realization(ds, realization)
     if not has_plane(ds):
-        if log or isinstance(friction, Sequence):
+        if log:
             raise InputError(_OF_A_PLANE)
-        return draw_rows(ds, ax, friction=friction, **changed)
-    if several := entry_dims(ds):
-        if isinstance(friction, Sequence):
-            raise InputError(_ONE_LINE_EACH.format(several[0]))
-        return _of_scenes(ds, {"friction": friction, **changed}, log, ax)
+        return draw_rows(ds, ax)
+    if entry_dims(ds):
+        return _of_scenes(ds, log, ax)
     band = stored_sweep(ds).about.friction_band
-    if isinstance(friction, Sequence):
-        band = min(friction), max(friction)
-        friction = float(np.median(friction))
-    conditions = conditions_of(ds, friction, **changed)
+    conditions = read_conditions(ds)
     beyond = _beyond(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
@@ -117,13 +102,15 @@ def diagram(
     tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
     legend += mark_tests(axes, tests, conditions.bulk_temperature, _own_bulk(ds))
     if is_plane:
-        legend += at_own_conditions(axes, ds, plane, tests, conditions)
+        legend += at_own_conditions(axes, ds, tests, conditions)
     legend += beyond_figure
     _frame(axes, ds, log)
     if is_plane:
         name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
-    severe = judged_by([conditions])
-    style.legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
+    title = judged_by([conditions])
+    if is_plane:
+        title += f"\nthe model's own error: {model_error(ds, point_field(ds)).worded}"
+    style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 
 
@@ -143,14 +130,14 @@ def _on_plane(
         legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
     legend += beyond
     legend += _surface_band(axes, planes, conditions)
-    legend += _band(axes, ds, conditions, band)
+    legend += _band(axes, ds, conditions, band) or _error_band(axes, ds)
     legend += film_lines(axes, ds, conditions)
     return plane, legend
 
 
 def _own_bulk(ds: xr.Dataset) -> float:
     """Bulk temperature of the scene [K], which tests have that give none."""
-    return stored_sweep(ds).conditions.bulk_temperature
+    return scene_sweep(ds).conditions.bulk_temperature
 
 
 def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
@@ -164,7 +151,7 @@ def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
-def _of_scenes(ds: xr.Dataset, changed: Mapping[str, Any], log: bool, ax: Axes | None) -> Figure:
+def _of_scenes(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
     """Draw the boundary of each scene of a sweep over entries, the median of its surfaces."""
     if min(ds.sizes["load"], ds.sizes["velocity"]) < 2:
         raise InputError(
@@ -173,7 +160,7 @@ def _of_scenes(ds: xr.Dataset, changed: Mapping[str, Any], log: bool, ax: Axes |
         )
     figure, axes = style.canvas(ax, (8.0, 6.4))
     legend: list[Artist] = []
-    several = [(scene, conditions_of(scene, **changed)) for scene in scenes(ds)]
+    several = [(scene, read_conditions(scene)) for scene in scenes(ds)]
     for number, (scene, judged) in enumerate(several):
         plane = _quantile(_planes(scene.sel(velocity=scene["velocity"] > 0), judged), 0.5)
         name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))
@@ -193,22 +180,6 @@ def _of_scenes(ds: xr.Dataset, changed: Mapping[str, Any], log: bool, ax: Axes |
         title += f"; {judged_by([judged])}"
     style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
-
-
-def _probability(
-    ds: xr.Dataset, given_measured: bool, scatter: float | None, log: bool, **judged: Any
-) -> Figure:
-    """Draw the probability of severe wear of a sweep with samples."""
-    # With the libraries that only this needs.
-    from pipeline.figures.uncertainty import draw_risk
-    from pipeline.uncertain.answers import probabilities
-    from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.weigh import posterior_if_given
-
-    samples = Ensemble.of(ds, **judged)
-    posterior = posterior_if_given(samples, given_measured, scatter)
-    plane = probabilities(samples, posterior.draws if posterior else None)
-    return draw_risk(samples, plane, posterior=posterior, log=log)
 
 
 def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
@@ -285,6 +256,22 @@ def _band(
     if cut := int(_on_any(slow | fast).sum()):
         text += f",\nbeyond what was computed at {cut} of {ds.sizes['load']} loads"
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
+
+
+def _error_band(axes: Axes, ds: xr.Dataset) -> list[Artist]:
+    """Shade where the verdict on the next run is not decided."""
+    boundaries = boundary_under(ds)
+    loads, velocities = ds["load"].values, ds["velocity"].values
+    ends = [boundaries[name].values for name in ("mild_below", "severe_above")]
+    low, high = (np.clip(end, velocities[0], velocities[-1]) for end in ends)
+    known = np.isfinite(low) & np.isfinite(high)
+    if known.sum() < 2:
+        return []
+    look: dict[str, Any] = {"fc": TINTS["band"], "ec": GREY, "ls": "--", "lw": 0.8, "alpha": 0.6}
+    band = axes.fill_betweenx(loads[known], low[known], high[known], zorder=0.8, **look)
+    band.set_gid("error band")
+    text = "next run not decided"
+    return [Patch(label=text, **look)]
 
 
 def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.analysis.dataset import corrected_field, drawn_row, one_row
-from pipeline.analysis.decisive import conditions_of, decisive_rise, require_sound
+from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, read_conditions
+from pipeline.analysis.decisive import decisive_rise, require_sound
 from pipeline.analysis.transition import UNITS
 from pipeline.figures import style
 from pipeline.scene.units import in_si
@@ -125,16 +124,15 @@ def fields(
     velocity: float | str | None = None,
     realization: int | None = None,
     stacked: bool = False,
-    **changed: Any,
 ) -> Figure:
     """Draw pressure, temperature and wear depth over the contact at the end of one point."""
-    conditions = conditions_of(ds, **changed)
     if "pressure" not in ds:
         raise InputError(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
             "into another store"
         )
     ds = one_row(ds, realization)
+    conditions = read_conditions(ds)
     point = chosen_points(ds, load, velocity, conditions)[0]
     return _contact(ds, point, conditions, stacked)
 

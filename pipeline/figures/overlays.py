@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,12 @@ from matplotlib.lines import Line2D
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.frames import own_conditions
-from pipeline.analysis.transition import crossing
+from pipeline.analysis.field import point_field, quantile
+from pipeline.analysis.laboratory import own_conditions
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.surface import Lubrication
@@ -69,7 +70,7 @@ _TESTS: dict[str | None, tuple[Any, ...]] = {
 
 
 def mark_tests(
-    axes: Axes, tests: Sequence[Mapping[str, Any]], bulk: float, own_bulk: float
+    axes: Axes, tests: Sequence[Measurement], bulk: float, own_bulk: float
 ) -> list[Artist]:
     """Mark measured transitions, and tests: open where wear stayed mild, filled where severe.
 
@@ -77,26 +78,26 @@ def mark_tests(
     a test that gives none has the scene's own.
     """
     legend: list[Artist] = []
-    warmer = [test.get("bulk_temperature") or own_bulk for test in tests]
+    warmer = [test.bulk_temperature or own_bulk for test in tests]
     for outcome, (label, gid, marker, mfc, mec, ms, mew) in _TESTS.items():
         for is_other in (False, True):
             of_kind = [
                 test
                 for test, own in zip(tests, warmer, strict=True)
-                if test.get("outcome") == outcome and (abs(own - bulk) > _SAME_BULK) == is_other
+                if test.outcome == outcome and (abs(own - bulk) > _SAME_BULK) == is_other
             ]
             if of_kind:
                 look = {"alpha": _FAINT, "gid": f"{gid}-elsewhere"} if is_other else {"gid": gid}
                 legend += axes.plot(
-                    [test["velocity"] for test in of_kind],
-                    [test["normal_load"] for test in of_kind],
+                    [test.velocity for test in of_kind],
+                    [test.normal_load for test in of_kind],
                     ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec, mew=mew, zorder=4,
                     label=label + (", at another bulk temperature" if is_other else ""), **look,
                 )  # fmt: skip
     for test, own in zip(tests, warmer, strict=True):
         if abs(own - bulk) > _SAME_BULK:
             axes.annotate(
-                f"{own - 273.15:.3g} °C", (test["velocity"], test["normal_load"]), (0, 7),
+                f"{own - 273.15:.3g} °C", (test.velocity, test.normal_load), (0, 7),
                 textcoords="offset points", ha="center", fontsize=8, color=GREY, zorder=4,
                 annotation_clip=True, gid="bulk of a test",
             )  # fmt: skip
@@ -104,55 +105,42 @@ def mark_tests(
 
 
 def in_reach(
-    ds: xr.Dataset, tests: Sequence[Mapping[str, Any]]
-) -> tuple[list[Mapping[str, Any]], list[Artist]]:
+    ds: xr.Dataset, tests: Sequence[Measurement]
+) -> tuple[list[Measurement], list[Artist]]:
     """Tests within about half the sweep's range beyond it; a line of the legend on the others."""
     ends = {name: ds[name].values[[0, -1]] for name in ("load", "velocity")}
-    near, far = list[Mapping[str, Any]](), list[Mapping[str, Any]]()
+    near, far = list[Measurement](), list[Measurement]()
     for test in tests:
-        place = {"load": test["normal_load"], "velocity": abs(test["velocity"])}
+        place = {"load": test.normal_load, "velocity": abs(test.velocity)}
         is_near = all(
             low / _REACH <= place[name] <= _REACH * high for name, (low, high) in ends.items()
         )
         (near if is_near else far).append(test)
     if not far:
         return near, []
-    first = f"{far[0]['normal_load']:g} N at {far[0]['velocity']:g} m/s"
+    first = f"{far[0].normal_load:g} N at {far[0].velocity:g} m/s"
     more = f" and {len(far) - 1} more" if len(far) > 1 else ""
     return near, [Line2D([], [], ls="none", label=f"beyond the figure: test of {first}{more}")]
 
 
 def at_own_conditions(
-    axes: Axes,
-    ds: xr.Dataset,
-    plane: xr.DataArray,
-    tests: Sequence[Mapping[str, Any]],
-    conditions: Conditions,
+    axes: Axes, ds: xr.Dataset, tests: Sequence[Measurement], conditions: Conditions
 ) -> list[Artist]:
     """Mark the transition computed at each test's own conditions, if others, and join both."""
-    places = []
-    loads, velocities = plane["load"].values, plane["velocity"].values
-    limit = rise_limit(conditions)
+    places, field = [], point_field(ds)
     for test in tests:
-        if conditions.disk_temperature is not None and test.get("bulk_temperature"):
-            continue  # another plane: the test had both bodies at one temperature
-        load = test["normal_load"]
         try:
-            own = own_conditions(ds, conditions, test)
-            factor = own.friction_factor(velocities) / conditions.friction_factor(velocities)
-            here = float(np.interp(test["velocity"], velocities, factor))
-            own_limit = rise_limit(own)
-        except InputError:  # a test as warm as the critical temperature
+            own = own_conditions(ds, test)
+            if _is_near(own, conditions, test.velocity):
+                continue
+            turns = field.under(own).turns("velocity", test.normal_load, test.velocity)
+        except InputError:  # beyond the sweep, or as warm as the critical temperature
             continue
-        if abs(own_limit / limit / here - 1) < _NEAR or not math.isfinite(own_limit):
-            continue
-        if not loads[0] <= load <= loads[-1]:
-            continue
-        rises = plane.sel(load=load, method="nearest").values * factor
-        velocity = crossing(velocities, rises, own_limit)
-        if math.isfinite(velocity):
+        velocity = quantile(turns.nearest, field.weights, 0.5)
+        if 0 < velocity < math.inf:
+            load = test.normal_load
             places.append((velocity, load))
-            ends = [velocity, test["velocity"]], [load, load]
+            ends = [velocity, test.velocity], [load, load]
             axes.plot(*ends, color=GREY, lw=1.0, zorder=3.6, gid="to own conditions")
     if not places:
         return []
@@ -161,6 +149,14 @@ def at_own_conditions(
         zorder=4.1, label="computed at the test's own conditions", gid="at own conditions",
     )  # fmt: skip
     return list(line)
+
+
+def _is_near(one: Conditions, other: Conditions, velocity: float) -> bool:
+    """True if the rises that two conditions allow at a velocity are next to equal."""
+    at = np.array(velocity)
+    limits = [rise_limit(each) / each.friction_factor(at) for each in (one, other)]
+    is_alike = one.bulk_ratio == other.bulk_ratio
+    return is_alike and bool(abs(limits[0] / limits[1] - 1) < _NEAR)
 
 
 def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
@@ -184,7 +180,7 @@ def name_regions(
     plane: xr.DataArray,
     limit: float,
     loads: Array,
-    measured: Sequence[Mapping[str, Any]],
+    measured: Sequence[Measurement],
 ) -> None:
     """Name mild and severe wear where each has most room between two rows of points."""
     scale = np.log if axes.get_xscale() == "log" else np.asarray
@@ -198,7 +194,7 @@ def name_regions(
 
     x, y = across(plane["velocity"].values), up(plane["load"].values)
     rows, apart = up(np.convolve(loads, [0.5, 0.5], "valid")), np.diff(up(loads))
-    taken = [[point["velocity"], point["normal_load"]] for point in measured]
+    taken = [[point.velocity, point.normal_load] for point in measured]
     for line in axes.collections:
         if str(line.get_gid()).startswith(_CROSSED):
             taken += np.concatenate([path.vertices for path in line.get_paths()]).tolist()

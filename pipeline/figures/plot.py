@@ -13,7 +13,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.analysis.dataset import dataset_of
-from pipeline.analysis.decisive import CONDITIONS
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import PendingError, fields
 from pipeline.figures.ramp import ramp, temperature
@@ -46,7 +45,7 @@ def plot(
     Parameters
     ----------
     ds : Dataset or path
-        Dataset of `pipeline.open_sweep`, or folder or address of the store.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store.
     kind : {"diagram", "ramp", "fields", "temperature"}
         Name of the figure.
     out : path, optional
@@ -59,14 +58,9 @@ def plot(
     **options
         Options of the kind:
 
-        - of each, ``friction``, ``bulk_temperature``, ``critical_temperature``, ``share`` and
-          ``criterion`` in place of the sweep's own, as in `pipeline.boundary`, and
-          ``realization``, seed of the surface to draw (if not given the first; in a diagram all,
-          with a band from the tenth to the ninetieth of a hundred). In a diagram several values of
-          ``friction`` make a band, and their median the boundary.
-        - diagram: ``log``, True for logarithmic axes, without velocity 0; of samples
-          ``given_measured``, True to let the measured transitions narrow the inputs, and
-          ``scatter`` of `pipeline.posterior`.
+        - of each, ``realization``, seed of the surface to draw (if not given the first; in a
+          diagram all, with a band from the tenth to the ninetieth of a hundred).
+        - diagram: ``log``, True for logarithmic axes, without velocity 0.
         - ramp, fields, temperature: ``load`` [N], or text with a unit, the
           highest if not given; of a ramp several.
         - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
@@ -88,7 +82,8 @@ def plot(
     Examples
     --------
     >>> import pipeline
-    >>> pipeline.plot("results/first_try.zarr", "diagram", "diagram.svg", friction=0.12).name
+    >>> hotter = pipeline.at("results/first_try.zarr", friction=0.12)
+    >>> pipeline.plot(hotter, "diagram", "diagram.svg").name
     'diagram.svg'
     """
     if kind not in KINDS:
@@ -112,8 +107,8 @@ def plot(
 
 def options_of(kind: str) -> list[str]:
     """Names of the options that a kind of figure has."""
-    _, *names, _ = inspect.signature(KINDS[kind]).parameters  # between the dataset and **changed
-    return list(dict.fromkeys((*CONDITIONS, *names)))
+    _, *names = inspect.signature(KINDS[kind]).parameters  # after the dataset
+    return names
 
 
 _INTERVAL = 1.0  # [s] between two drawings at least

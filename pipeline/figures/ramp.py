@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.dataset import one_row, sweep_at_bulks
-from pipeline.analysis.decisive import conditions_of, decisive_rise
-from pipeline.analysis.transition import along_friction, crossing
+from pipeline.analysis.dataset import one_row, read_conditions, sweep_at_bulks
+from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.field import along_friction, point_field
 from pipeline.figures import style
 from pipeline.figures.fields import (
     chosen_points,
@@ -25,7 +25,7 @@ from pipeline.figures.fields import (
 )
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import contact_temperature, rise_limit
+from pipeline.sweep.severity import contact_temperature
 from tribo import Criterion, InputError
 from tribo.types import Array
 
@@ -40,15 +40,14 @@ def ramp(
     velocity: float | str | Iterable[float | str] | None = None,
     realization: int | None = None,
     show: str | None = None,
-    **changed: Any,
 ) -> Figure:
     """Draw contact, wear and temperature, or one variable, of points while their load grows.
 
     Those nearest to a load or velocity that the sweep does not hold, which their names then say.
     Steps on the grid of the history and on the point's own are not joined.
     """
-    conditions = conditions_of(ds, **changed)
     ds = one_row(ds, realization)
+    conditions = read_conditions(ds)
     points = chosen_points(ds, load, velocity, conditions, nearest=True)
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
@@ -192,11 +191,10 @@ def temperature(
     load: float | str | None = None,
     realization: int | None = None,
     ax: Axes | None = None,
-    **changed: Any,
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
-    conditions = conditions_of(ds, **changed)
     ds = one_row(ds, realization)
+    conditions = read_conditions(ds)
     row = ds.isel(load=indices_of(ds, "load", load) or [-1])
     velocities, load_here = row["velocity"].values, float(row["load"][0])
     figure, axes = style.canvas(ax, (7.2, 5.0))
@@ -218,11 +216,8 @@ def temperature(
     if conditions.critical_temperature is not None:
         critical = style.celsius(conditions.critical_temperature)
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
-        rises = decisive_rise(row, conditions).values[0]
-        if conditions.has_friction_curve:
-            velocities, rises = along_friction(velocities, rises, conditions.friction_factor)
-        transition = crossing(velocities, rises, rise_limit(conditions))
-        if np.isfinite(transition):
+        turns = point_field(row).turns("velocity", load_here, float(velocities[-1]))
+        for transition in turns.places[0]:
             label = f"transition, {transition:.3g} m/s"
             axes.axvline(transition, color=VERMILION, lw=1.2, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")

@@ -18,12 +18,19 @@ from matplotlib.figure import Figure
 
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.decisive import conditions_of
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.frames import compared, on_boundary, on_tests
-from pipeline.analysis.margins import LONG, in_counts, margin_table, notes_of
+from pipeline.analysis.frames import on_boundary
+from pipeline.analysis.laboratory import compared, on_tests
+from pipeline.analysis.margins import LONG, counts_in_words, margin
 from pipeline.analysis.scenes import parts_of, scenes, value_text, words
-from pipeline.analysis.tables import frame_of, html_of, short, writable_path, write_text
+from pipeline.analysis.tables import (
+    frame_of,
+    html_of,
+    notes_of,
+    short,
+    writable_path,
+    write_text,
+)
 from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
@@ -65,9 +72,6 @@ def report(
     ds: xr.Dataset | PathLike,
     out: str | Path,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
-    given_measured: bool = False,
-    scatter: float | None = None,
-    **conditions: Any,
 ) -> Path:
     """Write a report of a sweep, for people without the tool: one file of HTML.
 
@@ -78,18 +82,11 @@ def report(
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or the path of a store.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store.
     out : str or path
         File to write, .html; a browser prints it on A4 or to PDF.
     points : path or mapping of str to sequence, optional
-        Operating points whose margins to tell; see `pipeline.margin_table`.
-    given_measured : bool
-        True to weigh the inputs of samples by the tests of their scene.
-    scatter : float, optional
-        Relative standard deviation of the velocities of these tests; see `pipeline.posterior`.
-    **conditions
-        Friction, temperatures, share and criterion in place of the sweep's own; see
-        `pipeline.boundary`.
+        Operating points whose margins to tell; see `pipeline.margin`.
 
     Returns
     -------
@@ -113,28 +110,21 @@ def report(
     if points is not None and not isinstance(points, OperatingPoints):
         points = OperatingPoints.read(points)
     ds = dataset.dataset_of(ds)
-    dataset.require_samples(ds, given_measured, scatter)
-    weighing = given_measured, scatter
     title = dataset.stored_sweep(ds).about.title
     template = resources.files("pipeline.figures.page").joinpath("report.html").read_text("utf-8")
-    parts = {"title": html.escape(title), "body": body_of(ds, points, weighing, conditions)}
+    parts = {"title": html.escape(title), "body": body_of(ds, points)}
     return write_text(Template(template).substitute(parts), path)
 
 
-def body_of(
-    ds: xr.Dataset,
-    points: OperatingPoints | None,
-    weighing: tuple[bool, float | None],
-    changed: Mapping[str, Any],
-) -> str:
+def body_of(ds: xr.Dataset, points: OperatingPoints | None) -> str:
     """Headings, paragraphs, tables and a picture, as HTML."""
     sweep = dataset.stored_sweep(ds)
     if dataset.is_emulated(ds):
-        answers = sections_of_samples(ds, points, weighing, changed)
+        answers = sections_of_samples(ds, points)
     else:
-        answers = _sections_of_points(ds, points, changed)
+        answers = _sections_of_points(ds, points)
     sections: Sections = answers | {
-        "Warnings": _warnings(ds, changed),
+        "Warnings": _warnings(ds),
         "Inputs": _inputs(ds, sweep),
         "Numerical choices and their error": _fidelity(sweep),
         "Model": [_MODEL],
@@ -148,27 +138,25 @@ def body_of(
     return "\n".join(parts)
 
 
-def _sections_of_points(
-    ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
-) -> Sections:
+def _sections_of_points(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
     """Answers of a plane by its boundary, of rows with places of their own by their margins."""
     if not dataset.has_plane(ds):
         return {
-            "Question and answer": _question_of_rows(ds, changed),
-            "Margins by row": _drawn(ds, changed),
-            "Operating points": _operating_points(ds, points, changed),
+            "Question and answer": _question_of_rows(ds),
+            "Margins by row": _drawn(ds),
+            "Operating points": _operating_points(ds, points),
         }
     return {
-        "Question and answer": _question(ds, changed),
-        "Transition diagram": _drawn(ds, changed),
-        "Boundary in numbers": _numbers(ds, changed),
-        "Tests": _tests(ds, changed),
-        "Operating points": _operating_points(ds, points, changed),
+        "Question and answer": _question(ds),
+        "Transition diagram": _drawn(ds),
+        "Boundary in numbers": _numbers(ds),
+        "Tests": _tests(ds),
+        "Operating points": _operating_points(ds, points),
     }
 
 
-def _drawn(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
-    yield fit_to_width(diagram(ds, **changed), 0.17, with_title=False)
+def _drawn(ds: xr.Dataset) -> Iterator[Part]:
+    yield fit_to_width(diagram(ds), 0.17, with_title=False)
 
 
 def _or_reason(section: Iterable[Part]) -> list[Part]:
@@ -192,7 +180,7 @@ def _html(part: Part, heading: str) -> str:
     return f'<figure role="img" aria-label="{heading}">{svg_of(part)}</figure>'
 
 
-def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
+def _question(ds: xr.Dataset) -> Iterator[Part]:
     """Question that the sweep answers, its answer in a sentence, and the state of the sweep."""
     plane = dataset.stored_sweep(ds).plane
     yield f"{_QUESTION}? Examined: {on_plane(plane.loads, plane.velocities)[1]}"
@@ -205,22 +193,22 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
             f"The sweep is not finished: {done} of {total} points are done, {failed} failed. "
             "What follows rests on those that are done."
         )
-    boundaries = boundary(ds, **changed)
-    yield judged_by(conditions_of(scene, **changed) for scene in scenes(ds))
+    boundaries = boundary(ds)
+    yield judged_by(dataset.read_conditions(scene) for scene in scenes(ds))
     for values, part in parts_of(boundaries):
         entries = words(ds, dict(zip(dataset.entry_dims(ds), values, strict=True)))
         yield f"Answer{entries and ' for '}{entries}: {_answer(part)}"
 
 
-def _question_of_rows(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
+def _question_of_rows(ds: xr.Dataset) -> Iterator[Part]:
     """Question that rows with places of their own answer, and the answer in a sentence."""
-    table = margin_table(ds, **changed)
+    table = margin(ds)
     yield (
         "Is wear of this lubricated contact mild, or is it severe adhesive wear (scuffing)? "
         f"Examined: {len(table)} places, each with a load, a velocity and entries of its own."
     )
-    yield judged_by(conditions_of(scene, **changed) for scene in scenes(ds))
-    yield f"Answer: {in_counts(table)}"
+    yield judged_by(dataset.read_conditions(scene) for scene in scenes(ds))
+    yield f"Answer: {counts_in_words(table)}"
 
 
 def _answer(boundaries: xr.Dataset) -> str:
@@ -243,17 +231,15 @@ def _answer(boundaries: xr.Dataset) -> str:
     return f"wear is severe {text}{median}"
 
 
-def _numbers(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
-    yield from on_boundary(boundary(ds, **changed))
+def _numbers(ds: xr.Dataset) -> Iterator[Part]:
+    yield from on_boundary(boundary(ds))
 
 
-def _operating_points(
-    ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
-) -> Iterator[Part]:
+def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Part]:
     """Margins of operating points."""
-    table = margin_table(ds, points, **changed)
-    if table.empty:
+    if points is None and dataset.has_plane(ds):
         return
+    table = margin(ds, points)
     yield from _on_points(table)
     yield from points.remarks if points else ()
     yield (
@@ -267,9 +253,9 @@ def _on_points(table: pd.DataFrame) -> Iterator[Part]:
     yield from notes_of(table)
 
 
-def _warnings(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
+def _warnings(ds: xr.Dataset) -> Iterator[Part]:
     """Warnings by kind, with counts."""
-    yield from [*warned(ds, **changed).lines()] or ["No computed point carries a warning"]
+    yield from [*warned(ds).lines()] or ["No computed point carries a warning"]
 
 
 def _inputs(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
@@ -304,9 +290,9 @@ def _each(values: xr.DataArray) -> str:
     return f"in turn {', '.join(texts)}" if len(texts) > 1 else texts[0]
 
 
-def _tests(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
+def _tests(ds: xr.Dataset) -> Iterator[Part]:
     """Tests of the laboratory beside what is computed at their own conditions."""
-    table = compared(ds, **changed)
+    table = compared(ds)
     if table is None:
         return
     yield from on_tests(table)
@@ -348,43 +334,26 @@ def citation() -> Iterator[str]:
     )
 
 
-def sections_of_samples(
-    ds: xr.Dataset,
-    points: OperatingPoints | None,
-    weighing: tuple[bool, float | None],
-    changed: Mapping[str, Any],
-) -> Sections:
+def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
     """Answers of a sweep of samples, as probabilities."""
     # With the libraries that only this needs.
-    from pipeline.figures.uncertainty import draw_risk
-    from pipeline.uncertain.answers import MEAN_OF_RUNS, frame_of_lines, probabilities
-    from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.risks import risk_table
-    from pipeline.uncertain.weigh import basis_of, posterior_if_given
+    from pipeline.uncertain.samples import single_field
+    from pipeline.uncertain.weigh import basis_of
 
-    if weighing[0] and (others := sorted(changed.keys() - {"criterion", "own_laws"})):
-        raise InputError(
-            f"the tests weigh the conditions as they were drawn: leave out {', '.join(others)}"
-        )
-    ensemble = Ensemble.of(ds, **changed)
-    weighed = posterior_if_given(ensemble, *weighing)
-    draws = weighed.draws if weighed else None
-    lines = frame_of_lines(ensemble, draws)
-    meaning = f"Velocities at which wear is severe with these probabilities; {MEAN_OF_RUNS}"
+    field = single_field(ds)
+    ensemble, weighed = field.ensemble, field.posterior
+    lines = boundary(ds)
     basis = f", given {weighed.evidence}" if weighed else ", before any test"
-    picture = draw_risk(ensemble, probabilities(ensemble, draws), posterior=weighed)
     return {
         "Question and answer": _question_of_samples(ensemble, lines, basis),
         f"Not known exactly{basis}": basis_of(ensemble, weighed),
-        "Transition diagram": [fit_to_width(picture, 0.17, with_title=False)],
-        "Boundary in numbers": [lines, meaning],
-        "Operating points": [*_on_points(risk_table(ensemble, points, draws)), *points.remarks]
-        if points
-        else (),
+        "Transition diagram": _drawn(ds),
+        "Boundary in numbers": on_boundary(lines),
+        "Operating points": _operating_points(ds, points) if points else (),
     }
 
 
-def _question_of_samples(ensemble: Ensemble, lines: pd.DataFrame, basis: str) -> Iterator[Part]:
+def _question_of_samples(ensemble: Ensemble, lines: xr.Dataset, basis: str) -> Iterator[Part]:
     """Question that samples answer, and the answer in a sentence."""
     slowest, fastest = ensemble.velocities
     yield (
@@ -392,8 +361,9 @@ def _question_of_samples(ensemble: Ensemble, lines: pd.DataFrame, basis: str) ->
         "them were simulated"
     )
     words = []
-    for load, *row in dict.fromkeys(lines.iloc[[0, -1]].itertuples(index=False, name=None)):
-        beyond = {-math.inf: f"below {slowest:.3g}", math.inf: f"beyond {fastest:.3g}"}
+    beyond = {0.0: f"below {slowest:.3g}", math.inf: f"beyond {fastest:.3g}"}
+    for load in dict.fromkeys(lines["load"].values[[0, -1]].tolist()):
+        row = lines["critical_velocity_quantile"].sel(load=load).values.tolist()
         low, middle, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in row)
         words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
-    yield f"Answer{basis}: wear is as likely severe as mild {' and '.join(words)}"
+    yield f"Answer{basis}: the next run is as likely severe as mild {' and '.join(words)}"

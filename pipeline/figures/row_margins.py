@@ -14,7 +14,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from matplotlib.transforms import ScaledTranslation
 
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margins import frame_of_rows, labels_of_rows, rows_of
+from pipeline.analysis.margins import judged, margin_frame, row_labels
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, PURPLE, TINTS, VERMILION
 from pipeline.sweep.about import judged_by
@@ -37,11 +37,11 @@ _ASIDE = 5  # [pt] of the mark of either factor from its row
 
 
 @style.in_house_style
-def draw_rows(ds: xr.Dataset, ax: Axes | None = None, **conditions: Any) -> Figure:
+def draw_rows(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     """Draw the margin of each row [K], and its factors where places about it were simulated."""
-    rows = rows_of(ds, **conditions)
-    frame = frame_of_rows(ds, rows)
-    columns = labels_of_rows(frame)
+    rows = [*judged(ds, None)]
+    frame = margin_frame(ds, rows)
+    columns = row_labels(frame)
     x, ticks, label = _axis(frame, columns)
     has_factors = PLACE in ds.coords and ax is None
     figure, axes = style.canvas(ax, (8.0, 6.6 if has_factors else 4.8))
@@ -56,9 +56,13 @@ def draw_rows(ds: xr.Dataset, ax: Axes | None = None, **conditions: Any) -> Figu
     every = math.ceil(len(ticks) / _MOST_TICKS)
     shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
     panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
-    judged = {row.conditions for row in rows}
+    conditions = {row.field.conditions for row in rows}
     handles = [handle for one in panels for handle in one.get_legend_handles_labels()[0]]
-    title = judged_by(judged) if len(judged) == 1 else "severe wear: by the conditions of each row"
+    title = (
+        judged_by(conditions)
+        if len(conditions) == 1
+        else "severe wear: by the conditions of each row"
+    )
     style.legend_below(figure, ax, handles=handles, ncols=3, title=title, title_fontsize=9.5)
     return figure
 

@@ -170,7 +170,7 @@ def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: E
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
     >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
-    >>> goal = pipeline.Goal((pipeline.Place(400.0, 2.2),), risk=0.05)
+    >>> goal = pipeline.Goal([(400.0, 2.2)], risk=0.05)
     >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
     >>> figure = pipeline.draw_design([({}, limit)], ensemble)
     """

@@ -2,57 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import Judged, Posterior
+from pipeline.uncertain.samples import single_field
 from pipeline.uncertain.sensitivity import Sensitivity
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
 _BINS = 40
 
 
+_LOADS, _VELOCITIES = 45, 121  # of the plane that is drawn
+
+
 @style.in_house_style
-def draw_risk(
-    ensemble: Ensemble,
-    plane: xr.DataArray,
-    place: Mapping[str, float] | None = None,
-    posterior: Posterior | None = None,
-    log: bool = False,
-) -> Figure:
-    """Draw the probability of severe wear over the plane.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-        Samples of the sweep.
-    plane : DataArray, dims (load, velocity)
-        Result of `pipeline.probabilities`.
-    place : mapping, optional
-        ``load`` [N] and ``velocity`` [m/s] of an operating point to mark.
-    posterior : Posterior, optional
-        Inputs weighed by measurements, if the probability rests on them.
-    log : bool
-        True for logarithmic axes.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> plane = pipeline.probabilities(ensemble, loads=[200.0, 400.0, 600.0])
-    >>> figure = pipeline.draw_risk(ensemble, plane)
-    """
+def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
+    """Draw the probability over the plane that the next run is severe."""
+    field = single_field(ds)
+    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
     figure, axes = style.canvas(None, (7.2, 5.4))
-    x, y, p = plane["velocity"].values, plane["load"].values, plane.values
+    x = np.linspace(*ensemble.velocities, _VELOCITIES)
+    y = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
+    p = field.plane(y.tolist(), x, scatter)
     (low, high), levels = style.PALE, np.linspace(0, 1, 21)
     filled = axes.contourf(x, y, p, levels, cmap=style.RISK_COLOURS, vmin=low, vmax=high)
     axes.grid(visible=False)
@@ -62,41 +43,35 @@ def draw_risk(
     )  # fmt: skip
     axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
-    bar.set_label("probability of severe wear, mean of runs")
-    if place:
-        axes.plot(
-            place["velocity"], place["load"], marker="*", ms=15, mfc=VERMILION, mec=BLACK,
-            ls="none", label="operating point",
-        )  # fmt: skip
+    bar.set_label("probability that the next run is severe")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
+    tests = laboratory_tests(ds)
     (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
     if columns.size:  # where anything is uncertain at some load, and a little more
         left, right = x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)]
-        tested = [test["velocity"] for test in ensemble.tests if x[0] <= test["velocity"] <= x[-1]]
+        tested = [test.velocity for test in tests if x[0] <= test.velocity <= x[-1]]
         axes.set_xlim(min(left, *tested, right), max(right, *tested, left))
     bulk = ensemble.conditions.bulk_temperature
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     inside = [
-        test
-        for test in ensemble.tests
-        if low <= test["velocity"] <= high and bottom <= test["normal_load"] <= top
+        test for test in tests if low <= test.velocity <= high and bottom <= test.normal_load <= top
     ]
     mark_tests(axes, inside, bulk, bulk)
-    if left_out := len(ensemble.tests) - len(inside):
-        tests = "test lies" if left_out == 1 else "tests lie"
-        axes.plot([], [], ls="none", label=f"{left_out} {tests} beyond the figure")
+    if left_out := len(tests) - len(inside):
+        beyond = "test lies" if left_out == 1 else "tests lie"
+        axes.plot([], [], ls="none", label=f"{left_out} {beyond} beyond the figure")
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
     basis = "inputs as assumed, before any measurement"
-    if posterior:
-        basis = f"given {posterior.evidence}"
-        if posterior.misfit:
+    if weighed:
+        basis = f"given {weighed.evidence}"
+        if weighed.misfit:
             basis += ", which the model does not fit"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
     axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)
-    if axes.get_legend_handles_labels()[0]:
-        figure.legend(loc="outside lower center", ncols=2)
+    title = f"the model's own error: {scatter.worded}"
+    style.legend_below(figure, None, ncols=2, title=title, title_fontsize=9.5)
     return figure
 
 

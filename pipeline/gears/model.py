@@ -74,7 +74,7 @@ def simulate(
 def _decisive(store: Path) -> list[tuple[float, float]]:
     """Temperatures that decide and their errors [K], of the rows of a store."""
     # The critical temperature moves none of them.
-    table = pipeline.margin_table(store, critical_temperature=1000.0)
+    table = pipeline.margin(pipeline.at(store, critical_temperature=1000.0))
     temperatures = table["decisive temperature [°C]"].astype(float) + 273.15
     errors = table["temperature error [K]"].astype(float).fillna(math.inf)
     return [*zip(temperatures.tolist(), errors.tolist(), strict=True)]

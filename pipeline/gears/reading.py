@@ -15,7 +15,7 @@ from pipeline.gears.rules import warm_duty
 from pipeline.scene.compounds import Entry, List, Optional, Table, Tables
 from pipeline.scene.document import read_document, with_entries
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, quoted
-from pipeline.scene.format import BULK, CRITICAL, FRICTION, MATERIAL, OIL, WEAR_RATE, length
+from pipeline.scene.format import ANY_WEAR_RATE, BULK, CRITICAL, FRICTION, MATERIAL, OIL, length
 from pipeline.scene.kinds import Number, Quantity, Text, UnfitError, Whole
 from pipeline.scene.library import with_library
 from pipeline.scene.parts import oil_of
@@ -101,7 +101,7 @@ PAIR = Table({
         "correlation_length": Optional(List(length("4 um"), length=2),
             "Of the roughness, along and across the sliding.", default=(4e-6, 4e-6)),
         "hurst_exponent": Optional(Number(above=0, at_most=1), default=0.8),
-        "specific_wear_rate": Optional(WEAR_RATE, default=1.2e-15),
+        "specific_wear_rate": Optional(ANY_WEAR_RATE, default=1.2e-15),
     }), "What no drawing gives, for the simulation of the rough and worn contact.",
         default={"correlation_length": (4e-6, 4e-6), "hurst_exponent": 0.8,
                  "specific_wear_rate": 1.2e-15}),

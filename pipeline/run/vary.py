@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from distributed import Client
 
+from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import open_sweep
 from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.boundary_search import follow_boundary
@@ -185,13 +185,13 @@ def vary(
     varied = _varied(sweep.variant(), variations, scenes)
     with stored(out) as path:
         follow_boundary(varied, path, tolerance, workers, client, progress, tell=tell)
-        store, ds = opened(path), open_sweep(path)
+        store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}
         own = varied.conditions.own_criterion
         # Allowed with the scene; a store itself never runs its criterion.
-        judge: dict[str, Any] = {"criterion": own.reference, "own_laws": True} if own else {}
-        found, carried = boundary(ds, **judge).transpose(_ROW, ...), warned(ds, **judge)
+        ds = at(path, criterion=own.reference if own else None, own_laws=bool(own))
+        found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
         velocities = found["critical_velocity"].values.tolist()
         codes, words = found["outcome_at_load"].values, outcomes("velocity")
     unvaried, *rest = (

@@ -47,7 +47,6 @@ def one_or_two(kind: Quantity) -> Either:
     return Either(kind, List(kind, length=2))
 
 
-WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
 ANY_WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True)
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
@@ -311,6 +310,12 @@ TEMPERATURES = Table({
         '"laws:hottest_tenth", which runs only with `--own-laws`.', default="share"),
 })
 
+MODEL = Table({
+    "scatter": Optional(Share(at_least=0, below=1),
+        "Relative scatter of the velocity of a run about the model, which four tests count as much "
+        "as; 0 for none.", default=0.1),
+})
+
 FIDELITY = Table({
     "preset": Optional(OneOf(tuple(tribo.PRESETS)),
         'Preset to begin with: "draft" is the fastest, "reference" the best.',
@@ -440,6 +445,8 @@ FORMAT = Table({
     "temperature": Entry(TEMPERATURES,
         "Temperatures that decide about wear. They take effect after the simulation, as friction "
         "does."),
+    "model": Optional(MODEL,
+        "What is known of the model's own error."),
     "fidelity": Optional(FIDELITY,
         "Numerical choices: a preset, and single choices in place of its own; the preset "
         '"standard" without the table.'),

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.scene.compounds import Either, Entry, List, Optional, Table, Tables
+from pipeline.scene.compounds import Either, Entry, List, Optional, Range, Table, Tables
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean, entry_at, quoted
 from pipeline.scene.format import FIDELITY, SCENE, UNKNOWN
@@ -93,6 +93,30 @@ def meanings() -> dict[str, str]:
         for section in sections()
         for key, (entry, _) in section.keys().items()
     }
+
+
+def unit_example(path: str) -> str | None:
+    """A value with a unit, such as an entry is given; None for one that has no unit."""
+    parts = path.split(".")
+    if parts[0] == "materials" and len(parts) > 2:
+        parts[1] = "NAME"
+    for section in sections():
+        for key, (entry, _) in section.keys().items():
+            if section.path_of(key) == ".".join(parts) and (quantity := quantity_in(entry.kind)):
+                return quantity.example
+    return None
+
+
+def quantity_in(kind: Kind) -> Quantity | None:
+    """The quantity that a value is, or that its parts are."""
+    match kind:
+        case Quantity():
+            return kind
+        case List(of) | Range(of):
+            return quantity_in(of)
+        case Either():
+            return next(filter(None, map(quantity_in, kind.kinds)), None)
+    return None
 
 
 def page() -> str:

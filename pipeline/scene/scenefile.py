@@ -168,6 +168,7 @@ class _Reader:
                 tested=tuple(map(Measurement.of, tables["tested"])),
                 friction_band=tables["friction"]["band"],
                 same_rig=tables["friction"]["same_rig"],
+                model_scatter=tables["model"] and tables["model"]["scatter"],
                 oil=oil,
                 preset=preset,
                 sources=taken,

@@ -55,6 +55,7 @@ class About:
     measured: tuple[Measurement, ...] = ()  # transitions
     tested: tuple[Measurement, ...] = ()  # tests that stayed mild or turned severe
     friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
+    model_scatter: float | None = None  # of a run about the model; what is usual if None
     same_rig: bool = True  # the friction that tests measured is that of the scene's machine
     oil: Oil | None = None  # tells the regime of lubrication; enters no simulation
     preset: str | None = None  # that the fidelity equals

@@ -14,6 +14,17 @@ from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
 from tribo import BULK_RATIOS, Corrections, Criterion, InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 
+Bulk = float | str | Mapping[str, float | str]
+"""A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
+
+PATHS = {
+    "friction": "friction.coefficient",
+    "bulk_temperature": "temperature.bulk",
+    "critical_temperature": "temperature.critical",
+    "share": "temperature.failing_share",
+    "criterion": "temperature.criterion",
+}
+"""Entries of the scene file that act after the simulation, by the names of `changes_of`."""
 _BULKS = ("bulk_temperature", "disk_temperature")
 _NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
 

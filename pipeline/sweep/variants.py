@@ -149,7 +149,7 @@ class Variants:
     def answers(self) -> tuple[str, ...]:
         """Commands that answer first: by probabilities, by a boundary, or at the rows' places."""
         if self.draw:
-            return "risk", "sensitivity"
+            return "boundary", "sensitivity"
         return ("boundary" if self.has_plane else "margin"), "plot"
 
     def _places(self, name: str) -> tuple[Any, ...] | None:

@@ -1,25 +1,19 @@
-"""Probability of severe wear over the plane, and the boundary of draws."""
+"""Probability of severe wear by draws, and their boundary."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
-from pipeline.analysis.tables import frame_of
+from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.uncertain.emulator import Groups
 from pipeline.uncertain.ensemble import Axis, Ensemble, Excess
-from pipeline.uncertain.inputs import QUANTILES, Draws, prior
+from pipeline.uncertain.inputs import Draws, prior
 from tribo.types import Array
 
-MEAN_OF_RUNS = "a probability is that of the mean of runs; single runs scatter about it"
-"""What the probabilities of samples mean."""
 STEPS = 41
 """Velocities or loads among which a boundary is sought."""
-LEAST_SLOPE = 0.05
-"""Least slope of ln(rise) over ln(velocity or load), by which a boundary is extrapolated."""
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
@@ -40,68 +34,6 @@ def probability_of(excess: Excess, draws: Draws) -> tuple[float, float]:
     density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
     by_samples = float(draws.mean(density * excess.shared / excess.error))
     return probability, math.hypot(by_draws, by_samples)
-
-
-def probabilities(
-    ensemble: Ensemble,
-    draws: Draws | None = None,
-    loads: Axis | None = None,
-    velocities: Axis | None = None,
-) -> xr.DataArray:
-    """Probability of severe wear over the plane, dims (load, velocity).
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-        Samples of a sweep.
-    draws : Draws, optional
-        See `risk`.
-    loads, velocities : sequence of float, optional
-        Axes of the plane [N, m/s]; evenly between the ends of the sweep if not given.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> plane = pipeline.probabilities(ensemble, loads=[400.0])
-    >>> bool(plane.sel(load=400, velocity=1.0) < 0.01)
-    True
-    """
-    draws = draws_of(ensemble, draws)
-    if loads is None:
-        loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], 45)
-    if velocities is None:
-        velocities = np.linspace(*ensemble.velocities, 121)
-    plane = sum(
-        part.mean(ensemble.excess(part.inputs, loads, velocities).probability)
-        for part in draws.parts()
-    )
-    return xr.DataArray(
-        np.clip(plane, 0.0, 1.0),
-        {
-            "load": ("load", np.asarray(loads), {"units": "N"}),
-            "velocity": ("velocity", np.asarray(velocities), {"units": "m/s"}),
-        },
-        ("load", "velocity"),
-        "probability",
-        {"units": "1", "long_name": "probability of severe wear, mean of runs"},
-    )
-
-
-def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
-    """Probabilities, and velocities (n_load, n_share) of them [m/s]; 0 or infinite beyond."""
-    velocities = plane["velocity"].values
-    rows = np.maximum.accumulate(plane.values, axis=1)
-    lines = [np.interp(QUANTILES, row, velocities, 0.0, math.inf) for row in rows]
-    return QUANTILES, np.array(lines)
-
-
-def frame_of_lines(ensemble: Ensemble, draws: Draws | None = None) -> pd.DataFrame:
-    """Velocities of some probabilities at the loads of the sweep, infinite where beyond it."""
-    velocities = np.geomspace(*ensemble.velocities, 4 * (STEPS - 1) + 1)
-    shares, lines = risk_lines(probabilities(ensemble, draws, ensemble.loads, velocities))
-    rows = np.column_stack([ensemble.loads, np.where(lines > 0, lines, -math.inf)]).tolist()
-    return frame_of(["load [N]", *(f"velocity of {100 * q:g} % [m/s]" for q in shares)], rows)
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,11 +37,12 @@ class Goal:
 
     Examples
     --------
-    >>> Goal((Place(300.0, 1.74),), risk=0.01).margin
+    >>> Goal([(300.0, 1.74)], risk=0.01).margin
     0.0
     """
 
-    places: tuple[Place, ...]  #: Operating points, at each of which it is to be reached.
+    #: Loads [N] and velocities [m/s] of operating points, at each of which it is to be reached.
+    places: Sequence[tuple[float, float]]
     risk: float  #: Highest probability of severe wear, or of a smaller distance than the margin.
     margin: float = 0.0  #: Distance below the critical temperature [K].
 
@@ -121,12 +122,13 @@ def design(
     >>> from dataclasses import replace
     >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
     >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
-    >>> goal = pipeline.Goal((pipeline.Place(400.0, 2.2),), risk=0.05)
+    >>> goal = pipeline.Goal([(400.0, 2.2)], risk=0.05)
     >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
     >>> limit.side, 418 < limit.value < 438
     ('at least', True)
     """
     entry = designed(ensemble, over)
+    places = [Place(*place) for place in goal.places]
     draws = draws_of(ensemble, draws or prior(ensemble.unknown, ensemble.design.seed + 1, _DRAWS))
     low, high = entry.parameters
 
@@ -135,7 +137,7 @@ def design(
         inputs = with_values(ensemble, draws.inputs, {**(at or {}), over: value})
         found = [
             probability_of(_excess(ensemble, inputs, place, goal.margin, shift), draws)
-            for place in goal.places
+            for place in places
         ]
         number = int(np.argmax([probability for probability, _ in found]))
         return *found[number], number
@@ -149,7 +151,7 @@ def design(
     best = int(np.argmin(chances))
     if chances[best] > goal.risk or (chances <= goal.risk).all():
         side, ends = ("none", None) if chances[best] > goal.risk else ("any", (low, high))
-        binding = goal.places[found[best if ends is None else int(np.argmax(chances))][2]]
+        binding = places[found[best if ends is None else int(np.argmax(chances))][2]]
         value = interval = None
     else:
         first, last = _run(chances <= goal.risk, best)
@@ -159,7 +161,7 @@ def design(
         side = "at least" if last == _VALUES - 1 else "at most" if first == 0 else "between"
         value = ends[0] if side == "at least" else ends[1]
         chance, error, number = worst(value)
-        binding = goal.places[number]
+        binding = places[number]
         step = (high - low) / (8 * _VALUES)
         slope = (off(min(value + step, high)) - off(max(value - step, low))) / (2 * step)
         apart = OF_90 * error / max(chance, _LEAST) / max(abs(slope), 1e-300)

@@ -27,17 +27,17 @@ from pipeline.analysis.dataset import (
     dataset_of,
     end_of_point,
     is_emulated,
-    open_sweep,
+    read_conditions,
     require_one_scene,
     stored_sweep,
     values_of,
 )
-from pipeline.analysis.decisive import conditions_of, require_sound
-from pipeline.analysis.scenes import scenes, taken
+from pipeline.analysis.decisive import require_sound
+from pipeline.analysis.scenes import scenes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.samples import Design
 from pipeline.sweep.unknown import Fixed, Unknown, without
@@ -61,8 +61,6 @@ from pipeline.uncertain.inputs import (
     LEAST_FRICTION,
     SHARE,
     condition,
-    fixed_at,
-    with_conditions,
 )
 from tribo import InputError
 from tribo.types import Array
@@ -129,30 +127,18 @@ class Ensemble:
     keeper: Keeper | None = None  #: Store in which fits are kept.
 
     @classmethod
-    def of(
-        cls,
-        ds: xr.Dataset | PathLike,
-        at: Mapping[str, float | str] | None = None,
-        **changed: Any,
-    ) -> Ensemble:
+    def of(cls, ds: xr.Dataset | PathLike) -> Ensemble:
         """Read the samples of a sweep.
 
         Parameters
         ----------
         ds : Dataset, str or path
-            Dataset of `pipeline.open_sweep`, or the path of a store.
-        at : mapping of str to float or str, optional
-            Values [SI], or text with a unit, by their paths: of entries with several, which the
-            samples are to have, and of unknown inputs to fix.
-        **changed
-            Friction, temperatures, share and criterion in place of the scene's and of those that
-            are drawn; see `pipeline.boundary`.
+            Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store.
 
         Raises
         ------
         InputError
-            If the sweep has no samples, too few of them are done, a condition lies outside its
-            range, or a value to fix an input at lies outside the samples.
+            If the sweep has no samples, or too few of them are done.
         """
         ds = dataset_of(ds)
         if not is_emulated(ds):
@@ -160,24 +146,16 @@ class Ensemble:
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "
                 "it into a new store"
             )
-        ds, at = taken(ds, at or {})
         require_one_scene(ds)
         sweep = stored_sweep(ds)
         draw = sweep.variants.draw
         assert draw is not None  # for the type checker: is_emulated has asked
-        design = draw.design
-        if isinstance(changed.get("friction"), tuple):
-            raise InputError("samples are judged at one --friction at a time; give one")
-        changed = with_conditions(at, changed)
-        conditions = conditions_of(ds, **changed)
-        unknown, stored = draw.unknown, draw.fixed
+        design, conditions = draw.design, read_conditions(ds)
         paths = [quantity.path for quantity in design.inputs]
-        movable = [one for one in stored if one.unknown.path in paths]
-        fixed = fixed_at(unknown, movable, at, changed, conditions)
         ds = ds.sortby("load").isel(variant=asked(ds).any("load").values)
         numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
-        is_drawn = SHARE in paths and "share" not in changed
+        is_drawn = SHARE in paths and SHARE not in {one.unknown.path for one in draw.fixed}
         shares = inputs[:, paths.index(SHARE)].tolist() if is_drawn else None
         of_rows = _row_conditions(conditions, sweep, ds["variant"].values.tolist(), shares)
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
@@ -194,7 +172,7 @@ class Ensemble:
         }
         return cls(
             title=sweep.about.title,
-            unknown=without(unknown, [one.unknown.path for one in fixed]),
+            unknown=draw.unknown,
             design=design,
             conditions=conditions,
             inputs=inputs.reshape(len(numbers), len(paths))[done],
@@ -206,7 +184,7 @@ class Ensemble:
             tests=tests,
             hold=hold,
             rises_by_hold=by_hold,
-            fixed=tuple({one.unknown.path: one for one in (*stored, *fixed)}.values()),
+            fixed=draw.fixed,
             missing=int(np.count_nonzero(~done)),
             same_rig=sweep.about.same_rig,
             velocity_error=velocity_error(sweep),
@@ -229,12 +207,17 @@ class Ensemble:
                 f"velocity, are not judged row by row at another {' and '.join(own)}; give that to "
                 "all rows, by options such as --friction"
             )
-        fixed = fixed_at(self.unknown, self.fixed, {}, own, conditions)
+        fixed = {
+            path: Fixed(one, float(own[name]))
+            for one in (*(one.unknown for one in self.fixed), *self.unknown)
+            for name, path in PATHS.items()
+            if name in own and one.path == path
+        }
         judged = replace(
             self,
             conditions=conditions,
-            unknown=without(self.unknown, [one.unknown.path for one in fixed]),
-            fixed=tuple({one.unknown.path: one for one in (*self.fixed, *fixed)}.values()),
+            unknown=without(self.unknown, fixed.keys()),
+            fixed=tuple(({one.unknown.path: one for one in self.fixed} | fixed).values()),
         )
         vars(judged)["_rise"] = self._rise  # the same at friction 1
         return judged
@@ -363,13 +346,12 @@ class Ensemble:
                 )
 
 
-def keep_fits(path: PathLike, **changed: Any) -> None:
-    """Fit the samples of a store and keep the fits in it, so that commands need not; see `of`."""
-    ds = open_sweep(path)
+def keep_fits(ds: xr.Dataset) -> None:
+    """Fit the samples of a store and keep the fits in it, so that commands need not."""
     ds["status"].encoding["reader"].may_keep = True
     for scene in scenes(ds) if is_emulated(ds) else ():
         with suppress(InputError):  # too few are done
-            ensemble = Ensemble.of(scene, **changed)
+            ensemble = Ensemble.of(scene)
             for held in ensemble.by_hold.values():
                 _ = held._rise
             _ = ensemble._width

@@ -18,8 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import log_ndtr
 
+from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.answers import LEAST_SLOPE, log_crossings
+from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.rig import SLOPES, Columns, learnt, log_discrepancy, with_rigs
 from tribo import InputError

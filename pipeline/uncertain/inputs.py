@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtr
 
-from pipeline.scene.units import in_si
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.samples import REACH
-from pipeline.sweep.unknown import Fixed, Unknown, drawn
-from tribo import InputError
+from pipeline.analysis.field import quantile
+from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.unknown import Unknown, drawn
 from tribo.types import Array
 
 QUANTILES = (0.05, 0.5, 0.95)
@@ -34,6 +31,9 @@ class Draws:
     inputs: Array
     weights: Array
     faults: tuple[str, ...] = ()
+    #: Scatters of runs that tests allow, and the odds of each by draw (n, n_scatter), if any do.
+    scatters: Array | None = None
+    by_scatter: Array | None = None
 
     @property
     def misfit(self) -> str:
@@ -66,9 +66,7 @@ class Draws:
 
     def quantile(self, values: Array, share: float) -> float:
         """Value that a share of the probability stays below; values may be infinite."""
-        order = np.argsort(values)
-        below = np.cumsum(self.weights[order]) - 0.5 * self.weights[order]
-        return float(np.interp(share, below, values[order]))
+        return quantile(values, self.weights, share)
 
     def interval(self, values: Array) -> tuple[float, float, float]:
         """Values that 5, 50 and 95 % of the probability stay below."""
@@ -87,81 +85,12 @@ FRICTION, BULK, CRITICAL, SHARE = (
 )  # fmt: skip
 LEAST_FRICTION = 1e-3
 """Friction of the few draws of a wide distribution that are lower, or negative."""
-_ROUNDED = 1e-9  # of a range, beyond which a value is outside
 
 
-_FIELDS = {
-    FRICTION: "friction",
-    BULK: "bulk_temperature",
-    CRITICAL: "critical_temperature",
-    SHARE: "failing_share",
-}
-_NAMES = _FIELDS | {SHARE: "share"}  # as `pipeline.boundary` takes them
+_FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 
 
 def condition(conditions: Conditions, path: str) -> float | None:
     """Value of a condition by the path of its entry [SI]; None if not known, or no condition."""
-    return getattr(conditions, _FIELDS[path]) if path in _FIELDS else None
-
-
-def with_conditions(at: Mapping[str, float | str], changed: Mapping[str, Any]) -> dict[str, Any]:
-    """Conditions that are changed, with those among the values to fix inputs at."""
-    both = {name: value for name, value in changed.items() if value is not None}
-    for path, value in at.items():
-        if path in _NAMES:
-            name = _NAMES[path]
-            if name in both:
-                raise InputError(f"{path} is given twice, also as {name}; give it once")
-            both[name] = value
-    return both
-
-
-def fixed_at(
-    unknown: Sequence[Unknown],
-    stored: Sequence[Fixed],
-    at: Mapping[str, float | str],
-    changed: Mapping[str, Any],
-    conditions: Conditions,
-) -> tuple[Fixed, ...]:
-    """Inputs that a condition or a value fixes, also in place of what samples have fixed."""
-    by_path = {one.path: one for one in (*(one.unknown for one in stored), *unknown)}
-    for path in at:
-        if path not in by_path and path not in _NAMES:
-            raise InputError(
-                f"{path} is not an unknown input of these samples, which have "
-                f"{', '.join(by_path)}; give one of these, or run the scene with it into another "
-                "store"
-            )
-    fixed = []
-    for path, one in by_path.items():
-        if _NAMES.get(path) in changed:
-            fixed.append(Fixed(one, float(getattr(conditions, _FIELDS[path]))))
-        elif path in at:
-            fixed.append(Fixed(one, _within(one, at[path])))
-    return tuple(fixed)
-
-
-def _within(unknown: Unknown, value: float | str) -> float:
-    """A value of an input in SI; raises if the samples do not reach it."""
-    shown = unknown.shown
-    if isinstance(value, str) and unknown.unit == "1":
-        raise InputError(f'{unknown.path} is "{value}"; give a plain number')
-    number = in_si(unknown.path, value, f"1 {shown.name}")
-    if unknown.kind == "list":
-        nearest = min(unknown.parameters, key=lambda one: abs(one - number))
-        if abs(nearest - number) <= _ROUNDED * abs(nearest):
-            return nearest
-        listed = ", ".join(f"{shown.of(one):g}" for one in unknown.parameters)
-        allowed = f"one of {listed}{shown.suffix}"
-    else:
-        low, high = unknown.quantile(ndtr(np.array([-REACH, REACH]))).tolist()
-        if unknown.kind == "uniform":
-            low, high = unknown.parameters
-        slack = _ROUNDED * (high - low)
-        if low - slack <= number <= high + slack:
-            return number
-        allowed = f"one from {shown.of(low):.4g} to {shown.of(high):.4g}{shown.suffix}"
-    raise InputError(
-        f"{unknown.path} is {shown.of(number):.6g}{shown.suffix}, beyond the samples; give "
-        f"{allowed}, or run the scene with --set {unknown.path}=… into another store"
-    )
+    names = [name for name, entry in _FIELDS.items() if entry == path]
+    return getattr(conditions, names[0]) if names else None

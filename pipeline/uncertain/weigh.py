@@ -13,9 +13,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 from scipy.optimize import brentq
 from scipy.special import logsumexp, ndtr, ndtri, softmax
 
+from pipeline.analysis.dataset import GIVEN_MEASURED, judged_values
 from pipeline.sweep.unknown import OF_90, Unknown, at_scores, sequence
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Joint, JudgedTests, Test
@@ -88,7 +90,12 @@ def posterior(
         model.unknown,
         model.columns,
         before,
-        replace(draws, faults=wrong),
+        replace(
+            draws,
+            faults=wrong,
+            scatters=model.scatters,
+            by_scatter=softmax(judgement.joint, axis=1),
+        ),
         by_others,
         scatter,
         inferred,
@@ -159,23 +166,17 @@ def _probability(test: Test, z: Array, weights: Array) -> float:
             return 2 * min(severe, 1 - severe)
 
 
-def posterior_if_given(
-    ensemble: Ensemble, given_measured: bool, scatter: float | None = None
-) -> Posterior | None:
-    """Inputs weighed by the tests, if they are to count, of which there has to be one then."""
-    if not given_measured:
-        if scatter is not None:
-            raise InputError(
-                f"scatter is {scatter:g}, of measured velocities that do not count here; add "
-                "--given-measured (in Python given_measured=True), or leave it out"
-            )
+def posterior_at(ds: xr.Dataset, ensemble: Ensemble) -> Posterior | None:
+    """Inputs weighed by the tests, if `pipeline.at` said that they are to count."""
+    scatter = judged_values(ds).get(GIVEN_MEASURED)
+    if scatter is None:
         return None
     if not ensemble.tests:
         raise InputError(
             "the scene has no measured transition and no test; give it a [[measured]] with load "
             "and velocity, or a [[tested]] with an outcome besides"
         )
-    return posterior(ensemble, SCATTER if scatter is None else scatter)
+    return posterior(ensemble, scatter or SCATTER)
 
 
 def basis_of(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:

@@ -12,8 +12,8 @@ from tests.helpers.browser import absent
 
 _FOLDER = Path(pipeline.figures.page.__file__).parent
 _SCRIPTS = (
-    "criterion", "lines", "rise", "plot", "state", "conditions",
-    "verdict", "tables", "margin",
+    "lines", "rise", "plot", "state", "conditions", "margin", "operating",
+    "tables", "diagram",
 )  # fmt: skip
 _STUB = """
 const held = JSON.parse(require("fs").readFileSync(0, "utf8"));

@@ -8,6 +8,8 @@ import xarray as xr
 from scipy import stats
 
 import tribo
+from pipeline.analysis.margin import answer
+from pipeline.analysis.model_error import ModelError
 from pipeline.store.schema import DONE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
@@ -15,10 +17,12 @@ from pipeline.sweep.samples import Design, Draw, samples_per_contact
 from pipeline.sweep.unknown import Unknown
 from pipeline.sweep.variants import drawn_rows
 from pipeline.uncertain import weigh
+from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import BULK, prior
 from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
+from pipeline.uncertain.samples import SampleField
 from tests.helpers import synthetic
 from tests.helpers.sweeps import attributes_of
 from tribo import QUANTILES
@@ -105,10 +109,21 @@ def distribution_of(unknown):
     return stats.uniform(first, second - first)
 
 
-def dataset(samples, growth=((0.0, 1.0),)):
+def field(samples):
+    """The field of samples, whose inputs are as they were drawn."""
+    return SampleField(samples, draws_of(samples, None), dataset(samples))
+
+
+def margin(samples, load, velocity, scatter=0.0):
+    """The margin at a place, with a scatter of runs about the model that four tests count as."""
+    return answer(field(samples), load, velocity, ModelError(usual=scatter))
+
+
+def dataset(samples, growth=((0.0, 1.0),), **told):
     """A dataset as `pipeline.open_sweep` gives it, whose ensemble is the one of these samples.
 
-    Factors by which rises grow after some holds are pairs of them.
+    Factors by which rises grow after some holds are pairs of them. Further values are those of
+    fields of its sweep.
     """
     holds, factors = np.array(growth).T
     rise = (samples.rises[..., None] * factors)[..., None]
@@ -122,14 +137,12 @@ def dataset(samples, growth=((0.0, 1.0),)):
         for kind, told in (("measured", False), ("tested", True))
     }
     about = synthetic.scene(
-        title=samples.title,
-        preset="draft",
         conditions=samples.conditions,
         loading=tribo.Ramp(150.0, 750.0, hold=samples.hold),
         loads=tuple(samples.loads.tolist()),
         velocities=tuple(VELOCITIES),
         variants=replace(drawn_rows(draw, count), parts=((),) * count),
-        **tests,
+        **{"title": samples.title, "preset": "draft"} | tests | told,
     )
     inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)
     return xr.Dataset(

@@ -4,12 +4,14 @@ from dataclasses import fields
 
 import numpy as np
 
-from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.dataset import read_conditions, stored_sweep
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.store.inputs import split_arrays
 from pipeline.store.schema import INPUTS
 from pipeline.sweep.about import About
 from pipeline.sweep.codec import sweep_text
 from pipeline.sweep.model import PART_OF, Plane, Record, Sweep
+from pipeline.sweep.severity import contact_temperature
 from pipeline.sweep.variants import Variants
 from tribo import Scene
 
@@ -42,6 +44,12 @@ def with_fields(ds, **values):
     """The dataset of a sweep with other values of fields of its parts, by their names."""
     held = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
     return ds.assign_attrs(attributes_of(stored_sweep(ds).changed(**values), held))
+
+
+def deciding(ds):
+    """Temperature that decides at each point of one scene [K]."""
+    judged = read_conditions(ds)
+    return contact_temperature(decisive_rise(ds, judged), judged)
 
 
 def inputs_of(table):

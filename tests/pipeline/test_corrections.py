@@ -8,14 +8,14 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.frames import compared
+from pipeline.analysis.laboratory import compared
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import SPECIFIC_WEAR_RATE
 from pipeline.uncertain import direct
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
-from tests.helpers.sweeps import with_fields
+from tests.helpers.sweeps import deciding, with_fields
 from tests.pipeline.conftest import commit_all
 
 STEEL = tiny.sweep().scene.disk
@@ -59,7 +59,7 @@ def test_all_answers_rest_on_the_same_corrected_rise(store):
     page = javascript.run(ds, "return summary().velocity.map(({ middle }) => middle);")
     np.testing.assert_allclose(page, crossings["critical_velocity"], rtol=5e-3)
     point = pipeline.run_point(sweep, 600.0, 1.0).verdict(conditions)
-    (margin,) = pipeline.margins(ds, 600.0, 1.0)
+    margin = pipeline.margin(ds, 600.0, 1.0)
     assert margin.decisive_temperature == pytest.approx(point.decisive_temperature, rel=1e-12)
     temperature = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)
     assert temperature.dropna("step")[-1].item() == pytest.approx(point.max_temperature)
@@ -94,10 +94,10 @@ def test_friction_by_velocity_is_that_friction_at_that_velocity(store):
         0.1, 298.15, 345.0, corrections=tribo.Corrections(friction=ALL.friction)
     )
     ds = with_fields(ds, conditions=by_velocity)
-    falling = pipeline.decisive_temperature(ds)
+    falling = deciding(ds)
     for velocity, friction in ((0.5, 0.11), (1.5, 0.09)):
         steady = with_fields(ds, conditions=CONDITIONS)
-        alone = pipeline.decisive_temperature(steady, friction=friction)
+        alone = deciding(pipeline.at(steady, friction=friction))
         np.testing.assert_allclose(falling.sel(velocity=velocity), alone.sel(velocity=velocity))
 
 
@@ -108,7 +108,8 @@ def test_a_friction_that_a_test_measured_stands_in_place_of_the_friction_by_velo
     test = Measurement(600.0, 1.5, friction=0.1, outcome="mild")
     plain = pipeline.open_sweep(store)
     ds = with_fields(plain, conditions=by_velocity, measured=(), tested=(test,))
-    (margin,) = pipeline.margins(plain, 600.0, 1.5, friction=0.1, critical_temperature=345.0)
+    steady = pipeline.at(plain, friction=0.1, critical_temperature=345.0)
+    margin = pipeline.margin(steady, 600.0, 1.5)
     (row,) = compared(ds).to_dict("records")
     assert row["decisive temperature [°C]"] + 273.15 == pytest.approx(margin.decisive_temperature)
 
@@ -217,7 +218,7 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
     (tmp_path / "scene.toml").write_text(f'extends = "known.toml"\n{UNKNOWN}{asked}')
     store = tmp_path / "out.zarr"
     commit_all(store, pipeline.load_scene(tmp_path / "scene.toml"))
-    samples = pipeline.Ensemble.of(store, at=at)
+    samples = pipeline.Ensemble.of(pipeline.at(store, **at))
     paths = [one.path for one in samples.design.inputs]
     for number in (0, 7):
         values = dict(zip(paths, samples.inputs[number].tolist(), strict=True))

@@ -13,7 +13,7 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import momentary_rise
 from pipeline.sweep.station_choice import choose_stations
 from tests.helpers import tiny
-from tests.helpers.sweeps import with_fields
+from tests.helpers.sweeps import deciding, with_fields
 from tests.pipeline.conftest import commit_all
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
@@ -50,7 +50,7 @@ def sweep_of(loading, motion=None, **changes):
 def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, steps, motion):
     sweep = sweep_of(LOADINGS[loading], motion, steps=steps)
     commit_all(tmp_path / "a.zarr", sweep)
-    (margin,) = pipeline.margins(tmp_path / "a.zarr", LOAD, VELOCITY)
+    margin = pipeline.margin(tmp_path / "a.zarr", LOAD, VELOCITY)
     point = run_point(sweep_of(LOADINGS[loading], motion), LOAD, VELOCITY)
     verdict = point.verdict(sweep.conditions)
     assert margin.decisive_temperature == pytest.approx(verdict.decisive_temperature, rel=1e-9)
@@ -94,7 +94,7 @@ def test_any_part_of_a_sweep_has_the_temperatures_that_it_has_in_the_whole(tmp_p
             all_steps["mean_temperature"].isel(step=part),
             rtol=1e-12,
         )
-        hottest = pipeline.decisive_temperature(some).sel(point).item()
+        hottest = deciding(some).sel(point).item()
         held = some["normal_load"].sel(load=LOAD) >= LOAD
         quantiles = all_steps["temperature_quantile"].isel(step=part).sel(point)
         at_share = quantiles.sel(cooler_share=0.9).where(held)

@@ -60,7 +60,7 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
     boundaries = pipeline.boundary(ds)
     commit_all(folder / "alone.zarr", alone(folder, pin_radius="4 mm"))
     one, other = (
-        pipeline.at_entries(ds, {"pin.radius": "4 mm"}),
+        pipeline.at(ds, **{"pin.radius": "4 mm"}),
         pipeline.open_sweep(folder / "alone.zarr"),
     )
     same(one, other)
@@ -97,7 +97,7 @@ def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
     ds = pipeline.open_sweep(store)
     assert ds["pin.radius"].values.tolist() == [0.001, 0.002, 0.003]
     commit_all(tmp_path / "alone.zarr", alone(tmp_path, pin_radius="1 mm", **small))
-    one = pipeline.at_entries(ds, {"pin.radius": "1 mm"})
+    one = pipeline.at(ds, **{"pin.radius": "1 mm"})
     same(one, pipeline.open_sweep(tmp_path / "alone.zarr"))
     assert pipeline.run_sweep(first, store, workers=1).computed == 0
 
@@ -140,9 +140,9 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
         pass
     ds = pipeline.open_sweep(tmp_path / "out.zarr")
     assert ds["pin.material"].values.tolist() == ["hard", "100Cr6"]
-    one = pipeline.at_entries(ds, {"friction.coefficient": 0.12, "pin.material": "hard"})
+    one = pipeline.at(ds, **{"friction.coefficient": 0.12, "pin.material": "hard"})
     assert stored_sweep(one).conditions.friction == 0.12
-    hottest = pipeline.decisive_temperature(ds)
+    hottest = pipeline.temperatures(pipeline.end_of_point(ds))["max_temperature"]
     assert hottest.dims == (*sweep.variants.axes, "load", "velocity")
     rises = hottest - 298.15
     ratio = rises.sel({"friction.coefficient": 0.12}) / rises.sel({"friction.coefficient": 0.08})
@@ -184,7 +184,7 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     assert (one["pin.radius"], other["pin.radius"]) == (0.002, 0.004)
     assert one["distance"] < other["distance"]
     (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
-    table = pipeline.margin_table(swept, folder / "duty.csv")
+    table = pipeline.margin(swept, folder / "duty.csv")
     assert table["distance [K]"].to_list() == [one["distance"], other["distance"]]
 
 
@@ -203,7 +203,7 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
 
 
 def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
-    (legend,) = pipeline.plot(swept, "diagram", friction=0.12).legends
+    (legend,) = pipeline.plot(pipeline.at(swept, friction=0.12), "diagram").legends
     assert [text.get_text() for text in legend.get_texts()][:2] == list(RADII)
     assert "friction 0.12, bulk 25" in legend.get_title().get_text()
     irg("report", swept, "-o", folder / "r.html")
@@ -222,5 +222,5 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     for words in (("boundary",), ("plot", "--watch", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said
-    with pytest.raises(InputError, match="pattern has one value alone in this sweep"):
-        pipeline.at_entries(swept, {"wear.pattern": "local"})
+    with pytest.raises(InputError, match=r"it has several of pin\.radius: run irg run"):
+        pipeline.at(swept, **{"wear.pattern": "local"})

@@ -78,15 +78,15 @@ def test_a_named_law_runs_on_workers_that_have_no_file_and_fails_its_points_by_n
 
 def test_a_criterion_of_one_s_own_judges_a_store(folder):
     commit_all("small.zarr", pipeline.load_scene("small.toml"))
-    crossings = pipeline.boundary("small.zarr", criterion="laws:median", own_laws=True)
-    half = pipeline.boundary("small.zarr", share=0.5)
+    crossings = pipeline.boundary(pipeline.at("small.zarr", criterion="laws:median", own_laws=True))
+    half = pipeline.boundary(pipeline.at("small.zarr", share=0.5))
     np.testing.assert_allclose(crossings["critical_velocity"], half["critical_velocity"], rtol=1e-6)
     digest = hashlib.sha256((folder / "laws.py").read_bytes()).hexdigest()
     assert crossings.attrs["criterion_hash"] == digest
     with pytest.raises(tribo.InvariantError, match="laws:beyond: a rise lies beyond"):
-        pipeline.boundary("small.zarr", criterion="laws:beyond", own_laws=True)
+        pipeline.boundary(pipeline.at("small.zarr", criterion="laws:beyond", own_laws=True))
     with pytest.raises(tribo.InvariantError, match="laws:whole: its rises have the shape"):
-        pipeline.boundary("small.zarr", criterion="laws:whole", own_laws=True)
+        pipeline.boundary(pipeline.at("small.zarr", criterion="laws:whole", own_laws=True))
 
 
 def test_a_store_keeps_the_name_and_the_hash_of_a_criterion_and_asks_for_the_word(folder, irg):
@@ -102,8 +102,8 @@ def test_a_store_keeps_the_name_and_the_hash_of_a_criterion_and_asks_for_the_wor
     with pytest.raises(tribo.InputError, match=scene.conditions.criterion_hash):
         pipeline.boundary("small.zarr")
     assert pipeline.warned("small.zarr").at_boundary is None or not pipeline.warned("small.zarr")
-    pipeline.boundary("small.zarr", criterion="laws:median", own_laws=True)
-    pipeline.boundary("small.zarr", criterion="mean")
+    pipeline.boundary(pipeline.at("small.zarr", criterion="laws:median", own_laws=True))
+    pipeline.boundary(pipeline.at("small.zarr", criterion="mean"))
     assert "criterion" not in pipeline.temperatures("small.zarr").attrs
     word = ["--criterion", "laws:median", "--own-laws"]
     assert "is not the text" not in irg("boundary", "small.zarr", *word)

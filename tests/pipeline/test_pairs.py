@@ -7,6 +7,8 @@ import pytest
 from matplotlib.colors import to_hex
 
 import pipeline
+from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.margins import judged
 from pipeline.figures.style import TINTS
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Column, placed_rows
@@ -46,13 +48,18 @@ def stores(tmp_path_factory):
     return {name: folder / f"{name}.zarr" for name in made}
 
 
+def margins_of(ds):
+    """The margins of the rows."""
+    return [one.known() for one in judged(dataset_of(ds), None)]
+
+
 def draft(path):
     """The store with the error that a preset promises, by which verdicts are decided."""
     return with_fields(pipeline.open_sweep(path), preset="draft")
 
 
 def test_margins_are_those_of_points_and_factors_come_from_places_about(stores, irg):
-    margins = pipeline.margins(stores["about"], critical_temperature="90 degC")
+    margins = margins_of(pipeline.at(stores["about"], critical_temperature="90 degC"))
     assert [(one.load, one.velocity) for one in margins] == [(300.0, 1.0)] * 2
     for margin, radius in zip(margins, RADII, strict=True):
         pin = replace(sweep().scene.pin, radius=radius)
@@ -67,7 +74,7 @@ def test_margins_are_those_of_points_and_factors_come_from_places_about(stores, 
 def test_a_boundary_of_pairs_is_their_factors_or_says_what_has_them(stores, irg):
     said = irg("boundary", stores["about"], *COOL)
     assert said.startswith("2 of 2 rows cross the boundary between half and twice")
-    margins = pipeline.margins(stores["about"], critical_temperature="90 degC")
+    margins = margins_of(pipeline.at(stores["about"], critical_temperature="90 degC"))
     for margin in margins:
         assert f"{margin.velocity_factor:.4g} " in said
         assert f"{margin.critical_load:.4g} " in said
@@ -77,13 +84,13 @@ def test_a_boundary_of_pairs_is_their_factors_or_says_what_has_them(stores, irg)
 
 
 def test_the_figure_of_pairs_has_their_margins_by_row(stores):
-    ds, hot = draft(stores["alone"]), {"critical_temperature": "300 degC"}
-    (axes,) = pipeline.plot(ds, "diagram", **hot).axes
+    ds = pipeline.at(draft(stores["alone"]), critical_temperature="300 degC")
+    (axes,) = pipeline.plot(ds, "diagram").axes
     assert axes.get_xlabel() == "gear"
     assert [label.get_text() for label in axes.get_xticklabels()] == ["a", "b"]
     (drawn,) = (line for line in axes.lines if line.get_gid() == "mild wear")
     np.testing.assert_array_equal(drawn.get_xdata(), [0, 1])
-    table = pipeline.margin_table(ds, **hot)
+    table = pipeline.margin(ds)
     distances, errors = table["distance [K]"], table["temperature error [K]"]
     np.testing.assert_array_equal(drawn.get_ydata(), distances)
     (bars,) = axes.collections
@@ -97,11 +104,12 @@ def test_the_figure_of_pairs_has_their_margins_by_row(stores):
 
 def test_the_figure_marks_what_is_not_decided_or_not_done_and_has_factors_of_places_about(stores):
     ds = draft(stores["about"])
-    (margin, _) = pipeline.margins(ds)
+    (margin, _) = margins_of(ds)
     near = margin.decisive_temperature + 0.5 * margin.temperature_error
-    margins, factors = pipeline.plot(ds, "diagram", critical_temperature=near).axes
+    ds = pipeline.at(ds, critical_temperature=near)
+    margins, factors = pipeline.plot(ds, "diagram").axes
     assert "not decided" in {line.get_gid() for line in margins.lines}
-    held = pipeline.margin_table(ds, critical_temperature=near)["load factor"]
+    held = pipeline.margin(ds)["load factor"]
     drawn = {line.get_gid(): line.get_ydata() for line in factors.lines}
     np.testing.assert_array_equal(drawn["load"], held)
     assert any(np.array_equal(line.get_ydata(), [1.0, 1.0]) for line in factors.lines)
@@ -118,7 +126,7 @@ def test_a_report_of_pairs_answers_row_by_row(stores, tmp_path):
 
 def test_a_difference_of_pairs_is_of_their_margins_row_by_row(stores, irg):
     between = pipeline.diff(stores["alone"], stores["other"])
-    here = [margin.distance for margin in pipeline.margins(stores["alone"])]
+    here = pipeline.margin(stores["alone"])["distance [K]"].to_list()
     assert between.boundary["a [K]"].to_list() == here
     assert between.boundary["change [K]"].to_list()[0] == 0
     assert between.boundary["in b"].fillna("").to_list() == ["", "load [N] 600"]
@@ -133,11 +141,11 @@ def test_what_needs_a_plane_is_refused_in_a_line(stores, tmp_path, irg):
         ("explore", stores["alone"], "-o", tmp_path / "page.html"),
         ("plot", stores["alone"], "--kind", "ramp", "-o", tmp_path / "ramp.png"),
     ):
-        assert "take pairs row by row" in irg(*command, code=2)
+        assert "take them row by row" in irg(*command, code=2)
     assert "leave out log" in irg("plot", stores["alone"], "--log", code=2)
 
 
 def test_one_row_of_pairs_is_a_plane_of_one_point(stores):
-    row = pipeline.at_entries(stores["alone"], {"variant": 1})
-    (margin,) = pipeline.margins(row, 300.0, 1.0)
-    assert margin.distance == pipeline.margins(stores["alone"])[1].distance
+    row = pipeline.at(stores["alone"], variant=1)
+    margin = pipeline.margin(row, 300.0, 1.0)
+    assert margin.distance == pipeline.margin(stores["alone"])["distance [K]"][1]

@@ -1,6 +1,7 @@
 """Quantities as text with units, wherever the command takes them."""
 
 import pytest
+import xarray as xr
 
 import pipeline
 from tests.helpers import synthetic, tiny
@@ -16,9 +17,10 @@ def test_a_point_is_the_same_from_text_as_from_numbers():
 
 def test_a_boundary_and_a_margin_take_text():
     ds = synthetic.sweep()
-    crossings = pipeline.boundary(ds, bulk_temperature="40 degC", share="20%")
-    assert (crossings == pipeline.boundary(ds, bulk_temperature=313.15, share=0.2)).all()
-    text, number = pipeline.margins(ds, "500 N", "100 cm/s"), pipeline.margins(ds, 500.0, 1.0)
+    text = pipeline.at(ds, bulk_temperature="40 degC", share="20%")
+    number = pipeline.at(ds, bulk_temperature=313.15, share=0.2)
+    xr.testing.assert_identical(pipeline.boundary(text), pipeline.boundary(number))
+    text, number = pipeline.margin(ds, "500 N", "100 cm/s"), pipeline.margin(ds, 500.0, 1.0)
     assert repr(text) == repr(number)  # with NaN, which is not equal to itself
 
 
@@ -27,8 +29,8 @@ def test_a_boundary_and_a_margin_take_text():
     [
         (lambda: pipeline.run_point(tiny.sweep(), "600", "1 m/s"), '^load: "600" has no unit'),
         (lambda: pipeline.run_point(tiny.sweep(), 600.0, "1 N"), "^velocity: .*such as "),
-        (lambda: pipeline.margins(synthetic.sweep(), "600 kg", 1.0), "^load: .*converted to N"),
-        (lambda: pipeline.boundary(synthetic.sweep(), share="ten"), '^"ten": give a share'),
+        (lambda: pipeline.margin(synthetic.sweep(), "600 kg", 1.0), "^load: .*converted to N"),
+        (lambda: pipeline.at(synthetic.sweep(), share="ten"), '^"ten": give a share'),
         (lambda: pipeline.plot(synthetic.sweep(), "ramp", load="6 m"), "^load: "),
     ],
 )

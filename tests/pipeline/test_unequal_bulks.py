@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
+from tests.helpers.sweeps import deciding
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
@@ -73,16 +75,15 @@ def test_temperatures_are_those_of_the_fields(unequal):
 def test_the_conditions_stay_free_after_the_run(unequal, equal):
     for friction, bulk in ((0.1, 298.15), (0.07, "40 degC")):
         conditions = {"friction": friction, "bulk_temperature": bulk, "critical_temperature": 400.0}
-        assert pipeline.boundary(unequal, **conditions).equals(
-            pipeline.boundary(equal, **conditions)
-        )
+        judged = (pipeline.at(ds, **conditions) for ds in (unequal, equal))
+        xr.testing.assert_equal(*map(pipeline.boundary, judged))
     colder_disk, warmer_disk = (
-        pipeline.decisive_temperature(unequal, bulk_temperature={"pin": "60 degC", "disk": disk})
+        deciding(pipeline.at(unequal, bulk_temperature={"pin": "60 degC", "disk": disk}))
         for disk in ("20 degC", 353.15)
     )
     assert (colder_disk < warmer_disk).all()
     # A contact without friction lies between its bodies.
-    still = pipeline.decisive_temperature(unequal, friction=0.0, bulk_temperature=BOTH)
+    still = deciding(pipeline.at(unequal, friction=0.0, bulk_temperature=BOTH))
     assert ((still > 298.15) & (still < 333.15)).all()
 
 
@@ -96,12 +97,12 @@ def test_the_conditions_stay_free_after_the_run(unequal, equal):
 )
 def test_bulk_temperatures_that_cannot_be_are_refused(unequal, bulk, said):
     with pytest.raises(InputError, match=said):
-        pipeline.boundary(unequal, bulk_temperature=bulk)
+        pipeline.at(unequal, bulk_temperature=bulk)
 
 
 def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, equal, irg):
     with pytest.raises(InputError, match="for bodies of one bulk temperature"):
-        pipeline.boundary(equal, bulk_temperature=BOTH)
+        pipeline.at(equal, bulk_temperature=BOTH)
     option = ("--bulk-temperature", "pin=60 degC,disk=25 degC")
     error = irg("boundary", stores / "equal.zarr", *option, code=2)
     assert error.count("\n") == 1

@@ -60,7 +60,7 @@ def test_each_row_has_a_boundary_with_its_own_limit(store):
     both = np.isfinite(thin) & np.isfinite(thick)
     assert (thick > thin).where(both, True).all()
     for oil in OILS:
-        alone = pipeline.boundary(pipeline.at_entries(store, {"oil": oil, "case": "slim"}))
+        alone = pipeline.boundary(pipeline.at(store, oil=oil, case="slim"))
         there = boundary["critical_velocity"].sel(oil=oil, case="slim")
         assert np.array_equal(alone["critical_velocity"], there, equal_nan=True)
 

@@ -35,7 +35,7 @@ def test_the_boundary_asks_for_it_by_its_key(store):
     for judge in (pipeline.boundary, lambda ds: pipeline.plot(ds, "diagram", "figure.png")):
         with pytest.raises(InputError, match=r"temperature\.critical.*--critical-temperature"):
             judge(ds)
-    crossings = pipeline.boundary(ds, critical_temperature=330.0)
+    crossings = pipeline.boundary(pipeline.at(ds, critical_temperature=330.0))
     assert crossings["critical_velocity"].notnull().any()
 
 
@@ -85,4 +85,4 @@ def test_warnings_are_counted_without_a_boundary(store):
 def test_kelvins_at_which_no_oil_works_are_refused_with_a_hint(store, changes, said):
     conditions = {"bulk_temperature": 298.15, "critical_temperature": 418.15} | changes
     with pytest.raises(InputError, match=said):
-        pipeline.boundary(pipeline.open_sweep(store), **conditions)
+        pipeline.at(pipeline.open_sweep(store), **conditions)

@@ -1,4 +1,4 @@
-"""Judge `pipeline.risk` at one operating point by direct simulations, each with inputs of its own.
+"""Judge the probability of samples at an operating point by direct simulations of other inputs.
 
 The direct ones know no emulator: each draws its inputs by another seed than the samples and the
 probability do, simulates the point from the start of the ramp, and looks whether
@@ -22,6 +22,7 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.unknown import drawn
 from pipeline.sweep.variants import Variants
+from pipeline.uncertain.answers import draws_of, probability_of
 from tests.helpers.campaigns import conclude
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -78,7 +79,9 @@ def direct(scene, entries, overrides, place, processes):
 def judged(ensemble, scene, count, overrides, place, processes=1):
     """The risk beside direct simulations, and the error of the emulated rise of each."""
     load, velocity = place
-    stated = pipeline.risk(ensemble, load, velocity)
+    draws = draws_of(ensemble, None)
+    of_draws = ensemble.excess(draws.inputs, load, velocity)
+    stated, error = probability_of(of_draws, draws)
     values, entries = drawn_anew(ensemble, count)
     excesses = direct(scene, entries, overrides, place, processes)
     share = float(np.mean(excesses > 0))
@@ -88,17 +91,16 @@ def judged(ensemble, scene, count, overrides, place, processes=1):
     return {
         "load": load,
         "velocity": velocity,
-        "samples": stated.samples,
-        "risk": stated.probability,
-        "risk_error": stated.error,
+        "samples": len(ensemble.inputs),
+        "risk": stated,
+        "risk_error": error,
         "direct_simulations": count,
         "direct": share,
         "direct_error": by_chance,
-        "standard_errors_apart": (stated.probability - share)
-        / max(math.hypot(stated.error, by_chance), 1e-12),
+        "standard_errors_apart": (stated - share) / max(math.hypot(error, by_chance), 1e-12),
         "bias": float(missed.mean()),
         "spread": float(missed.std()),
-        "rise_error": stated.rise_error,
+        "rise_error": math.sqrt(float(draws.mean(of_draws.error**2))),
         "within_90_percent": float(np.mean(np.abs(missed) < 1.645 * emulated.error)),
     }
 

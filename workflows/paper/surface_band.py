@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline import boundary
+from pipeline import at, boundary
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.variants import surfaces
 from tribo import InputError
@@ -35,7 +35,7 @@ def band(study: Study) -> Report:
     velocities = at_load["critical_velocity"].values
     quantiles = at_load["critical_velocity_quantile"].values
     spreads = (at_load["critical_velocity_spread"] / at_load["critical_velocity_mean"]).values
-    at_ends = boundary(ds, friction=(most, least))["critical_velocity_quantile"]
+    at_ends = boundary(at(ds, friction=(most, least)))["critical_velocity_quantile"]
     ends = at_ends.sel(load=loads, quantile=0.5).transpose("load", ...).values
     rows = list(zip(measured, quantiles, spreads, ends, strict=True))
     inside = sum(slow <= entry.velocity <= fast for entry, *_, (slow, fast) in rows)

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline import boundary
+from pipeline import at, boundary
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import GREEN
 from workflows.paper.report import Report, texts
@@ -24,7 +24,7 @@ def fig10(study: Study) -> Report:
     _, by_local_wear = study.sweep(worn(sweep, "local"), f"{name}_local")
 
     def critical(load: float, friction: float | None = None) -> float:
-        return float(boundary(ds, friction=friction)["critical_velocity"].sel(load=load))
+        return float(boundary(at(ds, friction=friction))["critical_velocity"].sel(load=load))
 
     rows, transitions, off = [], [], []
     for entry in sweep.about.measured:

@@ -1,11 +1,8 @@
-// @ts-check
 "use strict";
 /* The conditions: sliders and fields, and faults of what was typed. */
 
-/**
- * Fault of conditions; empty if there is none.
- * @param {Conditions} conditions @param {Control} control of the one that was changed
- */
+/** Fault of conditions; empty if there is none. @param {Conditions} conditions @param {Control} control of
+ * the one that was changed */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
   if (!Number.isFinite(value)) return "give a number such as 0.12";
@@ -41,11 +38,8 @@ function sources({ name }) {
   return [input(name), input(`${name}-range`)];
 }
 
-/**
- * The number that was typed, with a decimal comma or point; NaN if it is none. A field of type
- * number would not do: some browsers drop a comma unseen.
- * @param {string} text
- */
+/** The number that was typed, with a decimal comma or point; NaN if it is none. A field of type number would
+ * not do: some browsers drop a comma unseen. @param {string} text */
 function typed(text) {
   const isThousands = /^[+-]?[1-9]\d{0,2},\d{3}$/.test(text.trim());
   const plain = text.trim().replace("−", "-").replace(",", isThousands ? "," : ".");
@@ -70,14 +64,46 @@ function showFault({ name }, fault) {
   input(name).setAttribute("aria-invalid", fault ? "true" : "false");
 }
 
-/**
- * Show a condition in its slider and its field, but for the one that it comes from.
- * @param {Control} control @param {HTMLInputElement | null} source
- */
+/** Show a condition in its slider and its field, but for the one that it comes from. @param {Control} control
+ * @param {HTMLInputElement | null} source */
 function showControl(control, source) {
   const value = chosen.conditions[control.name] ?? null;
   const text = value === null ? "" : String(Number((value * control.factor + control.offset).toPrecision(9)));
   const [field, slider] = sources(control);
   for (const target of [field, slider]) if (target !== source) target.value = text;
   if (!source) showFault(control, "");
+}
+
+
+/** Bulk temperature of the disk less that of the pin [K]. @param {Conditions} conditions */
+function bulkDifference({ bulk_temperature, disk_temperature = bulk_temperature }) {
+  return disk_temperature - bulk_temperature;
+}
+
+/** Factor of the rise at friction 1: the friction. Without friction unequal bulk temperatures still warm one
+ * of the bodies; then it is so small that their ratio to it is the largest one that is kept. @param
+ * {Conditions} conditions */
+function riseFactor(conditions) {
+  const largest = Math.max(...content.bulk_ratios, 1);
+  return Math.max(conditions.friction, Math.abs(bulkDifference(conditions)) / largest);
+}
+
+/** Difference of the bulk temperatures over the factor of the rise [K]. @param {Conditions} conditions */
+function bulkRatio(conditions) {
+  const difference = bulkDifference(conditions);
+  return difference === 0 ? 0 : difference / riseFactor(conditions);
+}
+
+/** Bulk temperature of the colder body [K]. @param {Conditions} conditions */
+function coldestBulk(conditions) {
+  return conditions.bulk_temperature + Math.min(0, bulkDifference(conditions));
+}
+
+/** Rise at friction 1 above which wear is severe [K]; infinite without friction. @param {Conditions}
+ * conditions */
+function riseLimit(conditions) {
+  const { critical_temperature } = conditions;
+  if (critical_temperature === null) return NaN;
+  const factor = riseFactor(conditions);
+  return factor === 0 ? Infinity : (critical_temperature - coldestBulk(conditions)) / factor;
 }

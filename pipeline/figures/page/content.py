@@ -15,25 +15,34 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import (
     asked,
     corrected_sweep,
     end_of_point,
     ordered,
     plane_of,
+    read_conditions,
+    scene_sweep,
     stored_sweep,
     sweep_at_bulks,
     values_of,
 )
-from pipeline.analysis.decisive import conditions_of, decisive_rise, require_all_sound
+from pipeline.analysis.decisive import decisive_rise, require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.frames import laboratory_tests
-from pipeline.analysis.margin_error import error_table
-from pipeline.analysis.transition import interpolated, outcomes, range_of
+from pipeline.analysis.field import LEAST_SLOPE, PointField, point_field
+from pipeline.analysis.frames import frames_of
+from pipeline.analysis.laboratory import agreement, compared, laboratory_tests, model_error
+from pipeline.analysis.margin import DECIDED
+from pipeline.analysis.model_error import USUAL, ModelError
+from pipeline.analysis.tables import html_of
+from pipeline.analysis.transition import outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach
 from pipeline.figures.page.controls import controls
 from pipeline.figures.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
 from pipeline.sweep.conditions import Conditions
@@ -60,10 +69,10 @@ _NUMBERS = (
 """Numbers of a point: variable, label, unit, and its factor."""
 
 
-def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) -> dict[str, Any]:
+def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
     ds = ordered(plane_of(ds))
-    sweep, conditions = stored_sweep(ds), conditions_of(ds, **criterion)
+    sweep, conditions = stored_sweep(ds), read_conditions(ds)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     done = values_of(ds, "status") == DONE
@@ -83,13 +92,13 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         **_about(ds, sweep),
         **_on_points(ds),
         "conditions": _conditions(ds, conditions),
+        "scene": _conditions(ds, scene_sweep(ds).conditions),
         "controls": [
             asdict(control)
             for control in controls(
                 conditions, sweep.scene.friction_heat, len(ratios) > 1, len(shares) > 1
             )
         ],
-        "errors": packed_array(error_table(ds, decisive_rise(ds, conditions)), "<f4"),
         "accuracy": error_in_words(sweep),
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
@@ -97,7 +106,8 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS, **criterion: Any) ->
         "bulk_ratios": ratios,
         "shares": shares,
         "rises": packed_array(_at_step(quantiles, steps[..., None, None]), "<f4"),
-        **_planes(decisive, ds, own, conditions.friction_factor),
+        **_planes(decisive, ds, own, conditions),
+        **_on_model(ds),
         "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
     }
@@ -118,10 +128,13 @@ def _course(ds: xr.Dataset) -> dict[str, Any]:
 
 def _about(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
     """What a page shows of the scene, its axes and its tests."""
+    tests = compared(ds)
     return {
         "title": sweep.about.title,
         "name": sweep.about.name,
-        "measured": in_reach(ds, laboratory_tests(ds))[0],
+        "tests": "" if tests is None else html_of(tests),
+        "agreement": "" if tests is None else agreement(tests),
+        "measured": [_told(test) for test in in_reach(ds, laboratory_tests(ds))[0]],
         "regions": [MILD, SEVERE],
         "friction_band": sweep.about.friction_band,
         "chosen": sweep.plane.chosen is not None,
@@ -133,6 +146,11 @@ def _about(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
         "surfaces": ds.indexes.get("realization", pd.Index([])).tolist() or None,
         "record": record(ds, sweep),
     }
+
+
+def _told(test: Measurement) -> dict[str, Any]:
+    """A test, and its place by the names of the axes."""
+    return test.as_dict() | {"load": test.normal_load}
 
 
 def _on_points(ds: xr.Dataset) -> dict[str, Any]:
@@ -157,36 +175,37 @@ def _on_points(ds: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def content_of_samples(
-    ds: xr.Dataset, given_measured: bool = False, scatter: float | None = None, **criterion: Any
-) -> dict[str, Any]:
+_LOADS, _VELOCITIES = 45, 121  # of the plane of a page of samples
+
+
+def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.answers import MEAN_OF_RUNS, frame_of_lines, probabilities, risk_lines
-    from pipeline.uncertain.ensemble import Ensemble
-    from pipeline.uncertain.weigh import basis_of, posterior_if_given
+    from pipeline.uncertain.samples import single_field
+    from pipeline.uncertain.weigh import basis_of
 
-    sweep = stored_sweep(ds)
-    ensemble = Ensemble.of(ds, **criterion)
-    weighed = posterior_if_given(ensemble, given_measured, scatter)
-    draws = weighed.draws if weighed else None
-    single = ensemble.loads if len(ensemble.loads) == 1 else None
-    plane = probabilities(ensemble, draws, loads=single)
-    shares, lines = risk_lines(plane)
+    sweep, field = stored_sweep(ds), single_field(ds)
+    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
+    loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
+    loads = loads if len(ensemble.loads) > 1 else ensemble.loads
+    velocities = np.linspace(*ensemble.velocities, _VELOCITIES)
+    plane = field.plane(loads.tolist(), velocities, scatter)
+    rising = np.maximum.accumulate(plane, axis=1)
+    lines = [np.interp(DECIDED, row, velocities) for row in rising]
     return {
         "title": sweep.about.title,
         "name": sweep.about.name,
         "evidence": f", given {weighed.evidence}" if weighed else "",
-        "basis": [*basis_of(ensemble, weighed), MEAN_OF_RUNS],
-        "measured": [*ensemble.tests],
-        "loads": plane["load"].values.tolist(),
-        "velocities": plane["velocity"].values.tolist(),
-        "probability": packed_array([plane.values], "<f4"),
-        "picture": coloured(plane.values[::-1]),
+        "basis": [*basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
+        "measured": [_told(test) for test in laboratory_tests(ds)],
+        "loads": loads.tolist(),
+        "velocities": velocities.tolist(),
+        "probability": packed_array([plane], "<f4"),
+        "picture": coloured(plane[::-1]),
         "scale": coloured(np.linspace([0.0], [1.0], 64).T),
-        "shares": list(shares),
-        "lines": np.clip(lines, *ensemble.velocities).tolist(),
-        "table": frame_of_lines(ensemble, draws),
+        "shares": list(DECIDED),
+        "lines": np.array(lines).tolist(),
+        "table": frames_of(boundary(ds))[0],
         "samples": ds.sizes["variant"],
         "done": int((ds["status"] == DONE).sum()),
         "record": record(ds, sweep),
@@ -223,43 +242,93 @@ def _at_step(values: Array, steps: Indices) -> Array:
 
 
 def _planes(
-    rises: Array, ds: xr.Dataset, own: tuple[int, int], friction: Callable[[Array], Array]
+    rises: Array, ds: xr.Dataset, own: tuple[int, int], conditions: Conditions
 ) -> dict[str, Any]:
-    """Tables of the deciding rise along velocity at each load, and along load at each velocity.
+    """Tables of the deciding rise on a fine plane, and along load at each velocity of the sweep.
 
     Rises by load, velocity, bulk ratio and share [K]; `own` are the places of the last two that the
-    scene has, whose error is told. Friction is the factor that depends on velocity.
+    scene has, whose error is told. Along velocity the plane goes on beyond the points, far beyond
+    at its outermost nodes.
     """
     loads, velocities = ds["load"].values, ds["velocity"].values
     done = values_of(ds, "status") == DONE
     missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
-    by_friction = friction(velocities)[:, None, None]
-    fine_friction = friction(between(velocities, by_velocity))[:, None, None]
-    rows = along(rises / by_friction, velocities, by_velocity, -3) * fine_friction
-    plane = along(rows, loads, by_load, -4)
-    columns = along(rises, loads, by_load, -4)
-    across = np.zeros(plane.shape[:-2], dtype=bool)
-    across[..., ::by_load, :] = bridged(done, missing, by_velocity)
-    upwards = bridged(done.swapaxes(-1, -2), missing.swapaxes(-1, -2), by_load)
+    fine_loads, first = between(loads, by_load), int(velocities[0] > 0 and len(velocities) > 1)
+    rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
+    state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
+    is_within = np.isin(state[..., ::by_load, :], (COMPUTED, INTERPOLATED))[..., None, None]
+    within = along(np.where(is_within, rows, np.nan), loads, fine_loads, -4)
+    plane = np.where(np.isfinite(within), within, along(rows, loads, fine_loads, -4))
+    columns = along(rises, loads, fine_loads, -4)
     at_own = rises[..., own[0], own[1]]
     return {
-        "fine": {
-            "velocity": between(velocities, by_velocity).tolist(),
-            "load": between(loads, by_load).tolist(),
-        },
+        "fine": {"velocity": nodes.tolist(), "load": fine_loads.tolist()},
         "parts": {"load": by_load, "velocity": by_velocity},
-        "friction_factors": fine_friction.ravel().tolist(),
-        "lines": {
-            "velocity": packed_array(plane, "<f4"),
-            "load": packed_array(columns.swapaxes(-4, -3), "<f4"),
-        },
-        "bridged": {"velocity": _bits(across), "load": _bits(upwards)},
+        "first": first,
+        "friction_factors": conditions.friction_factor(nodes).tolist(),
+        "plane": packed_array(plane, "<f4"),
+        "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
+        "columns": packed_array(columns.swapaxes(-4, -3), "<f4"),
+        "state": "".join(map(str, state.ravel().tolist())),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
         "error": max(
-            error_of_lines(at_own, velocities, by_velocity, friction),
+            error_of_lines(at_own, velocities, by_velocity, conditions.friction_factor),
             error_of_lines(at_own.swapaxes(-1, -2), loads, by_load),
         ),
+    }
+
+
+def node_errors(field: PointField, state: Indices, loads: Array, velocities: Array) -> Array:
+    """Relative numerical error of the rise at nodes: by surface, load and velocity.
+
+    It is the same between the same points; beyond them it grows with the way from the last one.
+    """
+    state = state.reshape(-1, *state.shape[-2:])
+    own, others = field.planes[0].velocities, field.planes[0].loads
+    _, rows, alike = np.unique(_slots(others, loads), return_index=True, return_inverse=True)
+    _, columns, same = np.unique(_slots(own, velocities), return_index=True, return_inverse=True)
+    errors = np.full((len(state), len(rows), len(velocities)), np.nan)
+    for number, plane in enumerate(field.planes):
+        one = replace(field, planes=(plane,))
+        for k, row in enumerate(rows.tolist()):
+            goes_on = np.isin(state[number, row], (BETWEEN, EXTRAPOLATED))
+            asked = np.union1d(columns, np.flatnonzero(goes_on))
+            totals = {j: one.error(float(loads[row]), float(velocities[j])).total for j in asked}
+            errors[number, k] = [
+                totals[j if goes_on[j] else columns[same[j]]] for j in range(len(velocities))
+            ]
+    return errors[:, alike]
+
+
+def _slots(points: Array, nodes: Array) -> Indices:
+    """Numbers of the points, and of the intervals between them, in which nodes lie."""
+    slots: Indices = 2 * np.searchsorted(points, nodes) - ~np.isin(nodes, points)
+    return slots
+
+
+def _on_model(ds: xr.Dataset) -> dict[str, Any]:
+    """The distribution of the model's own error, and by what a verdict is decided.
+
+    Cumulative probabilities by the number of tests that count, at distances in units of the scale.
+    """
+    usual = stored_sweep(ds).about.model_scatter
+    usual = USUAL if usual is None else usual
+    distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
+    counts = range(len(laboratory_tests(ds)) + 1)
+    plain = [ModelError((0.0,) * n, 1.0) for n in counts]
+    own = [ModelError((0.0,) * n, usual) for n in counts]
+    words = [one.worded.partition(" % ")[2] for one in own]
+    return {
+        "model": {
+            "distances": distances.tolist(),
+            "below": [one.below(distances * one.scale).round(7).tolist() for one in plain],
+            "base": [one.scale**2 for one in own],
+            "weight": [0.0, *(ModelError((1.0,) * n, 0.0).scale ** 2 / n for n in counts[1:])],
+            "words": [own[0].worded, *words[1:]],
+        },
+        "misfit": point_field(ds).misfit,
+        "decided": [DECIDED[0], DECIDED[-1]],
     }
 
 
@@ -310,6 +379,10 @@ def packed_array(values: Any, dtype: str) -> str:
 _PLACES = np.array([60, 30])  # velocities and loads at least, where there is room for them
 _MOST = 400_000  # values of a table, 2 MB of a page
 _FLAT = 0.05  # least exponent of a rise whose crossings are judged
+_FAR = 1e6  # ratio of the velocity of an outermost node to the nearest one of the sweep
+_STEPS, _WIDEST = 241, 7.0  # of the model's error: distances, and the widest by its hyperbolic sine
+COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
+"""States of nodes. Between loads one row may go on beyond its points where the other has some."""
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
@@ -327,14 +400,17 @@ def between(places: Array, parts: int) -> Array:
     return np.interp(index, np.arange(len(places)), places)
 
 
-def along(values: Array, places: Array, parts: int, axis: int) -> Array:
-    """Interpolate values between the places of an axis; those at them stay as they are."""
-    if len(places) == 1:
+def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
+    """Interpolate values along an axis, those that are not finite left out; see `Curve`.
+
+    Values at places of the axis stay as they are. If continued, they go on beyond the known ones.
+    """
+    if len(x) == 1:
         return values
     rows = np.moveaxis(values, axis, 0)
-    columns, fine_places = rows.reshape(len(places), -1), between(places, parts)
-    fine = np.empty((len(fine_places), columns.shape[1]))
-    is_positive = ~(columns <= 0).any(axis=0) & (places[0] > 0)
+    columns = rows.reshape(len(x), -1)
+    fine = np.full((len(places), columns.shape[1]), np.nan)
+    is_positive = ~(columns <= 0).any(axis=0) & (x[0] > 0)
     # Columns that are finite at the same places are one interpolation, in place of thousands.
     alike, group = np.unique(
         np.vstack([np.isfinite(columns), is_positive]), axis=1, return_inverse=True
@@ -342,20 +418,69 @@ def along(values: Array, places: Array, parts: int, axis: int) -> Array:
     for number in range(alike.shape[1]):
         of = np.flatnonzero(group == number)
         for part in [of] if alike[-1, number] else of:
-            fine[:, part] = interpolated(places, columns[:, part], fine_places)
-    fine[::parts] = columns
-    return np.moveaxis(fine.reshape(len(fine_places), *rows.shape[1:]), 0, axis)
+            curve = Curve(x, columns[:, part])
+            fine[:, part] = curve(places)
+            if continued:
+                fine[:, part] = _gone_on(curve, places, fine[:, part])
+    at = np.searchsorted(places, x)
+    fine[at] = np.where(np.isfinite(columns), columns, fine[at])
+    return np.moveaxis(fine.reshape(len(places), *rows.shape[1:]), 0, axis)
 
 
-def bridged(done: Mask, missing: Mask, parts: int) -> Mask:
-    """Fine places along the last axis that are interpolated across points that are missing."""
-    fine = np.zeros((*done.shape[:-1], (done.shape[-1] - 1) * parts + 1), dtype=bool)
-    for place in zip(*np.nonzero(missing), strict=True):
-        row, here = place[:-1], place[-1]
-        before, after = np.flatnonzero(done[row][:here]), np.flatnonzero(done[row][here:])
-        if before.size and after.size:
-            fine[row][parts * before[-1] + 1 : parts * (here + after[0])] = True
-    return fine
+def _gone_on(curve: Curve, places: Array, values: Array) -> Array:
+    """Values with those beyond the ends of a curve, by the power laws of `Field`."""
+    if len(curve.x) < 2 or not ((curve.x > 0).all() and (curve.y > 0).all()):
+        return values
+    for beyond, end in ((places < curve.x[0], 0), (places > curve.x[-1], -1)):
+        slope = np.maximum(curve.end_exponent(end), LEAST_SLOPE)
+        ratio = (places[beyond] / curve.x[end]).reshape(-1, *[1] * (curve.y.ndim - 1))
+        values[beyond] = curve.y[end] * ratio**slope
+    return values
+
+
+def rows_along(
+    rises: Array, velocities: Array, parts: int, conditions: Conditions
+) -> tuple[Array, Array]:
+    """Rises along velocity at each load [K], and the nodes that they are at [m/s].
+
+    One node far below the velocities and one far above them have the power laws by which the rise
+    goes on; a velocity of 0 stands far below.
+    """
+    fine, factor = between(velocities, parts), conditions.friction_factor
+    if len(velocities) == 1:
+        return rises, fine
+    positive = fine[fine > 0]
+    nodes = np.concatenate([[positive[0] / _FAR], positive, [positive[-1] * _FAR]])
+    at_one_friction = rises / factor(velocities)[:, None, None]
+    if not conditions.has_friction_curve and velocities[0] > 0:
+        return along(at_one_friction, velocities, nodes, -3, continued=True), nodes
+    within = along(at_one_friction, velocities, fine, -3)[..., fine > 0, :, :]
+    within *= factor(positive)[:, None, None]
+    return along(within, positive, nodes, -3, continued=True), nodes
+
+
+def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
+    """State of each node, by what is done at loads and velocities.
+
+    Parts are those of each interval of loads and of velocities, and places the nodes along velocity
+    by their number from the first velocity on.
+    """
+    count = done.shape[-1]
+    is_any: Mask = np.any(done, axis=-1, keepdims=True)
+    low = parts[1] * np.argmax(done, axis=-1)[..., None]
+    high = parts[1] * (count - 1 - np.argmax(done[..., ::-1], axis=-1)[..., None])
+    index = np.arange((done.shape[-2] - 1) * parts[0] + 1) / parts[0]
+    beside = np.floor(index).astype(int), np.ceil(index).astype(int)
+    (a, b), (c, d) = ([end[..., row, :] for row in beside] for end in (low, high))
+    is_done = np.logical_and(*(is_any[..., row, :] for row in beside))
+    in_both = is_done & (places >= np.maximum(a, b)) & (places <= np.minimum(c, d))
+    in_one = is_done & (places >= np.minimum(a, b)) & (places <= np.maximum(c, d))
+    state = np.select([in_both, in_one], [INTERPOLATED, BETWEEN], EXTRAPOLATED)
+    of_points = np.flatnonzero((places >= 0) & (places % parts[1] == 0))[:count]
+    on_points = np.zeros(state.shape, dtype=bool)
+    on_points[..., :: parts[0], :][..., of_points] = done
+    state[on_points] = COMPUTED
+    return state
 
 
 def error_of_lines(
@@ -368,7 +493,7 @@ def error_of_lines(
     if len(places) == 1:
         return 0.0
     double = between(places, 2 * parts)
-    fine = along(values / factor(places), places, 2 * parts, -1) * factor(double)
+    fine = along(values / factor(places), places, double, -1) * factor(double)
     with np.errstate(divide="ignore", invalid="ignore"):
         x, y = np.log(double), np.log(fine)
         slope = np.diff(y[..., ::2]) / np.diff(x[::2])

@@ -8,11 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.analysis.decisive import COLDEST_OIL, HOTTEST_OIL
+from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL
 from pipeline.sweep.conditions import Conditions
 
 _ZERO_CELSIUS = 273.15  # [K]
-_RATE = "mm³/(N m)"
 
 
 @dataclass(frozen=True, slots=True)

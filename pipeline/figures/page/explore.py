@@ -19,7 +19,6 @@ from pipeline.analysis.dataset import (
     dataset_of,
     is_emulated,
     require_plane,
-    require_samples,
     stored_sweep,
 )
 from pipeline.analysis.scenes import entries_in_words, scenes
@@ -30,8 +29,8 @@ from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "scene", "criterion", "lines", "rise", "plot", "conditions",
-    "verdict", "points", "diagram", "tables", "margin", "detail",
+    "scene", "lines", "rise", "plot", "conditions", "margin", "operating",
+    "points", "diagram", "tables",
 )  # fmt: skip
 
 
@@ -65,10 +64,6 @@ def explore(
     ds: xr.Dataset | str | Path,
     out: str | Path,
     most_fields: int = MOST_FIELDS,
-    given_measured: bool = False,
-    scatter: float | None = None,
-    criterion: str | None = None,
-    own_laws: bool = False,
 ) -> Page:
     """Write a page on which friction, temperatures and failing share can be changed.
 
@@ -81,18 +76,12 @@ def explore(
     Parameters
     ----------
     ds : Dataset or path
-        Dataset of `pipeline.open_sweep`, or folder or address of the store.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store.
     out : path
         File to write; it ends in .html.
     most_fields : int, optional
         Number of points whose fields the page may hold, if the sweep has stored any: those nearest
         to the transition. Each takes about 10 kB; 0 leaves them out.
-    given_measured : bool, optional
-        Let the scene's measured transitions and tests narrow down the unknown inputs of samples.
-    scatter : float, optional
-        Relative standard deviation of measured velocities that give none; 5 % if not given.
-    criterion, own_laws : optional
-        Criterion in place of the sweep's own; see `pipeline.boundary`.
 
     Returns
     -------
@@ -115,14 +104,13 @@ def explore(
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     ds = dataset_of(ds)
-    parts, judged = [*scenes(ds)], {"criterion": criterion, "own_laws": own_laws}
+    parts = [*scenes(ds)]
     if is_emulated(ds):
-        held = [content_of_samples(part, given_measured, scatter, **judged) for part in parts]
+        held = [content_of_samples(part) for part in parts]
         scripts, bodies = ["samples"], [_of_samples(one) for one in held]
     else:
-        require_samples(ds, given_measured, scatter)
         require_plane(ds)
-        held = [content(part, most_fields // len(parts), **judged) for part in parts]
+        held = [content(part, most_fields // len(parts)) for part in parts]
         scripts, bodies = ["state", "page"], [_of_plane(one) for one in held]
     names = [entries_in_words(part) for part in parts]
     write_text(_page(stored_sweep(ds).about.title, names, bodies, scripts), path)
@@ -154,7 +142,11 @@ def _of_plane(held: dict[str, Any]) -> str:
     """A scene of loads and velocities."""
     several = f", {len(held['surfaces'])} surfaces" if held["surfaces"] else ""
     sizes = f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}"
+    tests, agreement = held.pop("tests"), held.pop("agreement")
     own = {
+        "tests": tests,
+        "without_tests": "" if tests else "hidden",
+        "agreement": html.escape(agreement),
         "controls": "\n".join(Control(**control).html() for control in held["controls"]),
         "surfaces": surface_choice(held["surfaces"]),
         "error": f"{100 * held['error']:.2g} %",

@@ -1,47 +1,19 @@
-// @ts-check
 "use strict";
-/* Straight lines through tabulated values, and where they reach a limit. Nothing here knows a sweep. */
-
-/**
- * @typedef {[number, number]} Ends least and greatest place that a transition may have
- * @typedef {{outcome: number, ends: Ends, computed: Ends, isBridged: boolean}} Transition
- *   isBridged where it is interpolated across points that are not done
- * @typedef {{low: number, middle: number, high: number, transitions: Transition[]}} Summary
- *   transitions on several surfaces, and their quantiles
- */
+/* Where values pass a limit, along a line and on a grid. Nothing here knows a sweep. */
 
 const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL] = [0, 1, 2, 3, 4, 5, 6];
 const BAND = [0.1, 0.5, 0.9];
 
-/** Index of the first entry above a value. @param {ArrayLike<number>} x ascending @param {number} value */
-function above(x, value) {
-  let low = 0;
-  let high = x.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (x[middle] > value) high = middle;
-    else low = middle + 1;
-  }
-  return low;
-}
-
-/**
- * The entries beside a place and their weights, the nearer end alone beyond them.
- * @param {ArrayLike<number>} x ascending @param {number} place @returns {[number, number][]}
- */
+/** The entries beside a place and their weights, the nearer end alone beyond them. @param {number[]} x
+ * ascending @param {number} place @returns {[number, number][]} */
 function weights(x, place) {
-  const last = x.length - 1;
-  if (last < 1 || !(place > x[0])) return [[0, 1]];
-  if (place >= x[last]) return [[last, 1]];
-  const k = above(x, place);
+  const k = x.findIndex((value) => value > place);
+  if (k < 1) return [[k < 0 ? x.length - 1 : 0, 1]];
   const weight = (place - x[k - 1]) / (x[k] - x[k - 1]);
   return weight === 0 ? [[k - 1, 1]] : [[k - 1, 1 - weight], [k, weight]];
 }
 
-/**
- * Value by straight lines, that of the nearer end beyond them.
- * @param {ArrayLike<number>} x ascending @param {ArrayLike<number>} y @param {number} place
- */
+/** Value at a place. @param {number[]} x ascending @param {ArrayLike<number>} y @param {number} place */
 function linear(x, y, place) {
   return sum(weights(x, place).map(([k, weight]) => weight * y[k]));
 }
@@ -51,79 +23,89 @@ function sum(values) {
   return values.reduce((total, value) => total + value, 0);
 }
 
-/**
- * Value at a place on the straight line through two points, of the logarithms where there are any.
- * @param {number} a @param {number} b @param {number} low @param {number} high @param {number} place
- */
-function onLine(a, b, low, high, place) {
-  if (a > 0 && low > 0 && high > 0) return low * (place / a) ** (Math.log(high / low) / Math.log(b / a));
-  return low + ((place - a) / (b - a)) * (high - low);
+/** Index of the nearest value. @param {number[]} x @param {number} place */
+function nearest(x, place) {
+  const away = x.map((value) => Math.abs(value - place));
+  return away.indexOf(Math.min(...away));
 }
 
-/**
- * Value of a line at a place; NaN beyond its ends.
- * @param {number[]} x ascending @param {number[]} y @param {number} place
- */
-function valueAt(x, y, place) {
-  const k = above(x, place);
-  if (x[k - 1] === place) return y[k - 1];
-  return k === 0 || k === x.length ? NaN : onLine(x[k - 1], x[k], y[k - 1], y[k], place);
-}
-
-/**
- * Value that a share of all stays below, linear between them; infinite if beyond the finite ones.
- * @param {number[]} values also infinite ones; NaN is left out @param {number} share
- */
+/** Value that a share of all stays below; NaN is left out. @param {number[]} values @param {number} share */
 function quantileOf(values, share) {
   const ranked = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
-  if (!ranked.length) return NaN;
   const rank = share * (ranked.length - 1);
-  const [low, high] = [ranked[Math.floor(rank)], ranked[Math.ceil(rank)]];
+  const [low, high] = [ranked[Math.floor(rank)] ?? NaN, ranked[Math.ceil(rank)] ?? NaN];
   if (!Number.isFinite(low) || !Number.isFinite(high)) return low + high;
   return low + (rank - Math.floor(rank)) * (high - low);
 }
 
-/**
- * The same of transitions; NaN where it depends on the places of those that were not computed.
- * @param {Ends[]} ends @param {number} share
- */
+/** The same; NaN where it depends on those that are not known. @param {Ends[]} ends @param {number} share */
 function quantileOfEnds(ends, share) {
   const [low, high] = [0, 1].map((k) => quantileOf(ends.map((pair) => pair[k]), share));
   return low === high ? low : NaN;
 }
 
-/**
- * Transition along a line: where it first rises above a limit, or why it does not.
- * @param {number[]} x ascending @param {number[]} y NaN where not known @param {number} limit
- * @param {number[]} range of the sweep itself @param {(k: number) => boolean} isBridged by index
- * @returns {Transition}
- */
-function transitionAlong(x, y, limit, range, isBridged = () => false) {
+/** Places at which values pass a limit. @param {number[]} x @param {number[]} y @param {number} limit */
+function crossings(x, y, limit) {
   const known = x.map((_, k) => k).filter((k) => !Number.isNaN(y[k]));
-  const [low, high] = known.length ? [x[known[0]], x[known[known.length - 1]]] : [NaN, NaN];
-  const result = (/** @type {number} */ outcome, /** @type {number} */ least, /** @type {number} */ most) =>
-    /** @type {Transition} */ ({ outcome, ends: [least, most], computed: [low, high], isBridged: false });
-  if (!known.length || Number.isNaN(limit)) return result(UNKNOWN, NaN, NaN);
-  const n = known.findIndex((k) => y[k] >= limit);
-  if (n < 0) return high >= range[1] ? result(MILD, Infinity, Infinity) : result(ABOVE, high, Infinity);
-  const hot = known.findIndex((k) => y[k] > limit);
-  if (hot >= 0 && known.slice(hot).some((k) => y[k] <= limit)) return result(SEVERAL, NaN, NaN);
-  const [last, first] = [known[n - 1], known[n]];
-  if (n === 0 && y[first] > limit) {
-    return low <= range[0] ? result(SEVERE, -Infinity, -Infinity) : result(BELOW, -Infinity, low);
-  }
-  const place = y[first] === limit ? x[first] : onLine(y[last], y[first], x[last], x[first], limit);
-  return { ...result(CROSSES, place, place), isBridged: isBridged(first) || (n > 0 && isBridged(last)) };
+  const turns = known.slice(1).map((k, n) => [known[n], k]).filter(([a, b]) => y[a] > limit !== y[b] > limit);
+  const last = known[known.length - 1];
+  if (!turns.length && y[last] === limit) return [x[last]];
+  return turns.map(([a, b]) => x[a] * (x[b] / x[a]) ** (Math.log(limit / y[a]) / Math.log(y[b] / y[a])));
 }
 
-/** Quantiles of transitions on several surfaces. @param {Transition[]} transitions @returns {Summary} */
-function summaryOf(transitions) {
-  const ends = transitions.map((transition) => transition.ends);
-  const [low, middle, high] = BAND.map((share) => quantileOfEnds(ends, share));
-  return { low, middle, high, transitions };
+/** Values begin above a limit. @param {number[]} y @param {number} limit */
+function beginsHot(y, limit) {
+  return (y.find((value) => !Number.isNaN(value)) ?? NaN) > limit;
 }
 
-/** Bytes of base64. @param {string} text */
-function bytes(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+/** Ranges in which wear is severe. @param {number[]} places @param {boolean} isHot */
+function severeRanges(places, isHot) {
+  const all = isHot ? [0, ...places] : places;
+  return all.flatMap((begin, k) => (k % 2 ? [] : [[begin, all[k + 1] ?? Infinity]]));
+}
+
+/** Transition along a line, as pipeline.analysis.transition has it. @param {number[]} x @param {number[]} y
+ * NaN where not known @param {number} limit @param {Ends} range of the sweep itself @returns {Transition} */
+function transitionAlong(x, y, limit, range) {
+  const done = x.filter((_, k) => !Number.isNaN(y[k]));
+  const [places, isHot] = [crossings(x, y, limit), beginsHot(y, limit)];
+  const [from, to] = [done[0] ?? NaN, done[done.length - 1] ?? NaN];
+  let outcome = isHot ? (from <= range[0] ? SEVERE : BELOW) : to >= range[1] ? MILD : ABOVE;
+  if (places.length) outcome = places.length > 1 || isHot ? SEVERAL : CROSSES;
+  if (!done.length || Number.isNaN(limit)) outcome = UNKNOWN;
+  /** @type {Ends[]} by outcome */
+  const ends = [
+    [places[0], places[0]], [Infinity, Infinity], [-Infinity, -Infinity], [NaN, NaN],
+    [to, Infinity], [-Infinity, from], [NaN, NaN],
+  ];
+  return { places, isHot, outcome, computed: [from, to], ends: ends[outcome] };
+}
+
+
+/** Path of the part of a grid where all of several values are positive, or along which one is 0. @param
+ * {number[]} x @param {number[]} y [px] @param {number[][][]} grids values by y and x, or NaN @param
+ * {boolean} isLine */
+function contour(x, y, grids, isLine = false) {
+  const cells = y.slice(1).flatMap((_top, i) => x.slice(1).map((_right, j) =>
+    [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]].map(([k, l]) =>
+      [x[l], y[k], ...grids.map((grid) => grid[k][l])])));
+  return cells.filter((corners) => !corners.flat().some(Number.isNaN)).flatMap((corners) => {
+    const part = grids.reduce((rest, _, n) => clipped(rest, n + 2, isLine), corners);
+    return isLine ? [part.slice(0, 2), part.slice(2)] : [part]; // a saddle has two lines
+  }).map((part) => {
+    const text = part.map(([across, down]) => `${across.toFixed(2)},${down.toFixed(2)}`).join("L");
+    return text && `M${text}${isLine ? "" : "Z"}`;
+  }).join("");
+}
+
+/** The corners of a polygon at which a value is positive, and the places at which it turns; or these alone.
+ * @param {number[][]} corners @param {number} value its index in each @param {boolean} isLine */
+function clipped(corners, value, isLine) {
+  return corners.flatMap((corner, k) => {
+    const next = corners[(k + 1) % corners.length];
+    const [here, there] = [corner[value], next[value]];
+    const kept = here > 0 && !isLine ? [corner] : [];
+    if (here > 0 === there > 0) return kept;
+    return [...kept, corner.map((own, n) => own + (here / (here - there)) * (next[n] - own))];
+  });
 }

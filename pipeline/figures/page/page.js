@@ -1,4 +1,3 @@
-// @ts-check
 "use strict";
 /* The page as a whole: the parts that are shown once, and again whenever the reader sets something. */
 
@@ -7,7 +6,6 @@ function update() {
   drawDiagram();
   showLegend();
   showTables();
-  showMeasured();
   showMargin(marginRows());
   showPoint();
 }

@@ -1,31 +1,18 @@
-// @ts-check
 "use strict";
 /* Drawing: SVG elements, axes, colours. Nothing here knows a sweep. */
 
 const SVG = "http://www.w3.org/2000/svg";
 
-/**
- * @typedef {{x: (value: number) => number, y: (value: number) => number, left: number,
- *   right: number, top: number, bottom: number, velocity: (across: number) => number,
- *   load: (down: number) => number}} Frame places of values [px], and values at places
- * @typedef {{low: number, high: number, label: string}} Axis
- */
-
-/**
- * Give an element attributes and children; text is text.
- * @template {Element} Kind @param {Kind} made @param {Object<string, string | number>} attributes
- * @param {(Node | string)[]} children @returns {Kind}
- */
+/** Give an element attributes and children; text is text. @template {Element} Kind @param {Kind} made @param
+ * {Object<string, string | number>} attributes @param {(Node | string)[]} children @returns {Kind} */
 function filled(made, attributes, children) {
   for (const key in attributes) made.setAttribute(key, String(attributes[key]));
   made.append(...children);
   return made;
 }
 
-/**
- * @param {string} name @param {Object<string, string | number>} [attributes]
- * @param {(Node | string)[]} children
- */
+/** @param {string} name @param {Object<string, string | number>} [attributes] @param {(Node | string)[]}
+ * children */
 function svg(name, attributes = {}, ...children) {
   return filled(/** @type {SVGElement} */ (document.createElementNS(SVG, name)), attributes, children);
 }
@@ -45,10 +32,8 @@ function input(id) {
   return /** @type {HTMLInputElement} */ (element(id));
 }
 
-/**
- * Round values between two ends, about so many.
- * @param {number} low @param {number} high @param {number} count
- */
+/** Round values between two ends, about so many. @param {number} low @param {number} high @param {number}
+ * count */
 function ticks(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -58,11 +43,8 @@ function ticks(low, high, count) {
   return Array.from({ length }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
-/**
- * A range of values stretched over another one.
- * @param {{low: number, high: number}} range @param {number} from @param {number} to
- * @returns {(value: number) => number}
- */
+/** A range of values stretched over another one. @param {{low: number, high: number}} range @param {number}
+ * from @param {number} to @returns {(value: number) => number} */
 function scale({ low, high }, from, to) {
   return (value) => from + ((value - low) / (high - low)) * (to - from);
 }
@@ -75,11 +57,9 @@ function shown(value, digits = 4) {
   return String(Number(value.toPrecision(digits)));
 }
 
-/**
- * Grid, axes and labels in an SVG of some size; drawings go between grid and axes.
- * @param {number} width @param {number} height @param {Axis} x @param {Axis} y
- * @returns {{root: SVGElement, inside: SVGElement, frame: Frame}}
- */
+/** Grid, axes and labels in an SVG of some size; drawings go between grid and axes. @param {number} width
+ * @param {number} height @param {Axis} x @param {Axis} y @returns {{root: SVGElement, inside: SVGElement,
+ * frame: Frame}} */
 function axes(width, height, x, y) {
   const [left, right, top, bottom] = [56, width - 12, 10, height - 42];
   const frame = {
@@ -119,6 +99,11 @@ function axes(width, height, x, y) {
   return { root, inside, frame };
 }
 
+/** Bytes of base64. @param {string} text */
+function bytes(text) {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+}
+
 /** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */
 function path(x, y) {
   let pen = "M";
@@ -131,10 +116,7 @@ function path(x, y) {
   return parts.join("");
 }
 
-/**
- * The mark of a kind of point.
- * @param {string} kind @param {number} x @param {number} y @param {number} r
- */
+/** The mark of a kind of point. @param {string} kind @param {number} x @param {number} y @param {number} r */
 function mark(kind, x, y, r) {
   const look = { class: `mark is-${kind}` };
   if (kind === "failed") {
@@ -151,10 +133,8 @@ function diamond(x, y, r, look) {
   return svg("path", { class: look, d: `M${x - r},${y}L${x},${y - r}L${x + r},${y}L${x},${y + r}Z` });
 }
 
-/**
- * Mark of a measured transition, or of a test: open where wear stayed mild.
- * @param {number} x @param {number} y @param {"mild" | "severe" | undefined} outcome
- */
+/** Mark of a measured transition, or of a test: open where wear stayed mild. @param {number} x @param
+ * {number} y @param {"mild" | "severe" | undefined} outcome */
 function testMark(x, y, outcome) {
   if (!outcome) return diamond(x, y, 6.5, "measured");
   const d = `M${x - 7},${y + 5}L${x},${y - 7}L${x + 7},${y + 5}Z`;

@@ -1,4 +1,3 @@
-// @ts-check
 "use strict";
 /* The points of the diagram, by pointer and by keyboard: their numbers, and the one that is kept. */
 
@@ -56,10 +55,8 @@ function pressed(event) {
   event.preventDefault();
 }
 
-/**
- * Next point in a direction that has anything to tell; the same one if there is none.
- * @param {number} i @param {number} j @param {[number, number]} way
- */
+/** Next point in a direction that has anything to tell; the same one if there is none. @param {number} i
+ * @param {number} j @param {[number, number]} way */
 function next(i, j, [up, right]) {
   const isInside = () => k >= 0 && k < sweep.loads.length && l >= 0 && l < sweep.velocities.length;
   let [k, l] = [i + up, j + right];
@@ -102,4 +99,205 @@ function choosePoint(i, j) {
   chosen.point = { i, j };
   ring(diagram.choice, chosen.point);
   showPoint();
+}
+
+
+/** Verdicts on the surfaces on which a point is done. @param {number} i @param {number} j */
+function verdicts(i, j) {
+  const limit = riseLimit(chosen.conditions);
+  return surfaces().flatMap((surface) => {
+    const place = sweep.place(surface, i, j);
+    const rise = sweep.rise(surface, i, j, chosen.conditions);
+    if (Number.isNaN(rise)) return [];
+    const row = sweep.quantiles(place, chosen.conditions);
+    return /** @type {Verdict[]} */ ([{
+      place,
+      temperatures: row.map(temperature),
+      decisive: temperature(rise),
+      failed: isJudged() ? 1 - linear(row, content.quantiles, limit) : NaN,
+      isSevere: rise > limit,
+    }]);
+  });
+}
+
+/** Kind of a point, as the diagram marks it. @param {number} i @param {number} j */
+function kindOf(i, j) {
+  const rises = surfaces().map((surface) => sweep.rise(surface, i, j, chosen.conditions));
+  const places = surfaces().map((surface) => sweep.place(surface, i, j));
+  const done = rises.filter((rise) => !Number.isNaN(rise));
+  if (done.length) {
+    if (!isJudged()) return "unjudged";
+    const severe = done.filter((rise) => rise > riseLimit(chosen.conditions)).length;
+    return severe === 0 ? "mild" : severe < done.length ? "mixed" : "severe";
+  }
+  if (places.some((place) => sweep.status[place] === POINT_FAILED)) return "failed";
+  return places.some((place) => sweep.asked[place]) ? "pending" : "";
+}
+
+/** Messages of a point on the surfaces that count, each once. @param {number} i @param {number} j */
+function messagesOf(i, j) {
+  const texts = surfaces().map((surface) => content.messages[sweep.place(surface, i, j)]);
+  return [...new Set(texts.filter(Boolean))];
+}
+
+/** @param {number} i @param {number} j */
+function hasWarning(i, j) {
+  return !["failed", "pending", ""].includes(kindOf(i, j)) && messagesOf(i, j).length > 0;
+}
+
+/** Description of a point, as pairs of a name and a text. @param {number} i @param {number} j @param
+ * {boolean} isFull @returns {[string, string][]} */
+function description(i, j, isFull) {
+  const all = verdicts(i, j);
+  const { failing_share } = chosen.conditions;
+  /** @type {[string, string][]} */
+  const rows = [["wear", wearOf(all, kindOf(i, j))]];
+  if (all.length) {
+    if (!hasShare || failing_share > 0) {
+      const share = `exceeded on ${shown(100 * failing_share)} % of the contact`;
+      const decisive = banded(all.map((verdict) => verdict.decisive - ZERO_CELSIUS), "°C");
+      rows.push([hasShare ? share : content.deciding, decisive]);
+    }
+    const highest = all.map(({ temperatures }) => Math.max(...temperatures) - ZERO_CELSIUS);
+    rows.push(["highest temperature", banded(highest, "°C")]);
+    if (isJudged()) {
+      rows.push(["contact above critical", banded(all.map(({ failed }) => 100 * failed), "%", 3)]);
+    }
+    const numbers = isFull ? content.numbers : content.numbers.slice(0, 1);
+    numbers.forEach(({ label, unit }, k) => {
+      const values = all.map(({ place }) => sweep.numbers[k][place]);
+      if (values.some(Number.isFinite)) rows.push([label, banded(values, unit)]);
+    });
+    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => sweep.times[place]), "s")]);
+  }
+  for (const message of messagesOf(i, j)) rows.push([all.length ? "warning" : "message", message]);
+  return rows;
+}
+
+/** Kind of wear in words. @param {Verdict[]} all @param {string} kind */
+function wearOf(all, kind) {
+  if (!all.length) return kind === "failed" ? "failed" : "not computed";
+  if (!isJudged()) return "not known without a critical temperature";
+  const severe = all.filter(({ isSevere }) => isSevere).length;
+  return all.length > 1 ? `severe on ${severe} of ${all.length}` : severe ? "severe" : "mild";
+}
+
+/** @param {number} i @param {number} j */
+function nameOf(i, j) {
+  return `${shown(sweep.loads[i], 6)} N, ${shown(sweep.velocities[j], 6)} m/s`;
+}
+
+
+function showPoint() {
+  if (!chosen.point) return;
+  const { i, j } = chosen.point;
+  element("point-section").hidden = false;
+  element("point").replaceChildren(html("h3", {}, nameOf(i, j)), pairs(description(i, j, true)));
+  showDistribution(verdicts(i, j).map(({ temperatures }) => temperatures));
+  showCourse(i, j);
+  showFields(i, j);
+}
+
+/** Show the highest temperature while the load grows. @param {number} i @param {number} j */
+function showCourse(i, j) {
+  const { steps, loads, rises, own } = sweep.course;
+  const isOwn = bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
+  element("course").replaceChildren();
+  element("course-caption").textContent = "";
+  if (steps < 2 || !isOwn) return;
+  const load = Array.from(loads.slice(i * steps, (i + 1) * steps));
+  const rows = surfaces().map((surface) => {
+    const first = sweep.place(surface, i, j) * steps;
+    const values = Array.from(rises.slice(first, first + steps), (rise) => temperature(rise) - ZERO_CELSIUS);
+    return { values, way: values.map((value, k) => (own[first + k] ? NaN : value)) };
+  });
+  const every = rows.flatMap(({ values }) => values.filter(Number.isFinite));
+  if (every.length < 2) return;
+  const width = Math.max(element("course").clientWidth, 260);
+  const x = { low: 0, high: 1.04 * sweep.loads[i], label: "load [N]" };
+  const y = { ...ends(every), label: "highest temperature [°C]" };
+  const { root, inside, frame } = axes(width, Math.round(Math.min(0.6 * width, 300)), x, y);
+  const look = rows.length > 1 ? "faint" : "curve";
+  for (const { values, way } of rows) {
+    inside.append(svg("path", { class: look, d: path(load.map(frame.x), way.map(frame.y)) }));
+    values.forEach((value, k) => {
+      const isMark = Number.isFinite(value) && Number.isNaN(way[k]);
+      if (isMark) inside.append(mark("unjudged", frame.x(load[k]), frame.y(value), 5));
+    });
+  }
+  const text = "While the load grows: the line on larger elements of the history, marks on the point’s own.";
+  element("course-caption").textContent = text;
+  root.setAttribute("role", "img");
+  root.setAttribute("aria-label", text);
+  element("course").append(root);
+}
+
+/** Show the share of the contact that is hotter than each temperature. @param {number[][]} rows temperatures
+ * by surface */
+function showDistribution(rows) {
+  const room = element("distribution");
+  const critical = chosen.conditions.critical_temperature;
+  const share = 100 * chosen.conditions.failing_share;
+  const degrees = `${shown((critical ?? NaN) - ZERO_CELSIUS, 6)} °C`;
+  const rule = critical === null || !hasShare ? "" : " Wear is severe where the curve passes above the " +
+    `crossing of the dashed lines: more than ${shown(share)} % hotter than ${degrees}.`;
+  const text = `Distribution of the temperature over the contact.${rule}`;
+  element("distribution-caption").textContent = rows.length ? text : "";
+  room.replaceChildren();
+  if (!rows.length) return;
+  const curves = rows.map((row) => row.map((kelvin) => kelvin - ZERO_CELSIUS));
+  const limits = critical === null ? [] : [critical - ZERO_CELSIUS];
+  const width = Math.max(room.clientWidth, 260);
+  const height = Math.round(Math.min(0.6 * width, 300));
+  const x = { ...ends([...curves.flat(), ...limits]), label: "temperature [°C]" };
+  const y = { low: 0, high: 100, label: "contact that is hotter [%]" };
+  const { root, inside, frame } = axes(width, height, x, y);
+  const shares = content.quantiles.map((quantile) => frame.y(100 * (1 - quantile)));
+  const look = curves.length > 1 ? "faint" : "curve";
+  const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);
+  if (hasShare) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
+  inside.append(
+    ...curves.map((curve) => svg("path", { class: look, d: path(curve.map(frame.x), shares) })),
+    svg("path", { class: "guide", d: guides.join("") }),
+  );
+  root.setAttribute("role", "img");
+  root.setAttribute("aria-label", text);
+  room.append(root);
+}
+
+/** Show the fields of a point, as Python has drawn them. @param {number} i @param {number} j */
+function showFields(i, j) {
+  const places = surfaces().map((surface) => sweep.place(surface, i, j));
+  const place = places.find((number) => String(number) in content.fields.points);
+  const isOwn = bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
+  if (place === undefined || !isOwn) {
+    element("fields").replaceChildren();
+    element("fields-note").textContent = content.fields.stored
+      ? `The page does not hold the fields of this point${isOwn ? "" : " under these conditions"}.`
+      : "The sweep holds no fields; store them with fields = true under [sweep] in the scene.";
+    return;
+  }
+  const [pressure, low, high, wear, ...pictures] = content.fields.points[place];
+  const [coldest, hottest] = [low, high].map((rise) => temperature(rise) - ZERO_CELSIUS);
+  element("fields").replaceChildren(
+    field("contact pressure [GPa]", [0, 1e-9 * pressure], pictures, 0),
+    field("contact temperature [°C]", [coldest, hottest], pictures, 1),
+    field("wear depth of the pin [µm]", [0, 1e6 * wear], pictures, 2),
+  );
+  const number = content.surfaces?.[Math.floor(place / sweep.place(1, 0, 0))];
+  const surface = number === undefined ? "" : ` on surface ${number}`;
+  element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
+}
+
+/** A field as a picture with its scale. @param {string} label @param {[number, number]} ends @param
+ * {string[]} pictures @param {number} k */
+function field(label, ends, pictures, k) {
+  const [low, high] = ends.map((end) => shown(end));
+  const { aspect, scales } = content.fields;
+  const drawn = (/** @type {string} */ held) => ({ src: `data:image/png;base64,${held}` });
+  const picture = html("img", { ...drawn(pictures[k]), alt: `${label}, from ${low} to ${high}` });
+  picture.style.aspectRatio = String(aspect);
+  const bar = html("img", { ...drawn(scales[k]), class: "scale", alt: "" });
+  const words = html("div", { class: "ends" }, html("span", {}, low), html("span", {}, high));
+  return html("figure", {}, html("figcaption", {}, label), picture, bar, words);
 }

@@ -1,13 +1,5 @@
-// @ts-check
 "use strict";
 /* The page of a sweep of samples: probabilities of severe wear, which Python has tabulated. */
-
-/**
- * @typedef {{name: string, measured: Measurement[], loads: number[], velocities: number[],
- *   probability: string, picture: string, shares: number[],
- *   lines: number[][]}} Samples probabilities by load and velocity, and velocities by load and
- *   probability, within those computed
- */
 
 /** @type {Samples} */
 const samples = JSON.parse(element("content").textContent ?? "");
@@ -20,21 +12,13 @@ function columns() {
   return samples.shares.map((_, k) => samples.lines.map((row) => row[k]));
 }
 
-/**
- * Probability at a place, from the nearest ones of the table.
- * @param {number} load @param {number} velocity
- */
+/** Probability at a place, from the nearest ones of the table. @param {number} load @param {number} velocity
+ * */
 function probabilityAt(load, velocity) {
   const { loads, velocities } = samples;
   const n = velocities.length;
   const rows = loads.map((_, i) => linear(velocities, probability.subarray(i * n, (i + 1) * n), velocity));
   return linear(loads, rows, load);
-}
-
-/** @param {number} value */
-function percent(value) {
-  if (value < 0.001 || value > 0.999) return value < 0.5 ? "below 0.1 %" : "above 99.9 %";
-  return `${shown(100 * value, 2)} %`;
 }
 
 /** The probability as colours, and where it has the three values. @param {Frame} frame */
@@ -56,8 +40,8 @@ function drawSamples() {
   const { loads, velocities, measured } = samples;
   const { root, inside, frame } = planeAxes(velocities, loads, measured);
   inside.append(...drawnBand(frame));
-  for (const { velocity, normal_load, outcome } of measured) {
-    inside.append(testMark(frame.x(velocity), frame.y(normal_load), outcome));
+  for (const { velocity, load, outcome } of measured) {
+    inside.append(testMark(frame.x(velocity), frame.y(load), outcome));
   }
   if (isInside(operating, samples)) inside.append(cross(frame, operating));
   root.addEventListener("pointerleave", () => {
@@ -70,10 +54,8 @@ function drawSamples() {
   element("diagram").replaceChildren(root, tip);
 }
 
-/**
- * Show the probability at a place beside it.
- * @param {Frame} frame @param {number} load @param {number} velocity
- */
+/** Show the probability at a place beside it. @param {Frame} frame @param {number} load @param {number}
+ * velocity */
 function showTip(frame, load, velocity) {
   tip.hidden = !isInside({ load, velocity }, samples);
   if (tip.hidden) return;

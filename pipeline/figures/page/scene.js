@@ -1,4 +1,3 @@
-// @ts-check
 "use strict";
 /* The scene that is shown, of those of a sweep over entries: each is a template of its own. */
 
@@ -7,11 +6,8 @@ const templates = document.querySelectorAll("template");
 const chosenTemplate = templates[sceneNumber] ?? templates[0];
 chosenTemplate.replaceWith(chosenTemplate.content);
 
-/**
- * Let the reader choose another scene, which keeps the conditions that were changed; give those
- * that were brought along.
- * @param {() => object} changes
- */
+/** Let the reader choose another scene, which keeps the conditions that were changed; give those that were
+ * brought along. @param {() => object} changes */
 function takeScene(changes) {
   const choice = input("scene");
   if (!choice) return {};

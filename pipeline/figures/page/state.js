@@ -1,4 +1,3 @@
-// @ts-check
 "use strict";
 /* Content of the page, and choices of its reader: in SI, with units on display only. */
 
@@ -8,8 +7,8 @@ const ZERO_CELSIUS = 273.15;
 const content = JSON.parse(element("content").textContent ?? "");
 const sweep = new Sweep(content);
 const hasShare = content.shares.length > 1;
-/** Choices of the reader. @type {{conditions: Conditions, surface: number | null,
- *  point: {i: number, j: number} | null, load: number, velocity: number}} */
+/** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: {i: number, j:
+ * number} | null, load: number, velocity: number}} */
 const chosen = {
   conditions: { ...content.conditions }, surface: sweep.surfaces > 1 ? null : 0,
   point: null, load: NaN, velocity: NaN,

@@ -1,27 +1,26 @@
-// @ts-check
 "use strict";
 /* Critical velocities and loads: over the surfaces, as tables and as CSV. */
 
-/** The boundary under the present conditions. */
-function summary() {
-  return sweep.boundary(surfaces(), chosen.conditions);
+/** Transitions over the surfaces along velocity by load, and along load by velocity. */
+function boundaries() {
+  const over = (/** @type {AxisName} */ axis, /** @type {number} */ node) =>
+    summaryOf(surfaces().map((surface) => sweep.transition(axis, surface, node, chosen.conditions)));
+  return {
+    velocity: sweep.loads.map((_, i) => over("velocity", i * content.parts.load)),
+    load: sweep.velocities.map((_, j) => over("load", sweep.node(j))),
+  };
 }
 
-/** A transition at one of these frictions is not known at some load. @param {number[]} frictions */
-function isCut(frictions) {
-  const edges = frictions.flatMap((friction) => sweep.drawn(surfaces(), { ...chosen.conditions, friction }));
-  return edges.some((edge) => edge.some(Number.isNaN));
+/** Quantiles over several surfaces, or the transition of one. @param {Transition[]} transitions @returns
+ * {Summary} */
+function summaryOf(transitions) {
+  const [low, middle, high] = BAND.map((share) => quantileOfEnds(transitions.map(({ ends }) => ends), share));
+  const [{ places, isHot }] = transitions;
+  return { low, middle: transitions.length > 1 ? middle : places[isHot ? 1 : 0] ?? NaN, high, transitions };
 }
 
-/** Says that a crossing lies across points not done. @param {Transition[]} transitions */
-function bridgedText(transitions) {
-  return transitions.some(({ isBridged }) => isBridged) ? ", across points not done" : "";
-}
-
-/**
- * A table of texts; columns of numbers stand to the right.
- * @param {string[]} heads @param {string[][]} rows @param {number} words number of columns of them
- */
+/** A table of texts; columns of numbers stand to the right. @param {string[]} heads @param {string[][]} rows
+ * @param {number} words number of columns of them */
 function table(heads, rows, words = 0) {
   const look = (/** @type {number} */ k) => (k < heads.length - words ? "number" : "");
   const cell = (/** @type {string} */ text, /** @type {number} */ k) =>
@@ -31,33 +30,34 @@ function table(heads, rows, words = 0) {
   return html("table", {}, html("thead", {}, html("tr", {}, ...top)), html("tbody", {}, ...body));
 }
 
-/**
- * Outcome in words, with how far was computed, as pipeline.analysis.transition has it.
- * @param {Transition} transition @param {"velocity" | "load"} along @param {string} unit
- */
-function outcomeWords({ outcome, computed }, along, unit) {
+/** Outcome in words, with how far was computed, as pipeline.analysis.transition has it. @param {Transition}
+ * transition @param {"velocity" | "load"} along @param {string} unit */
+function outcomeWords({ outcome, computed, places, isHot }, along, unit) {
+  if (outcome === SEVERAL) {
+    const ranges = severeRanges(places, isHot).map(([begin, end]) =>
+      `${begin ? `from ${shown(begin, 3)} ` : "up "}${end < Infinity ? `to ${shown(end, 3)}` : "on"}`);
+    return `severe ${ranges.join(" and ")} ${unit}`;
+  }
   const [from, to] = computed.map((end) => `${shown(end)} ${unit}`);
   const reach = outcome === ABOVE ? ` (to ${to})` : outcome === BELOW ? ` (from ${from})` : "";
   return content.outcomes[along][outcome] + reach;
 }
 
-/** Count of crossings, and the reasons of the others. @param {Summary} row @param {string} unit */
+/** Count of crossings, and the reasons of the others. @param {{transitions: Transition[]}} row @param
+ * {string} unit */
 function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];
-  if (transitions.length === 1) return outcomeWords(transitions[0], along, unit) + bridgedText(transitions);
+  if (transitions.length === 1) return outcomeWords(transitions[0], along, unit);
   const counts = words.map((_, code) => transitions.filter(({ outcome }) => outcome === code).length);
   const texts = counts.map((count, code) =>
     code === CROSSES ? `${count} of ${transitions.length} cross` : `${count} ${words[code]}`,
   );
-  return texts.filter((_, code) => counts[code]).join(", ") + bridgedText(transitions);
+  return texts.filter((_, code) => counts[code]).join(", ");
 }
 
-/**
- * Show critical values at some places as a table, and offer it as CSV.
- * @param {string} id @param {string} head @param {number[]} places @param {string} title
- * @param {string} unit @param {Summary[]} rows
- */
+/** Show critical values at some places as a table, and offer it as CSV. @param {string} id @param {string}
+ * head @param {number[]} places @param {string} title @param {string} unit @param {Summary[]} rows */
 function showSide(id, head, places, title, unit, rows) {
   const isBand = surfaces().length > 1;
   const heads = isBand ? [`median [${unit}]`, "10 %", "90 %"] : [`${title} [${unit}]`];
@@ -71,7 +71,7 @@ function showSide(id, head, places, title, unit, rows) {
 
 /** Show both tables, and the answer in a sentence. */
 function showTables() {
-  const { velocity, load } = summary();
+  const { velocity, load } = boundaries();
   showSide("velocities", "load [N]", sweep.loads, "critical velocity", "m/s", velocity);
   showSide("loads", "velocity [m/s]", sweep.velocities, "critical load", "N", load);
   const missing = sum(surfaces().map((surface) => content.missing[surface]));

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
+from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.decisive import decisive_rise, decisive_temperature, refined
+from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.frames import frames_of
-from pipeline.analysis.transition import crossing
 from pipeline.cli.margins import document_of
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
@@ -31,7 +32,7 @@ def curved(load, velocity, quantile=1.0):
 
 @pytest.mark.parametrize("share", [0.1, 0.0])  # 0 is the maximum temperature
 def test_boundary_of_a_power_law_is_found_to_rounding(sweep, share):
-    crossings = boundary(sweep, share=share)
+    crossings = boundary(at(sweep, share=share))
     limit = synthetic.limit()
     expected = synthetic.critical_velocity(LOADS, limit, share)
     np.testing.assert_allclose(crossings["critical_velocity"], expected, rtol=1e-13)
@@ -48,7 +49,7 @@ def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per
     def missed(name, **place):
         """Relative error of a boundary that lies at this place."""
         critical = 298.15 + 0.1 * curved(*place.values(), 0.9)
-        crossings = boundary(ds, critical_temperature=critical)[f"critical_{name}"]
+        crossings = boundary(at(ds, critical_temperature=critical))[f"critical_{name}"]
         (other,) = (axis for axis in place if axis != name)
         return float(crossings.sel({other: place[other]})) / place[name] - 1
 
@@ -62,19 +63,15 @@ def test_velocity_0_may_be_in_the_sweep():
     ds = synthetic.sweep(velocities=[0.0, 0.5, 1.0, 2.0, 4.0])
     for velocity in (0.1, 0.5, 0.7, 3.0):
         critical = 298.15 + 0.1 * synthetic.rise(400.0, velocity, 0.9)
-        crossings = boundary(ds, critical_temperature=critical)["critical_velocity"]
+        crossings = boundary(at(ds, critical_temperature=critical))["critical_velocity"]
         assert float(crossings.sel(load=400.0)) == pytest.approx(velocity, rel=1e-13)
 
 
 def test_only_warming_over_friction_counts(sweep):
     friction = 0.3
-    plain = boundary(sweep, friction=0.1, bulk_temperature=300.0, critical_temperature=420.0)
-    scaled = boundary(
-        sweep,
-        friction=friction,
-        bulk_temperature=350.0,
-        critical_temperature=350.0 + 120.0 * friction / 0.1,
-    )
+    critical = 350.0 + 120.0 * friction / 0.1
+    plain = boundary(at(sweep, 0.1, bulk_temperature=300.0, critical_temperature=420.0))
+    scaled = boundary(at(sweep, friction, bulk_temperature=350.0, critical_temperature=critical))
     for name in ("critical_velocity", "critical_load"):
         np.testing.assert_allclose(scaled[name], plain[name], rtol=1e-12)
 
@@ -88,16 +85,17 @@ def test_at_the_boundary_just_the_failing_share_is_too_hot(share):
     # the share of that very point, computed as a simulation's own
     rise = float(decisive_rise(ds, synthetic.conditions(share)).isel(load=3, velocity=5))
     assert failed_share(stored, rise) == pytest.approx(share, abs=1e-12)
-    crossings = boundary(ds, critical_temperature=298.15 + 0.1 * rise, share=share)
+    crossings = boundary(at(ds, critical_temperature=298.15 + 0.1 * rise, share=share))
     assert float(crossings["critical_velocity"][3]) == pytest.approx(VELOCITIES[5], rel=1e-12)
 
 
 def test_nan_where_the_sweep_does_not_cross(sweep):
-    for cold in (boundary(sweep, critical_temperature=3000.0), boundary(sweep, friction=0)):
+    for conditions in ({"critical_temperature": 3000.0}, {"friction": 0}):
+        cold = boundary(at(sweep, **conditions))
         assert np.isnan(cold["critical_velocity"]).all()
         assert (cold["outcome_at_load"] == MILD).all()
         assert (cold["outcome_at_velocity"] == MILD).all()
-    hot = boundary(sweep, critical_temperature=300.0)
+    hot = boundary(at(sweep, critical_temperature=300.0))
     assert np.isnan(hot["critical_load"]).all()
     assert (hot["outcome_at_velocity"] == SEVERE).all()
     crossings = boundary(sweep)
@@ -131,7 +129,7 @@ def test_a_crossing_says_how_many_missing_points_it_is_interpolated_across():
     assert crossings["bridged_at_load"] == 2
     frame = frames_of(boundary(ds))[0].set_index("load [N]")["points not done beside it"]
     assert frame.dropna().to_dict() == {450.0: 2.0}
-    (margin,) = pipeline.margins(ds, 430.0, 1.9)  # between lines of the sweep
+    margin = pipeline.margin(ds, 430.0, 1.9)  # between lines of the sweep
     assert (margin.velocity_bridged, margin.load_bridged) == (2, 1)
     never_asked = ds.assign(asked=ds["status"] == DONE)
     assert not boundary(never_asked)["bridged_at_load"].any()
@@ -157,11 +155,12 @@ def test_only_the_last_step_counts():
 
 
 def test_decisive_temperature_is_that_of_the_closed_form(sweep):
-    crossings = decisive_temperature(sweep, friction=0.2, bulk_temperature=310.0, share=0.05)
-    rise = synthetic.rise(LOADS[:, None], VELOCITIES, 0.95)
-    np.testing.assert_allclose(crossings, 310.0 + 0.2 * rise, rtol=1e-14)
-    assert crossings.dims == ("load", "velocity")
-    assert crossings.attrs["units"] == "K"
+    judged = at(sweep, friction=0.2, bulk_temperature=310.0, share=0.05)
+    places = {"load": LOADS[::4], "velocity": VELOCITIES[[0, 7, 14]]}
+    found = pipeline.margin(judged, places)
+    rise = synthetic.rise(places["load"], places["velocity"], 0.95)
+    expected = 310.0 + 0.2 * rise - 273.15
+    np.testing.assert_allclose(found["decisive temperature [°C]"], expected, rtol=1e-12)
 
 
 def test_the_plane_passes_through_the_boundary():
@@ -173,7 +172,8 @@ def test_the_plane_passes_through_the_boundary():
     for velocity, load in zip(VELOCITIES, crossings["critical_load"].values, strict=True):
         if np.isfinite(load):
             column = at_sweep.sel(velocity=velocity, method="nearest").values
-            assert crossing(fine["load"].values, column, limit) == pytest.approx(load, rel=1e-6)
+            places = Curve(fine["load"].values, column).crossings(limit)
+            assert places == pytest.approx((load,), rel=1e-6)
 
 
 def test_the_plane_ends_with_the_known_points():
@@ -187,29 +187,25 @@ def test_the_plane_ends_with_the_known_points():
 
 
 def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
-    crossings = boundary(sweep, friction=(0.09, 0.103), share=0.05)
-    assert crossings["critical_velocity"].dims == ("friction", "load")
+    crossings = boundary(at(sweep, friction=(0.09, 0.103), share=0.05))
+    assert crossings["critical_velocity"].dims == ("friction.coefficient", "load")
     for friction in (0.09, 0.103):
-        alone, part = (
-            boundary(sweep, friction=friction, share=0.05),
-            crossings.sel(friction=friction),
-        )
+        alone = boundary(at(sweep, friction=friction, share=0.05))
+        part = crossings.sel({"friction.coefficient": friction})
         for name in alone.data_vars:
             np.testing.assert_array_equal(part[name], alone[name])
     assert crossings.attrs["critical_temperature"] == 418.15
     with pytest.raises(InputError, match="at least 0"):
-        boundary(sweep, friction=(0.1, -0.1))
-    with pytest.raises(InputError, match="one number"):
-        decisive_temperature(sweep, friction=(0.09, 0.103))
+        boundary(at(sweep, friction=(0.1, -0.1)))
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
     assert not [name for name in boundary(plain) if name.startswith("film")]
-    crossings = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
+    crossings = boundary(at(oiled, bulk_temperature=320.0, friction=[0.09, 0.1]))
     of = Lubrication.of(stored_sweep(oiled)).film_parameter
     for friction in (0.09, 0.1):
-        part = crossings.sel(friction=friction)
+        part = crossings.sel({"friction.coefficient": friction})
         expected = of(part["load"], part["critical_velocity"], 320.0)
         np.testing.assert_array_equal(part["film_parameter_at_load"], expected)
         expected = of(part["critical_load"], part["velocity"], 320.0)
@@ -227,3 +223,44 @@ def test_the_exponent_is_that_of_the_rise_about_the_crossing():
     sweep = synthetic.sweep(rise=rise, loads=loads)
     crossings = boundary(sweep)
     assert document_of(crossings)["rise_exponent_at_load"] == pytest.approx(exponents)
+
+
+def falling(load, velocity, quantile=1.0):
+    """Severe from 1.1 to 2.4 m/s at any load, and mild below and above."""
+    over = (2 * np.log(velocity) - np.log(1.1 * 2.4)) / np.log(2.4 / 1.1)
+    shape = synthetic.profile(quantile) / synthetic.profile(0.9)
+    return synthetic.limit() * np.exp(0.3 * (1 - over**2)) * shape
+
+
+def test_wear_that_is_mild_again_turns_at_each_place_and_the_first_is_critical():
+    crossings = boundary(synthetic.sweep(rise=falling)).sel(load=400.0)
+    turns = crossings["turns_at_load"].dropna("turn").values
+    assert turns == pytest.approx([1.1, 2.4], rel=2e-3)
+    assert crossings["critical_velocity"] == crossings["turns_at_load"][0]
+    assert not crossings["begins_severe_at_load"]
+    words = "severe at some velocity and mild at a higher one"
+    document = document_of(boundary(synthetic.sweep(rise=falling)))
+    assert set(document["outcome_at_load"]) == {words}
+    begun = boundary(synthetic.sweep(rise=falling, velocities=[1.5, 2.0, 3.0, 4.0]))
+    assert begun["begins_severe_at_load"].all()
+    assert (begun["turns_at_load"].count("turn") == 1).all()
+    assert begun["critical_velocity"].isnull().all()
+    (row, *_) = frames_of(boundary(synthetic.sweep(rise=falling)))[0].to_dict("records")
+    assert row["outcome"] == "severe from 1.1 to 2.4 m/s"
+
+
+def test_the_band_of_errors_is_where_margins_begin_to_decide():
+    for ds in (synthetic.sweep(), synthetic.sweep(preset="draft", measured=())):
+        crossings = boundary(ds)
+        for load in (300.0, 600.0):
+            at_load = crossings.sel(load=load)
+            low, high = at_load["mild_below"].item(), at_load["severe_above"].item()
+            assert low < at_load["critical_velocity"] < high
+            said = [
+                pipeline.margin(ds, load, velocity).verdict
+                for velocity in (0.99 * low, 1.01 * low, 0.99 * high, 1.01 * high)
+            ]
+            assert said == ["mild", "not decided", "not decided", "severe"]
+    assert "no test here: 10 %" in crossings.attrs["model_error"]
+    exact = boundary(synthetic.sweep(model_scatter=0.0, measured=(), preset="reference"))
+    assert (exact["severe_above"] / exact["mild_below"] < 1.2).all()

@@ -8,10 +8,11 @@ import pytest
 import xarray as xr
 
 import tribo
+from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import end_of_point, open_sweep, stored_sweep
-from pipeline.analysis.decisive import decisive_rise, decisive_temperature, temperatures
-from pipeline.analysis.margins import margins
+from pipeline.analysis.decisive import decisive_rise, temperatures
+from pipeline.analysis.margins import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing
@@ -35,8 +36,9 @@ def ds(alone):
 
 
 def test_what_is_judged_may_be_given_by_its_path(alone, ds):
-    for judged in (boundary, decisive_temperature):
-        xr.testing.assert_identical(judged(str(alone), friction=0.2), judged(ds, friction=0.2))
+    for judged in (boundary, temperatures):
+        by_path = judged(at(str(alone), friction=0.2))
+        xr.testing.assert_identical(by_path, judged(at(ds, friction=0.2)))
 
 
 def test_axes_ascend_in_whatever_order_they_were_added(tmp_path):
@@ -122,7 +124,7 @@ def test_a_dataset_that_xarray_cut_or_chunked_answers_as_before(ds, cut):
 def test_a_dataset_that_xarray_opened_or_interpolated_answers(alone, ds):
     with xr.open_zarr(alone) as plain:
         assert warned(plain) == warned(ds)
-        assert margins(plain, 300.0, 1.2) == margins(ds, 300.0, 1.2)
+        assert margin(plain, 300.0, 1.2) == margin(ds, 300.0, 1.2)
     between = boundary(ds.interp(velocity=[0.6, 1.0, 1.4]))["critical_velocity"]
     assert between["load"].values.tolist() == ds["load"].values.tolist()
 

@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.analysis.frames import agreement, compared
+from pipeline.analysis.laboratory import agreement, compared
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
@@ -70,10 +70,10 @@ def test_tests_are_drawn_open_and_filled_and_those_far_outside_are_said():
 def test_other_conditions_for_the_plane_leave_the_tests_at_their_own():
     ds = sweep(rig("severe", 0.7 * CRITICAL, bulk_temperature=400.0), rig("mild", 0.7 * CRITICAL))
     kept = ["friction", "bulk temperature [°C]", "computed", "agrees"]
-    there = compared(ds, friction=0.15, bulk_temperature="60 degC")
+    there = compared(pipeline.at(ds, friction=0.15, bulk_temperature="60 degC"))
     assert there[kept].equals(compared(ds)[kept])
     warm, cold = rig("mild", 1.0, bulk_temperature=333.15), rig("mild", 1.2)
-    axes = diagram(sweep(warm, cold), bulk_temperature="60 degC").axes[0]
+    axes = diagram(pipeline.at(sweep(warm, cold), bulk_temperature="60 degC")).axes[0]
     drawn = {line.get_gid(): line for line in axes.lines}
     assert drawn["tested-mild"].get_xdata().tolist() == [1.0]
     assert drawn["tested-mild-elsewhere"].get_xdata().tolist() == [1.2]

@@ -7,10 +7,8 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import plane_of
-from pipeline.analysis.decisive import conditions_of
-from pipeline.analysis.frames import own_conditions
-from pipeline.analysis.margins import rows_under
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import own_conditions
 from pipeline.figures.plot import plot
 from pipeline.sweep.about import Measurement
 from tests.helpers import javascript, synthetic
@@ -33,7 +31,7 @@ def temperature(corrections, load, velocity):
 def test_friction_is_that_of_the_place_and_not_interpolated():
     ds = swept(FALLING)
     for load, velocity in ((600.0, 1.0), (625.0, 1.0), (300.0, 3.5)):
-        (margin,) = pipeline.margins(ds, load, velocity)
+        margin = pipeline.margin(ds, load, velocity)
         expected = temperature(FALLING, load, velocity)
         assert margin.decisive_temperature == pytest.approx(expected, abs=1e-6)
 
@@ -45,7 +43,7 @@ def test_boundary_margin_page_and_figure_cross_at_one_velocity():
         assert temperature(FALLING, load, velocity) == pytest.approx(
             418.15, abs=0.02
         )  # straight in logarithms
-        (margin,) = pipeline.margins(ds, load, 1.0)
+        margin = pipeline.margin(ds, load, 1.0)
         assert margin.critical_velocity == pytest.approx(velocity, rel=1e-9)
     on_page = javascript.run(ds, "return summary().velocity.map(({ middle }) => middle);")
     whole = pipeline.boundary(ds)["critical_velocity"]
@@ -70,23 +68,28 @@ def test_a_test_that_measured_its_friction_is_compared_alike_on_the_page():
         place = test["normal_load"], test["velocity"]
         factor = 1.0 if test["friction"] else float(FALLING.friction_factor(np.array(place[1])))
         assert rise == pytest.approx(factor * float(synthetic.rise(*place, 0.9)), rel=2e-3)
-        own = own_conditions(ds, conditions_of(ds), test)
-        (row,) = rows_under(plane_of(ds), own)
-        assert velocity == pytest.approx(row.at(*place).critical_velocity, rel=2e-3)
+        own = point_field(ds).under(own_conditions(ds, Measurement(**test)))
+        (expected,) = own.turns("velocity", *place).nearest
+        assert velocity == pytest.approx(expected, rel=2e-3)
     drawn = javascript.run(ds, "return content.measured.map(hasOwnConditions);")
     assert drawn == [True, True, False, True]
 
 
-def test_wear_that_is_mild_again_at_a_higher_velocity_is_not_decided_between_points():
-    ds = swept(BACK)
+def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the_closed_form():
+    ds = with_fields(swept(BACK), model_scatter=0.0, preset="reference")
     crossings = pipeline.boundary(ds)
-    codes = crossings["outcome_at_load"]
-    assert (codes == 6).any()
-    assert crossings["critical_velocity"].where(codes == 6, drop=True).isnull().all()
-    (between,) = pipeline.margins(ds, 600.0, 4.0)
-    assert between.verdict == "not decided"
-    assert between.velocity_outcome.startswith("not decided: severe at some velocity")
-    (computed,) = pipeline.margins(ds, 600.0, 6.0)
-    assert computed.verdict == "mild"
-    words = "return summary().velocity.map(({ transitions }) => transitions[0].outcome);"
-    assert javascript.run(ds, words) == codes.values.tolist()
+    assert (crossings["outcome_at_load"] == 6).any()
+    fine = np.geomspace(0.5, 6.0, 20001)
+    for load in (200.0, 250.0, 600.0):
+        rise = [temperature(BACK, load, velocity) for velocity in fine]
+        severe = np.array(rise) > 418.15
+        turns = fine[1:][severe[1:] != severe[:-1]]
+        found = crossings.sel(load=load)
+        assert found["begins_severe_at_load"] == severe[0]
+        assert found["turns_at_load"].dropna("turn").values == pytest.approx(turns, rel=1e-3)
+        for velocity in (0.51, 1.0, 2.5, 4.0, 5.9):
+            margin = pipeline.margin(ds, load, velocity)
+            assert margin.velocity_turns == pytest.approx(turns, rel=1e-3)
+            if np.abs(np.log(turns / velocity)).min() > 0.1:
+                is_severe = temperature(BACK, load, velocity) > 418.15
+                assert margin.verdict == ("severe" if is_severe else "mild")

@@ -1,4 +1,6 @@
-"""Interpolation close to power laws, and crossings (pipeline/analysis/transition.py)."""
+"""Interpolation close to power laws, and crossings (pipeline/analysis/curve.py)."""
+
+import itertools
 
 import numpy as np
 import pytest
@@ -6,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.transition import certain, crossing, interpolated
+from pipeline.analysis.curve import Curve, certain, interpolated
 
 
 @settings(max_examples=40)
@@ -16,22 +18,42 @@ def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size)
     x = np.cumsum(rng.uniform(0.05, 2.0, size))
     y = np.exp(np.cumsum(rng.uniform(0.01, 2.0, size)))
     limit = rng.uniform(y[0], y[-1])
-    root = crossing(x, y, limit)
+    (root,) = Curve(x, y).crossings(limit)
     scipys = PchipInterpolator(np.log(x), np.log(y))
     slope = scipys(np.log(root), nu=1)
     assert abs(scipys(np.log(root)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
 
 
-def test_first_crossing_from_mild_to_severe_counts():
-    x = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
-    assert 2 < crossing(x, np.array([1.0, 2.0, 6.0, 2.0, 9.0]), 4.0) < 3
-    assert np.isnan(crossing(x, np.array([5.0, 2.0, 6.0, 2.0, 9.0]), 4.0))
-    assert np.isnan(crossing(x, np.array([5.0, 3.0, 2.0, 1.0, 0.5]), 4.0))
+def crossings(y, limit=4.0):
+    return Curve(np.arange(1.0, len(y) + 1), np.array(y)).crossings(limit)
+
+
+def test_all_places_count_at_which_a_curve_passes_a_limit():
+    assert [int(place) for place in crossings([1.0, 2.0, 6.0, 2.0, 9.0])] == [2, 3, 4]
+    assert [int(place) for place in crossings([5.0, 2.0, 6.0, 2.0, 9.0])] == [1, 2, 3, 4]
+    assert [int(place) for place in crossings([5.0, 3.0, 2.0, 1.0, 0.5])] == [1]
+    assert crossings([5.0, np.nan, 6.0]) == crossings([1.0, np.nan, 3.0]) == ()
+
+
+@settings(max_examples=40)
+@given(seed=st.integers(0, 2**32 - 1), size=st.integers(3, 12))
+def test_between_crossings_a_curve_stays_on_one_side_of_the_limit(seed, size):
+    rng = np.random.default_rng(seed)
+    x, y = np.cumsum(rng.uniform(0.05, 2.0, size)), np.exp(rng.uniform(-1.0, 1.0, size))
+    places = Curve(x, y).crossings(1.0)
+    ends = [x[0], *places, x[-1]]
+    sides = [y[0] > 1]
+    for low, high in itertools.pairwise(ends):
+        within = Curve(x, y)(np.linspace(low, high, 12)[1:-1]) > 1
+        assert within.all() or not within.any()
+        sides.append(bool(within[0]))
+    assert len(places) == np.count_nonzero(np.diff(sides[1:]))
+    np.testing.assert_allclose(Curve(x, y)(np.array(places)), 1.0, rtol=1e-12)
 
 
 def test_a_point_on_the_limit_is_the_boundary():
     x, y = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
-    assert [crossing(x, y, limit) for limit in y] == x.tolist()
+    assert [Curve(x, y).crossings(limit) for limit in y] == [(place,) for place in x]
 
 
 @settings(max_examples=40)
@@ -48,9 +70,9 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
     x, y = np.cumsum([start, *steps], axis=0).T
     np.testing.assert_allclose(interpolated(x, y, x), y, rtol=1e-12, atol=1e-9)
     limit = y[0] + part * (y[-1] - y[0])
-    root = crossing(x, y, limit)
     if y[0] < limit <= y[-1]:
-        roots, fine = np.array([root]), np.linspace(x[0], x[-1], 200)
+        roots, fine = np.array(Curve(x, y).crossings(limit)), np.linspace(x[0], x[-1], 200)
+        assert len(roots) == 1
         np.testing.assert_allclose(interpolated(x, y, roots), limit, rtol=1e-9, atol=1e-9)
         assert (np.diff(interpolated(x, y, fine)) >= -1e-9).all()  # as the points do
 
@@ -59,7 +81,7 @@ def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begi
     x, y = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.0, 10.0, 18.0, 26.0])
     slope = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))(np.log(0.5), nu=1)
     assert interpolated(x, y, np.array([0.25])) == pytest.approx([10.0 * 0.5**slope], rel=1e-12)
-    assert crossing(x, y, 10.0 * 0.5**slope) == pytest.approx(0.25, rel=1e-12)
+    assert Curve(x, y).crossings(10.0 * 0.5**slope) == pytest.approx((0.25,), rel=1e-12)
 
 
 def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():

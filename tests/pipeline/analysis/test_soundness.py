@@ -39,11 +39,11 @@ DAMAGE = re.compile(
 
 
 def test_a_boundary_of_a_swapped_block_is_damage(copy):
-    before = pipeline.boundary(copy, **CRITICAL)
+    before = pipeline.boundary(pipeline.at(copy, **CRITICAL))
     assert before["critical_velocity"].notnull().any()
     replace_rises(copy, lambda values: values * 0.97)  # of a sweep like it
     with pytest.raises(StoreError, match=DAMAGE):
-        pipeline.boundary(pipeline.open_sweep(copy), **CRITICAL)
+        pipeline.boundary(pipeline.at(pipeline.open_sweep(copy), **CRITICAL))
 
 
 @pytest.mark.parametrize("command", ["boundary", "plot", "report", "explore", "margin"])
@@ -59,9 +59,10 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
 def test_where_nothing_crosses_a_swapped_block_is_damage_too(copy):
     """All points of a small store are checked, whatever they tell."""
     replace_rises(copy, lambda values: values * 0.97)
-    for answer in (pipeline.boundary, pipeline.decisive_temperature):
+    for answer in (pipeline.boundary, pipeline.margin):
+        place = ("300 N", "1 m/s") if answer is pipeline.margin else ()
         with pytest.raises(StoreError, match=DAMAGE):
-            answer(copy, critical_temperature=900.0)
+            answer(pipeline.at(copy, critical_temperature=900.0), *place)
 
 
 def test_of_a_large_store_the_points_that_a_margin_rests_on_are_checked(path, irg):
@@ -72,16 +73,16 @@ def test_of_a_large_store_the_points_that_a_margin_rests_on_are_checked(path, ir
     damaged = opened(path).index(Point(250.0, 1.0))
     array = zarr.open_array(path / "rise_quantile", mode="r+")
     array[damaged] = 0.97 * array[damaged]
-    never = {"critical_temperature": 900.0}
+    never = pipeline.at(path, critical_temperature=900.0)
     for place in (("250 N", "1 m/s"), ("200 N", "1.1 m/s"), ("300 N", "0.9 m/s")):
         with pytest.raises(StoreError, match=r"damaged at 250 N, 1 m/s"):
-            pipeline.margins(path, *place, **never)
-    assert pipeline.margins(path, "600 N", "1 m/s", **never)
+            pipeline.margin(never, *place)
+    assert pipeline.margin(never, "600 N", "1 m/s")
     assert "damaged at 250 N, 1 m/s" in irg(
         "explore", path, "-o", path.with_suffix(".html"), code=2
     )
     with pytest.raises(StoreError, match=r"damaged at 250 N, 1 m/s"):
-        pipeline.diff(path, path, criterion="mean")
+        pipeline.diff(pipeline.at(path, criterion="mean"), path)
 
 
 def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):
@@ -95,16 +96,16 @@ def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):
 
 def test_a_dataset_of_a_sound_store_can_be_copied_and_written_as_a_file(alone, tmp_path):
     ds = pipeline.open_sweep(alone)
-    boundary = pipeline.boundary(ds, **CRITICAL)
-    assert pipeline.boundary(ds.copy(deep=True), **CRITICAL).equals(boundary)
+    boundary = pipeline.boundary(pipeline.at(ds, **CRITICAL))
+    assert pipeline.boundary(pipeline.at(ds.copy(deep=True), **CRITICAL)).equals(boundary)
     ds.drop_vars(ds.coords.keys() & {"x", "y"}).to_netcdf(tmp_path / "a.nc")
     shutil.rmtree(tmp_path / "b.zarr", ignore_errors=True)
     ds.to_zarr(tmp_path / "b.zarr", consolidated=False)
-    assert pipeline.boundary(ds, **CRITICAL).equals(boundary)
+    assert pipeline.boundary(pipeline.at(ds, **CRITICAL)).equals(boundary)
 
 
 def test_a_dataset_in_memory_outlives_its_store(copy):
     ds = pipeline.open_sweep(copy).load()
-    before = pipeline.boundary(pipeline.open_sweep(copy), **CRITICAL)
+    before = pipeline.boundary(pipeline.at(pipeline.open_sweep(copy), **CRITICAL))
     shutil.rmtree(copy)
-    assert pipeline.boundary(ds, **CRITICAL).equals(before)
+    assert pipeline.boundary(pipeline.at(ds, **CRITICAL)).equals(before)

@@ -9,6 +9,8 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.analysis.dataset import read_conditions
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.warned_points import warned, warnings_of
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
@@ -49,9 +51,8 @@ def test_kinds_are_counted_and_so_are_points_beside_the_boundary():
 def test_conditions_move_the_boundary_away_from_a_warning():
     ds = with_flags({(400.0, 2.0): EDGE})
     assert warned(ds).at_boundary == 1
-    assert warned(ds, friction=0.05).at_boundary == 0
-    assert warned(ds, friction=[0.05, 0.1]).at_boundary == 1
-    assert warned(ds, friction=0.0).at_boundary == 0
+    for friction, beside in ((0.05, 0), ([0.05, 0.1], 1), (0.0, 0)):
+        assert warned(pipeline.at(ds, friction=friction)).at_boundary == beside
 
 
 def test_each_surface_has_its_own_boundary():
@@ -118,18 +119,13 @@ def test_every_command_on_a_store_tells(narrow, tmp_path, capsys):
 def test_points_hotter_than_molten_steel_are_counted(tmp_path, irg):
     commit_all(tmp_path / "tiny.zarr", tiny.full())
     ds = pipeline.open_sweep(tmp_path / "tiny.zarr")
-    friction = 0.1
-    assert "molten" not in pipeline.warned(ds, friction=friction).kinds
-    hottest = pipeline.decisive_temperature(ds, friction=friction) - ds_bulk(ds)
-    molten = friction * (1700.0 - ds_bulk(ds)) / float(hottest.max())
-    assert "molten" not in pipeline.warned(ds, friction=0.999 * molten).kinds
-    warned = pipeline.warned(ds, friction=1.001 * molten)
+    assert "molten" not in pipeline.warned(ds).kinds
+    judged = read_conditions(ds)
+    bulk = judged.bulk_temperature
+    molten = (1700.0 - bulk) / float(decisive_rise(ds, judged).max())
+    assert "molten" not in pipeline.warned(pipeline.at(ds, friction=0.999 * molten)).kinds
+    warned = pipeline.warned(pipeline.at(ds, friction=1.001 * molten))
     assert warned.kinds["molten"] == 1
     margin = ("margin", tmp_path / "tiny.zarr", "--load=600 N", "--velocity=1.5 m/s", "--friction")
     assert "where steel melts" in irg(*margin, f"{1.001 * molten:.9g}")
     assert "where steel melts" not in irg(*margin, f"{0.999 * molten:.9g}")
-
-
-def ds_bulk(ds):
-    """Bulk temperature of a sweep [K]."""
-    return pipeline.boundary(ds).attrs["bulk_temperature"]

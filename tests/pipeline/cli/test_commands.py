@@ -5,9 +5,11 @@ import shutil
 import pytest
 import xarray as xr
 
+from pipeline.analysis.margin_error import error_of_point
 from pipeline.cli import main
 from pipeline.cli.parser import commands
 from tests.helpers.scenes import MEASURED, SCENE
+from tribo import WarningKind
 
 # An error that is known needs no probe.
 DRAFT = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
@@ -90,10 +92,10 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     out = tmp_path / "point.csv"
     place = ("--load", "600 N", "--velocity", "4 m/s", "--preset", "draft")
     said = irg("point", scene, *place, "-o", out)
-    assert all(word in said for word in ("600 N at 4 m/s", "not decided", "°C", "its error"))
+    assert all(word in said for word in ("600 N at 4 m/s", "severe", "°C", "its error"))
     heads, row = (line.split(",") for line in out.read_text(encoding="utf-8").splitlines())
     held = dict(zip(heads, row, strict=True))
-    assert (held["load [N]"], held["verdict"]) == ("600", "not decided")
+    assert (held["load [N]"], held["verdict"]) == ("600", "severe")
     width = float(held["contact width [µm]"])
     assert f"contact width [µm]          {width:.4g}\n" in said
     small = ("--set", "increments=1", "--set", "window.pixels=[64, 16]")
@@ -108,7 +110,8 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(s
     near = irg(*place, "--critical-temperature", critical, "--json")
     assert near["verdict"] == "not decided"
     assert [warning["kind"] for warning in near["warnings"]] == ["few nodes"]
-    expected = (0.08 + 0.36) * (temperature - 298.15)
+    few = int(WarningKind.FEW_NODES)
+    expected = error_of_point(few, 4.0, 0.08).total * (temperature - 298.15)
     assert near["temperature_error"] == pytest.approx(expected, rel=1e-6)
     (command,) = near["next"]
     assert command.startswith("irg point ")
@@ -119,7 +122,7 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(s
     assert own["selection"]["name"] == "the scene's own fidelity"
     probed = max(own["selection"]["error"], own["selection"]["coarser"])
     assert own["temperature_error"] == pytest.approx(
-        (probed + 0.36) * (own["decisive_temperature"] - 298.15), rel=1e-6
+        error_of_point(few, 4.0, probed).total * (own["decisive_temperature"] - 298.15), rel=1e-6
     )
 
 

@@ -4,12 +4,13 @@ import shlex
 
 import pytest
 
-from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.decisive import conditions_of
-from pipeline.analysis.margins import margins
+from pipeline.analysis.at import at
+from pipeline.analysis.dataset import read_conditions, stored_sweep
+from pipeline.analysis.margins import margin
 from pipeline.cli.next_steps import (
     after_boundary,
     commands_that_decide,
+    lines_on,
     more_of_boundary,
     next_tests,
 )
@@ -21,6 +22,9 @@ DRAFT = {
     "preset": "draft",
     "arguments": ("my scene.toml", "--preset=draft", "--set=sweep.fields=1"),
 }
+
+EXACT = {"model_scatter": 0.0, "measured": ()}
+"""A model without an error of its own."""
 
 
 def commands(lines):
@@ -41,32 +45,43 @@ def test_a_boundary_at_draft_is_followed_by_one_of_known_accuracy():
 
 
 def deciding(ds, load, velocity, **conditions):
-    near = margins(ds, load, velocity, **conditions)
-    assert [here.verdict for here in near] == ["not decided"]
-    judged = conditions_of(ds, **conditions).as_dict()
-    return [shlex.split(line)[1:] for line in commands_that_decide(ds, "look.zarr", near, judged)]
+    ds = at(ds, **conditions)
+    near = margin(ds, load, velocity)
+    assert (near.verdict, near.is_open_by_model) == ("not decided", False)
+    judged = read_conditions(ds).as_dict()
+    decided = commands_that_decide(ds, "look.zarr", [near], judged)
+    return [shlex.split(line)[1:] for line in decided]
 
 
 @pytest.mark.parametrize(("velocity", "accuracy"), [(1.25, 0.01), (1.165, 0.05)])
 def test_a_margin_within_the_error_of_its_preset_is_decided_by_a_better_one(velocity, accuracy):
-    ds = synthetic.sweep(**DRAFT)
+    ds = synthetic.sweep(**DRAFT | EXACT)
     (command,) = deciding(ds, 750.0, velocity)
     options = parse(command)
     assert str(options.output) == "look_accurate.zarr"
     assert options.accuracy == accuracy
 
 
+def test_what_the_models_own_error_leaves_open_is_decided_by_a_test_and_by_no_computation():
+    near = margin(synthetic.sweep(preset="reference"), 400.0, 2.1)
+    assert (near.verdict, near.is_open_by_model) == ("not decided", True)
+    (line,) = lines_on(["irg point …"], by_model=True)
+    assert line.startswith("not decided by the model's own error, whatever is computed: test there")
+
+
 @pytest.mark.parametrize(("status", "retry"), [(PENDING, False), (FAILED, True)])
 def test_a_margin_at_a_point_that_is_not_done_is_decided_by_running_it(status, retry):
     jagged = synthetic.jagged(0.1)
-    ds = synthetic.sweep(rise=jagged, status={(400.0, 2.25): status}, arguments=("edge.toml",))
+    missing = {(400.0, 2.25): status}
+    ds = synthetic.sweep(rise=jagged, status=missing, arguments=("edge.toml",), **EXACT)
     (command,) = deciding(ds, 400.0, 2.25)
     options = parse(command)
     assert (str(options.output), options.retry_failed) == ("look.zarr", retry)
 
 
 def test_a_margin_between_coarse_points_is_decided_by_computing_the_place():
-    ds = synthetic.sweep(rise=synthetic.jagged(0.1), arguments=("edge.toml",), preset="standard")
+    told = {"arguments": ("edge.toml",), "preset": "standard"} | EXACT
+    ds = synthetic.sweep(rise=synthetic.jagged(0.1), **told)
     (command,) = deciding(ds, 410.0, 2.2, friction=0.099)
     options = parse(command)
     assert (command[0], options.load, options.velocity) == ("point", 410.0, 2.2)

@@ -27,11 +27,11 @@ def store(monkeypatch):
 
 def test_a_further_column_of_a_name_of_the_results_is_kept(store):
     points = {"load": [400.0], "velocity": [1.6], "note": ["gear 3"], "verdict": ["it held"]}
-    (row,) = pipeline.margin_table(store, points).to_dict("records")
+    (row,) = pipeline.margin(store, points).to_dict("records")
     assert (row["note (given)"], row["verdict (given)"]) == ("gear 3", "it held")
     assert row["verdict"] == "mild"
     with pytest.raises(InputError, match="or columns by heading"):
-        pipeline.margin_table(store, [(400.0, 1.6)])
+        pipeline.margin(store, [(400.0, 1.6)])
 
 
 def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(store, tmp_path):
@@ -41,7 +41,7 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     with out.open(newline="") as file:
         first, second, beyond = csv.DictReader(file)
     for row, place in ((first, (300.0, 1.5)), (second, (500.0, 2.0))):
-        (margin,) = pipeline.margins(store, *place)
+        margin = pipeline.margin(store, *place)
         assert (float(row["load [N]"]), float(row["velocity [m/s]"])) == place
         assert float(row["distance [K]"]) == pytest.approx(margin.distance, rel=1e-5)
         assert float(row["velocity factor"]) == pytest.approx(margin.velocity_factor, rel=1e-5)
@@ -86,7 +86,7 @@ def test_a_heading_that_cannot_be_read_is_named(store, tmp_path, irg):
         assert said in irg("margin", "out.zarr", "--points", duty, code=2)
 
 
-HEADS = ["friction", "load [N]", "critical velocity [m/s]", "outcome"]
+HEADS = ["friction.coefficient", "load [N]", "critical velocity [m/s]", "outcome"]
 
 
 def read(path):
@@ -98,11 +98,12 @@ def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, i
     out = tmp_path / "table.csv"
     arguments = ["--friction", "0.09", "--friction", "0.1", "--bulk-temperature", "60 degC"]
     assert f"table: {out}" in irg("boundary", "out.zarr", *arguments, "-o", out)
-    rows, crossings = read(out), boundary(synthetic.sweep(), (0.09, 0.1), "60 degC")
+    several = pipeline.at(synthetic.sweep(), (0.09, 0.1), "60 degC")
+    rows, crossings = read(out), boundary(several)
     assert list(rows[0])[:4] == HEADS
-    at_load = [row for row in rows if row["load [N]"] and row["friction"] == "0.1"]
+    at_load = [row for row in rows if row["load [N]"] and row["friction.coefficient"] == "0.1"]
     velocities = [float(row["critical velocity [m/s]"] or "nan") for row in at_load]
-    expected = crossings.sel(friction=0.1)["critical_velocity"].values
+    expected = crossings.sel({"friction.coefficient": 0.1})["critical_velocity"].values
     np.testing.assert_allclose(velocities, expected, rtol=1e-5)
     assert len(rows) == 2 * (crossings.sizes["load"] + crossings.sizes["velocity"])
     assert {row["bulk temperature [°C]"] for row in rows} == {"60"}
@@ -155,10 +156,10 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
         }  # fmt: skip
     if form == "frame":
         points = pd.DataFrame(columns)
-    table = pipeline.margin_table(store, points)
+    table = pipeline.margin(store, points)
     own = {"bulk_temperature": "60 degC", "friction": 0.12}
     for row, conditions in enumerate((own, {})):
-        (margin,) = pipeline.margins(store, 400.0, 1.2, **conditions)
+        margin = pipeline.margin(pipeline.at(store, **conditions), 400.0, 1.2)
         assert table["distance [K]"][row] == margin.distance
         assert table["verdict"][row] == margin.verdict
     assert table["distance [K]"][0] < table["distance [K]"][1] - 35
@@ -166,10 +167,12 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
 
 def test_conditions_that_are_given_hold_where_a_row_has_none(store):
     points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, None]}
-    table = pipeline.margin_table(store, points, friction=0.05, critical_temperature="120 degC")
+    table = pipeline.margin(
+        pipeline.at(store, friction=0.05, critical_temperature="120 degC"), points
+    )
     for row, friction in enumerate((0.12, 0.05)):
         given = {"friction": friction, "critical_temperature": "120 degC"}
-        (margin,) = pipeline.margins(store, 400.0, 1.2, **given)
+        margin = pipeline.margin(pipeline.at(store, **given), 400.0, 1.2)
         assert table["distance [K]"][row] == margin.distance
 
 
@@ -179,7 +182,8 @@ def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, 
     assert "columns not used: part" in irg("margin", "out.zarr", "--points", points)
     document = irg("margin", "out.zarr", "--points", points, "--json")
     assert document["columns_not_used"] == ["part"]
-    (margin,) = pipeline.margins(store, 400.0, 1.2, critical_temperature="100 degC")
+    hot = pipeline.at(store, critical_temperature="100 degC")
+    margin = pipeline.margin(hot, 400.0, 1.2)
     assert document["margins"]["distance"] == [margin.distance]
     points.write_text("oil,pin,load [N],velocity [m/s]\nFVA 3,a,400,1.2\n")
     assert "columns not used: oil, pin" in irg("margin", "out.zarr", "--points", points)
@@ -197,7 +201,7 @@ def test_the_track_of_a_rotation_counts_as_used_and_a_lone_mu_is_no_unit(store, 
     )
     document = irg("margin", "out.zarr", "--points", points, "--json")
     assert "columns_not_used" not in document
-    (margin,) = pipeline.margins(store, 400.0, math.pi * 0.08 * 5, friction=0.12)
+    margin = pipeline.margin(pipeline.at(store, friction=0.12), 400.0, math.pi * 0.08 * 5)
     assert document["margins"]["distance"] == [pytest.approx(margin.distance)]
 
 

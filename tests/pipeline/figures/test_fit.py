@@ -7,6 +7,7 @@ import pytest
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
+import pipeline
 from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import KINDS, plot
 from pipeline.sweep.about import Measurement
@@ -60,7 +61,7 @@ def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
 def test_a_measured_transition_is_joined_with_that_at_its_own_friction(sweep):
     transition = Measurement(400.0, 2.2, friction=0.08)
     joint = lines(diagram(with_fields(sweep, measured=(transition,))).axes[0])["at own conditions"]
-    line = contour(diagram(sweep, friction=0.08).axes[0], "boundary")[0]
+    line = contour(diagram(pipeline.at(sweep, friction=0.08)).axes[0], "boundary")[0]
     expected = (
         np.interp(-400.0, -line[::-1, 1], line[::-1, 0])
         if line[0, 1] < line[-1, 1]
@@ -75,5 +76,7 @@ def test_one_load_alone_has_its_transition_marked_or_says_that_there_is_none():
     (place,) = lines(diagram(one).axes[0])["boundary"]
     top = contour(plane.axes[0], "boundary")[0]
     assert place == pytest.approx(top[top[:, 1].argmax()], rel=1e-3)
-    words = [text.get_text() for text in diagram(one, friction=0.001).legends[0].get_texts()]
+    words = [
+        text.get_text() for text in diagram(pipeline.at(one, friction=0.001)).legends[0].get_texts()
+    ]
     assert "no transition: mild throughout" in words

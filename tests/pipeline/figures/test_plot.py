@@ -1,5 +1,6 @@
 """Figures, by what is in them, and one that is drawn again as points come."""
 
+import re
 from dataclasses import replace
 
 import matplotlib
@@ -8,6 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import pipeline
+from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.figures import plot as live
@@ -18,8 +20,6 @@ from pipeline.figures.ramp import ramp
 from pipeline.store.progress import Summary
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
-from pipeline.uncertain.answers import probabilities, risk_lines
-from pipeline.uncertain.weigh import posterior
 from tests.helpers import samples, synthetic
 from tests.helpers.sweeps import with_fields
 from tests.helpers.synthetic import MEASURED, VELOCITIES
@@ -74,9 +74,11 @@ def contour(axes, gid):
 
 def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
-    assert legend.get_title().get_text() == (
+    severe, error = legend.get_title().get_text().split("\n")
+    assert severe == (
         "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C"
     )
+    assert re.fullmatch("the model's own error: ± .* % in velocity, by 4 tests and 10 %", error)
     assert labels(legend) == [
         "computed transition",
         "transition at friction 0.09–0.103",
@@ -137,7 +139,7 @@ def test_a_band_that_is_cut_at_what_was_computed_says_so():
 
 @pytest.mark.parametrize("friction", [0.05, 0.2])
 def test_names_stand_inside_their_regions(sweep, friction):
-    axes = diagram(sweep, friction=friction).axes[0]
+    axes = diagram(at(sweep, friction=friction)).axes[0]
     axes.figure.draw_without_rendering()
     place = {}
     for text in axes.texts:
@@ -275,7 +277,7 @@ def test_the_suffix_decides_the_format(sweep, tmp_path, suffix, magic):
 def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
     with pytest.raises(InputError, match="kind is 'pie'; allowed are diagram, ramp, fields"):
         plot(sweep, "pie")
-    with pytest.raises(InputError, match=r"diagram has no option 'load'; it has friction, bulk"):
+    with pytest.raises(InputError, match=r"diagram has no option 'load'; it has realization, log"):
         plot(sweep, "diagram", load=750.0)
     with pytest.raises(InputError, match=r"suffix must be one of .pdf, .png, .svg"):
         plot(sweep, "diagram", tmp_path / "figure.gif")
@@ -313,18 +315,17 @@ def unknown():
 
 def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown, monkeypatch):
     samples.fewer_draws(monkeypatch)
-    axes = diagram(unknown, given_measured=True, scatter=0.1, log=True).axes[0]
+    weighed = at(unknown, given_measured=True, scatter=0.1)
+    axes = diagram(weighed, log=True).axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert axes.get_title().endswith("given 2 measured transitions")
     assert lines(axes)["measured"][:, 1].tolist() == [400.0, 750.0]
-    ensemble = pipeline.Ensemble.of(unknown)
-    draws = posterior(ensemble, 0.1).draws
-    _, expected = risk_lines(probabilities(ensemble, draws, loads=[400.0]))
+    expected = boundary(weighed)["critical_velocity_quantile"].sel(load=400.0).values
     # The three lines of 5, 50 and 95 %, where they pass 400 N.
     drawn = next(contours for contours in axes.collections if len(contours.get_linewidth()) == 3)
     passed = [path.vertices for path in drawn.get_paths()]
     velocities = [np.interp(-400.0, -line[:, 1], line[:, 0]) for line in map(_upwards, passed)]
-    assert sorted(velocities) == pytest.approx(expected[0], rel=0.01)
+    assert sorted(velocities) == pytest.approx(expected, rel=0.01)
 
 
 def _upwards(line):
@@ -332,12 +333,10 @@ def _upwards(line):
 
 
 def test_options_that_do_not_go_with_samples_are_refused(unknown, sweep):
-    with pytest.raises(InputError, match="leave out conditions, surface and ax"):
-        diagram(unknown, given_measured=True, friction=0.09)
-    with pytest.raises(InputError, match=r"scatter is 0\.03, of measured velocities"):
-        diagram(unknown, scatter=0.03)
-    with pytest.raises(InputError, match="the sweep has no samples"):
-        diagram(sweep, given_measured=True)
+    with pytest.raises(InputError, match="leave out the surface and ax"):
+        diagram(unknown, realization=0)
+    with pytest.raises(InputError, match="diagram has no option 'friction'"):
+        plot(sweep, "diagram", friction=0.09)
 
 
 def test_a_ramp_shows_any_stored_variable_and_names_them(alone):

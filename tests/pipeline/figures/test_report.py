@@ -15,7 +15,6 @@ from pipeline.sweep.about import FromLibrary
 from tests.helpers import samples, synthetic
 from tests.helpers.scenes import STEEL
 from tests.pipeline.figures.page import sweeps
-from tribo import InputError
 
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (
@@ -41,7 +40,7 @@ def sweep():
 def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
     page = pipeline.report(sweep, tmp_path / "report.html", POINTS).read_text(encoding="utf-8")
     assert re.findall("<h2>(.*)</h2>", page) == list(HEADINGS)
-    (margin, _) = (pipeline.margins(sweep, *place)[0] for place in ((300.0, 1.5), (500.0, 2.0)))
+    margin = pipeline.margin(sweep, 300.0, 1.5)
     for words in ("pin.radius", "5 mm", "a &lt;handbook&gt;", "first", f"{margin.distance:.4g}"):
         assert f"<td>{words}</td>" in page
     crossing = pipeline.boundary(sweep)["critical_velocity"].sel(load=600).item()
@@ -81,33 +80,30 @@ def test_a_report_says_what_it_lacks(tmp_path):
 def test_a_sweep_of_samples_is_answered_by_probabilities():
     ensemble = samples.ensemble()
     points = OperatingPoints.read({"load [N]": [400.0, 5000.0], "velocity [m/s]": [2.2, 1.0]})
-    written = sections_of_samples(samples.dataset(ensemble), points, (False, None), {})
+    ds = samples.dataset(ensemble, measured=(), tested=(), model_scatter=0.0)
+    written = sections_of_samples(ds, points)
     headings = "Question and answer", "Boundary in numbers", "Operating points"
-    (_, question), (table, _), (risks, places) = (list(written[name]) for name in headings)
+    (_, question), (_, table, *_), (risks, *notes) = (list(written[name]) for name in headings)
     (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
     assert middle == pytest.approx(critical, rel=0.03)
     assert len(table) == len(ensemble.loads)
-    chance = pipeline.risk(ensemble, 400.0, 2.2)
+    chance = pipeline.margin(ds, 400.0, 2.2)
     here, beyond = risks.to_dict("records")
     assert (here["load [N]"], beyond["load [N]"]) == (400.0, 5000.0)
-    assert (here["probability"], here["error"]) == (chance.probability, chance.error)
+    assert (here["probability"], here["verdict"]) == (chance.probability, chance.verdict)
     assert np.isnan(beyond["probability"])
-    assert "load is 5000 N; the samples have 200 to 750 N" in places
+    assert "load is 5000 N; the samples have 200 to 750 N" in " ".join(notes)
 
 
 def test_a_report_of_samples_weighs_them_by_the_tests_if_asked_to(tmp_path):
     test = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.1}
     tested = samples.dataset(samples.ensemble(tests=[test]))
     tested["warning_flags"] = tested["status"] * 0
-    out = pipeline.report(tested, tmp_path / "weighed.html", given_measured=True)
+    out = pipeline.report(pipeline.at(tested, given_measured=True), tmp_path / "weighed.html")
     weighed = out.read_text()
     assert "Not known exactly, given 1 measured transition" in weighed
     assert "before the tests" in weighed
-    assert "mean of runs" in weighed
+    assert "inferred from the tests" in weighed
     plain = pipeline.report(tested, tmp_path / "plain.html")
     assert "Not known exactly, before any test" in plain.read_text()
-    with pytest.raises(InputError, match="as they were drawn: leave out friction"):
-        pipeline.report(tested, tmp_path / "no.html", given_measured=True, friction=0.2)
-    with pytest.raises(InputError, match="has no samples, to which --given-measured"):
-        pipeline.report(synthetic.sweep(), tmp_path / "no.html", given_measured=True)

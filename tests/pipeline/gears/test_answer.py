@@ -94,12 +94,12 @@ def test_a_scene_runs_and_its_margins_are_by_place(irg, tmp_path, monkeypatch):
     told = irg("gears", "fzg_a", "--places", "2", "--scene", "mesh.toml", *CRITICAL)
     assert "irg run mesh.toml -o mesh.zarr" in told
     irg("run", "mesh.toml", "-o", "mesh.zarr", "--preset", "draft", "--workers", "1")
-    margins = pipeline.margins("mesh.zarr")
+    temperatures = pipeline.margin("mesh.zarr")["decisive temperature [°C]"]
     places = [p for p in gears.mesh(gears.read_pair("fzg_a"), 2).places if p.sliding]
-    assert len(margins) == len(places) == 4
-    for margin, place in zip(margins, places, strict=True):
+    assert len(temperatures) == len(places) == 4
+    for celsius, place in zip(temperatures, places, strict=True):
         # Rough flanks are hotter than smooth ones, and half as much at most.
-        rise, smooth = margin.decisive_temperature - 438.85, place.flash
+        rise, smooth = celsius + 273.15 - 438.85, place.flash
         assert smooth < rise < 1.6 * smooth
     assert "position [mm]" in irg("margin", "mesh.zarr")
 

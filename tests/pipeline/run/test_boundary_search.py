@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.analysis.transition import crossing
+from pipeline.analysis.curve import Curve
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic
@@ -37,16 +37,15 @@ def searched(rise, tolerance=0.01, loads=LOADS, lowest=0.5, highest=5.0, rises=N
 
 def boundary_of(rises, load):
     row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
-    return crossing(*np.array(row).T, LIMIT)
+    return next(iter(Curve(*np.array(row).T).crossings(LIMIT)), math.nan)
 
 
 @pytest.mark.parametrize(("tolerance", "bend"), [(0.05, -0.05), (0.01, 0.4), (0.0005, 0.1)])
 def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, bend):
     rises, _ = searched(lambda load, v: bent(load, v, bend), tolerance)
     for load in LOADS:
-        true = crossing(np.geomspace(0.5, 5, 2000),
-                        np.array([bent(load, v, bend) for v in np.geomspace(0.5, 5, 2000)]),
-                        LIMIT)  # fmt: skip
+        fine = np.geomspace(0.5, 5, 2000)
+        (true,) = Curve(fine, np.array([bent(load, v, bend) for v in fine])).crossings(LIMIT)
         assert boundary_of(rises, load) == pytest.approx(true, rel=tolerance)
 
 
@@ -115,5 +114,6 @@ def test_friction_that_bends_between_two_velocities_hides_no_boundary():
     fine = np.geomspace(0.5, 5.0, 2000)
     factors = falling.friction_factor(fine)
     for load in loads:
-        true = crossing(fine, factors * [bent(load, velocity) for velocity in fine], LIMIT)
+        rising = factors * [bent(load, velocity) for velocity in fine]
+        (true,) = Curve(fine, np.array(rising)).crossings(LIMIT)
         assert boundary_of(rises, load) == pytest.approx(true, rel=0.01)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.transition import crossing
+from pipeline.analysis.curve import Curve
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_points, tasks
@@ -37,11 +37,9 @@ def grid():
             rises[result.point] = momentary_rise(SWEEP.scene, result.state, SWEEP.conditions)
     velocities = np.array(SWEEP.plane.velocities)
     return [
-        crossing(
-            velocities,
-            np.array([rises[Point(load, velocity)] for velocity in SWEEP.plane.velocities]),
-            rise_limit(SWEEP.conditions),
-        )
+        Curve(
+            velocities, np.array([rises[Point(load, velocity)] for velocity in velocities])
+        ).crossings(rise_limit(SWEEP.conditions))[0]
         for load in SWEEP.plane.loads
     ]
 
@@ -70,7 +68,7 @@ def test_the_store_is_one_like_any_other(followed):
     result = pipeline.boundary(ds)
     assert result.attrs["missing_points"] == 0
     # It answers for other conditions too, where these leave the boundary between its points.
-    warmer = pipeline.boundary(ds, friction=0.102)["critical_velocity"]
+    warmer = pipeline.boundary(pipeline.at(ds, friction=0.102))["critical_velocity"]
     assert np.isfinite(warmer).sum() > len(SWEEP.plane.loads) / 2
     assert ds["velocity"].min() >= 0.5
     assert ds["velocity"].max() <= 5.0

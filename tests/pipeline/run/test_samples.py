@@ -14,7 +14,6 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import design, inputs, next_tests, sensitivity
-from pipeline.uncertain.answers import risk_lines
 from pipeline.uncertain.emulator import recalled
 from pipeline.uncertain.ensemble import Ensemble
 from tests.helpers.samples import fewer_draws
@@ -144,35 +143,37 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
         return irg(*arguments, "--json")
 
     place = ("--load", "500 N", "--velocity", "1.3 m/s")
-    there = said("risk", store, *place)
-    assert 0.0 < there["probability"] < 1.0
-    assert 0.0 < there["error"] < 0.2
-    assert "16 samples may not suffice" in irg("risk", store, "-o", tmp_path / "r.png")
+    there = said("margin", store, *place)
+    assert 0.0 < there["lowest"] < there["probability"] < there["highest"] < 1.0
+    words = irg("margin", store, *place)
+    assert there["sentence"] in words
+    assert "16 samples may not suffice" in words
+    irg("plot", store, "-o", tmp_path / "r.png")
     assert said("sensitivity", store, "-o", tmp_path / "s.png")["inputs"][0].startswith("wear.")
     plan = said("infer", store, "--next", "-o", tmp_path / "p.png")
     assert len(plan["next"]) == 12  # the best of more
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
-    margin = said("margin", store, *place)["intervals"]
-    assert margin["risk"]["probability"] == there["probability"]
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s],gear\n500,1.3,1\n900,2,2\n")
     table = said("margin", store, "--points", duty)["margins"]
     assert table["probability"] == [there["probability"], None]
-    ends = {"low": "distance_low", "middle": "distance", "high": "distance_high"}
-    assert {end: table[name][0] for end, name in ends.items()} == margin["distance"]
+    ends = [table[name][0] for name in ("distance_low", "distance", "distance_high")]
+    low, high = there["intervals"]["distance"]
+    assert ends == [low, there["distance"], high]
     assert table["verdict"][1] == "not known"
     assert "the samples have" in table["note"][1]
-    hot = said("margin", store, *place, "--friction", "0.2")["intervals"]
-    assert hot["risk"]["probability"] > there["probability"]
-    lines = said("boundary", store)["velocity_of_probability"]
-    for share in ("0.05", "0.5", "0.95"):
-        assert lines[share][1] is None or 0.5 < lines[share][1] < 4.0
+    hot = said("margin", store, *place, "--friction", "0.2")
+    assert hot["probability"] > there["probability"]
+    crossings = said("boundary", store)
+    assert crossings["quantile"] == [0.05, 0.5, 0.95]
+    lines = crossings["critical_velocity_quantile"]
+    assert lines[0][0] < lines[1][0]
     rate = next(one["path"] for one in there["unknown"] if one["path"].startswith("wear."))
     assert rate not in [
         one["path"] for one in said("infer", store, "--at", f"{rate}=1.3e-15 m^2/N")["inputs"]
     ]
-    assert "next: add --given-measured" in irg("boundary", store)
-    after = said("boundary", store, "--given-measured")["velocity_of_probability"]
+    assert "--given-measured" in irg("boundary", store)
+    after = said("boundary", store, "--given-measured")["critical_velocity_quantile"]
     assert after != lines
     load(sampled)
 
@@ -180,12 +181,12 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("risk", "--load", "500 N"), "--load and --velocity is given; give both or neither"),
+        (("margin", "--load", "500 N"), "give --load and --velocity, or --points"),
         (
             ("boundary", "--given-measured", "--friction", "0.2"),
-            "drawn: leave out --friction",
+            "drawn: leave out friction",
         ),
-        (("risk", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
+        (("margin", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
         (("plot", "--kind", "ramp"), "no plane of velocities and loads"),
         (
             ("infer", "--next", "--bulk-temperature", "pin=60 degC, disk=25 degC"),
@@ -199,7 +200,7 @@ def test_wrong_use_is_answered_in_a_line(sampled, irg, arguments, words):
 
 
 def test_a_store_without_samples_says_how_to_get_them(alone, irg):
-    assert "give [unknown] and sweep.samples" in irg("risk", alone, code=2)
+    assert "give [unknown] and sweep.samples" in irg("sensitivity", alone, code=2)
 
 
 def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
@@ -208,9 +209,10 @@ def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
 
 
 def test_the_risk_is_that_of_direct_simulations(sampled):
-    ensemble = pipeline.Ensemble.of(pipeline.open_sweep(sampled / "out.zarr"))
-    _, lines = risk_lines(pipeline.probabilities(ensemble, loads=[200.0]))
-    verdict = risk.judged(ensemble, sampled / "scene.toml", 16, {}, (200.0, float(lines[0, 1])))
+    ds = pipeline.open_sweep(sampled / "out.zarr")
+    lines = pipeline.boundary(ds)["critical_velocity_quantile"]
+    place = 200.0, lines.sel(load=200.0, quantile=0.5).item()
+    verdict = risk.judged(pipeline.Ensemble.of(ds), sampled / "scene.toml", 16, {}, place)
     assert 0.2 < verdict["direct"] < 0.8  # where chance tells most
     assert abs(verdict["standard_errors_apart"]) < risk.LIMIT
     assert verdict["within_90_percent"] > 0.7  # as 8 contacts tell; half of it otherwise
@@ -232,12 +234,12 @@ RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
 def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg, monkeypatch):
     monkeypatch.setattr(design, "_MOST", 12)  # simulations of a check, in place of 400
     monkeypatch.setattr(design, "_DRAWS", 2**10)
-    load(tmp_path, unknown=UNKNOWN + RANGE)
+    load(tmp_path, unknown=UNKNOWN + RANGE + "[model]\nscatter = 0\n")
     store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
     irg("run", tmp_path / "scene.toml", "-o", store, "-q")
     asked = ("design", store, *place, "--over", "disk.roughness.ra", "--json")
     ends = [
-        irg("risk", store, *place, "--at", f"disk.roughness.ra={ra} um", "--json")["probability"]
+        irg("margin", store, *place, "--at", f"disk.roughness.ra={ra} um", "--json")["probability"]
         for ra in (0.1, 0.5)
     ]
     risk = float(np.mean(ends))
@@ -278,17 +280,18 @@ def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(sampled, t
     place = ("--load", "500 N", "--velocity", "1.3 m/s", "--json")
     slim, wide = (("--at", f"pin.radius={radius} mm") for radius in (2, 4))
     alone = pipeline.Ensemble.of(pipeline.open_sweep(sampled / "out.zarr"))
-    one = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "out.zarr"), {"pin.radius": 2e-3})
+    one = pipeline.Ensemble.of(pipeline.at(tmp_path / "out.zarr", **{"pin.radius": 2e-3}))
     assert np.array_equal(one.rises, alone.rises[:8])
     store = tmp_path / "out.zarr"
-    likely, rare = (irg("risk", store, *place, *at)["probability"] for at in (slim, wide))
+    likely, rare = (irg("margin", store, *place, *at)["probability"] for at in (slim, wide))
     assert rare < 0.5 < likely
-    fixed = irg("risk", store, *place, *slim, "--at", "friction.coefficient=0.13")
+    fixed = irg("margin", store, *place, *slim, "--at", "friction.coefficient=0.13")
     assert fixed["fixed"] == {"friction.coefficient": 0.13}
     assert irg("boundary", store, *slim, "--json")["samples"] == 8
-    for command in ("risk", "report"):
+    both = irg("margin", store, *place)["scenes"]
+    assert [one["probability"] for one in both] == [likely, rare]
+    for command in ("report", "explore"):
         assert "has several values of pin.radius" in irg(command, store, code=2)
-    assert "it has 2 mm, 4 mm" in irg("risk", store, "--at", "pin.radius=3 mm", code=2)
-    assert "alone; leave out friction" in irg(
-        "plot", store, *slim, "--at", "friction.coefficient=0.13", code=2
-    )
+    assert "it has 2 mm, 4 mm" in irg("margin", store, "--at", "pin.radius=3 mm", code=2)
+    said = irg("plot", store, *slim, "--at", "pin.length=3 mm", code=2)
+    assert "is not one of the entries that this sweep can be judged at" in said

@@ -1,61 +1,142 @@
 """Margins where inputs are not known exactly, on a rise that is known in closed form."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.margin import percent
 from pipeline.sweep.unknown import drawn
-from tests.helpers.samples import ALL, CRITICAL, critical_velocity, ensemble, limit, rise
+from tests.helpers.samples import (
+    ALL,
+    CRITICAL,
+    EXPONENT,
+    critical_velocity,
+    dataset,
+    ensemble,
+    limit,
+    margin,
+    rise,
+)
+from tests.pipeline.analysis.test_model_error import density
 from tribo import InputError
 
-SHARES = (0.05, 0.5, 0.95)
+ENDS = (0.05, 0.95)
 DIRECT = drawn(ALL, 99, 8192)
 
 
-def values(interval):
-    return [interval.low, interval.middle, interval.high]
-
-
-def test_intervals_are_those_of_the_closed_form():
-    intervals = pipeline.margin_intervals(ensemble(), "400 N", "2 m/s")
+def test_medians_and_intervals_are_those_of_the_closed_form():
+    found = margin(ensemble(), 400.0, 2.0)
     hot = 298.15 + DIRECT[:, 2] * rise(DIRECT, 400.0, 2.0)
-    # The ends from 8192 draws are known to 2 % of a standard deviation, of 5 to 10 K.
-    assert values(intervals.decisive_temperature) == pytest.approx(
-        np.quantile(hot, SHARES), abs=0.4
+    left = DIRECT[:, 0] - hot
+    at_load = critical_velocity(DIRECT, 400.0)
+    at_velocity = (limit(DIRECT) / rise(DIRECT, 1.0, 2.0)) ** (1 / 0.58)
+    # The ends from 8192 draws are known to 2 % of a standard deviation, of 5 to 10 K; those of a
+    # difference of two, whose standard deviation is 13 K, to twice the error of 0.4 K.
+    for name, direct, error in (
+        ("decisive_temperature", hot, {"abs": 0.4}),
+        ("distance", left, {"abs": 0.8}),
+        ("critical_velocity", at_load, {"rel": 0.01}),
+        ("critical_load", at_velocity, {"rel": 0.015}),
+    ):
+        assert found.intervals[name] == pytest.approx(np.quantile(direct, ENDS), **error)
+        assert getattr(found, name) == pytest.approx(np.median(direct), **error)
+    assert found.probability == pytest.approx(np.mean(hot > DIRECT[:, 0]), abs=0.01)
+    assert found.members >= 1024
+
+
+def test_a_dataset_of_samples_answers_like_a_plane():
+    ds = dataset(ensemble(), model_scatter=0.05, measured=(), tested=())
+    found = pipeline.margin(ds, "400 N", "2 m/s")
+    assert found.intervals.keys() == {
+        "decisive_temperature", "distance", "critical_velocity", "critical_load",
+    }  # fmt: skip
+    (row,) = pipeline.margin(ds, {"load": [400.0], "velocity": [2.0]}).to_dict("records")
+    assert (row["verdict"], row["distance [K]"]) == (found.verdict, found.distance)
+    assert (row["distance low [K]"], row["distance high [K]"]) == found.intervals["distance"]
+    ends = percent(found.lowest).removesuffix(" %"), percent(found.highest)
+    assert f"severe wear is {percent(found.probability)} likely ({ends[0]} to {ends[1]})" in (
+        found.sentence
     )
-    # Those of a difference of two, whose standard deviation is 13 K, to twice the error of 0.4 K.
-    left = np.quantile(DIRECT[:, 0] - hot, SHARES)
-    assert values(intervals.distance) == pytest.approx(left, abs=0.8)
-    at_load = np.quantile(critical_velocity(DIRECT, 400.0), SHARES)
-    assert values(intervals.critical_velocity) == pytest.approx(at_load, rel=0.01)
-    at_velocity = np.quantile((limit(DIRECT) / rise(DIRECT, 1.0, 2.0)) ** (1 / 0.58), SHARES)
-    assert values(intervals.critical_load) == pytest.approx(at_velocity, rel=0.015)
-    assert intervals.risk.probability == pytest.approx(np.mean(hot > DIRECT[:, 0]), abs=0.01)
+    assert "conductivity" not in found.sentence
+
+
+@pytest.mark.parametrize("place", [(400.0, 1.3), (400.0, 2.0), (750.0, 1.4)])
+def test_the_probability_is_that_of_the_next_run_over_inputs_and_the_models_own_error(place):
+    load, velocity = place
+    off = np.log(critical_velocity(DIRECT, load) / velocity)
+    error = np.linspace(-3.0, 3.0, 6001)
+    weights = density(error, 4, 0.10) * (error[1] - error[0])
+    ranked = np.searchsorted(np.sort(off), error) / len(off)
+    expected = float(weights @ ranked)
+    found = margin(ensemble(), load, velocity, scatter=0.10)
+    assert found.probability == pytest.approx(expected, abs=0.006)
+    assert found.probability != pytest.approx(np.mean(off < 0), abs=0.006)
+
+
+def test_the_band_of_a_boundary_has_the_velocities_of_these_probabilities():
+    ds = dataset(ensemble(), model_scatter=0.0, measured=(), tested=(), preset="reference")
+    crossings = pipeline.boundary(ds)
+    lines = crossings["critical_velocity_quantile"]
+    assert lines["quantile"].values.tolist() == [0.05, 0.5, 0.95]
+    for load in (400.0, 750.0):
+        direct = np.quantile(critical_velocity(DIRECT, load), lines["quantile"])
+        assert lines.sel(load=load).values == pytest.approx(direct, rel=0.02)
+        low, high = crossings["mild_below"].sel(load=load), crossings["severe_above"].sel(load=load)
+        assert pipeline.margin(ds, load, 0.98 * low.item()).verdict == "mild"
+        assert pipeline.margin(ds, load, 1.02 * high.item()).verdict == "severe"
+        for velocity in (1.02 * low.item(), 0.98 * high.item()):
+            assert pipeline.margin(ds, load, velocity).verdict == "not decided"
+
+
+def test_the_error_of_the_preset_moves_every_rise():
+    exact, rough = (
+        margin(dataclasses.replace(ensemble(), velocity_error=error), 400.0, 2.0)
+        for error in (0.0, 0.08)
+    )
+    assert rough.decisive_temperature == exact.decisive_temperature
+    assert (exact.error.total, exact.lowest) == (0.0, exact.probability)
+    rise_error = rough.error.preset / (rough.decisive_temperature - 298.15)
+    assert rise_error == pytest.approx(1.08**EXPONENT - 1, rel=0.05)
+    off = np.log(critical_velocity(DIRECT, 400.0) / 2.0)
+    for end, sign in (("lowest", -1), ("highest", 1)):
+        expected = np.mean(off < sign * math.log(1.08))
+        assert getattr(rough, end) == pytest.approx(expected, abs=0.015)
+    unknown = dataclasses.replace(ensemble(), velocity_error=None)
+    for place in ((400.0, 0.8), (750.0, 5.0)):
+        assert margin(unknown, *place).verdict == "not decided"
+    assert margin(ensemble(), 400.0, 0.8).verdict == "mild"
+    assert margin(ensemble(), 750.0, 5.0).verdict == "severe"
 
 
 def test_what_samples_scatter_by_widens_the_interval():
-    noise = 0.1
-    intervals = pipeline.margin_intervals(ensemble((CRITICAL, ALL[1]), noise=noise), 400.0, 2.0)
-    direct = drawn((CRITICAL, ALL[1]), 99, 8192)
+    noise, few = 0.1, (CRITICAL, ALL[1])
+    found = margin(ensemble(few, noise=noise), 400.0, 2.0)
+    direct = drawn(few, 99, 8192)
     off = np.exp(noise * np.random.default_rng(3).standard_normal(8192))
-    hot = off * 0.1 * rise(direct, 400.0, 2.0, (CRITICAL, ALL[1]))
-    expected = np.ptp(np.quantile(np.log(hot), SHARES))
-    width = np.ptp(np.log(np.array(values(intervals.decisive_temperature)) - 298.15))
-    assert width == pytest.approx(expected, rel=0.25)  # 64 samples tell a scatter to 9 %
-    alone = pipeline.margin_intervals(ensemble((CRITICAL, ALL[1])), 400.0, 2.0)
-    assert width > 1.5 * np.ptp(np.log(np.array(values(alone.decisive_temperature)) - 298.15))
+    hot = off * 0.1 * rise(direct, 400.0, 2.0, few)
+
+    def width(temperatures):
+        return np.ptp(np.log(np.array(temperatures) - 298.15))
+
+    expected = np.ptp(np.quantile(np.log(hot), ENDS))
+    here = width(found.intervals["decisive_temperature"])
+    assert here == pytest.approx(expected, rel=0.25)  # 64 samples tell a scatter to 9 %
+    alone = margin(ensemble(few), 400.0, 2.0)
+    assert here > 1.5 * width(alone.intervals["decisive_temperature"])
 
 
 def test_a_boundary_beyond_the_sweep_is_said_to_lie_there():
-    intervals = pipeline.margin_intervals(ensemble(), 200.0, 2.0)
-    assert intervals.critical_load.low > 200.0
-    assert intervals.load_range[1] == 750.0
-    slow = pipeline.margin_intervals(ensemble(), 750.0, 0.6)
-    assert slow.critical_load.low == slow.critical_load.high == np.inf
-    fast = pipeline.margin_intervals(ensemble(), 750.0, 5.9)
-    assert fast.critical_load.low == 0.0
+    found = margin(ensemble(), 200.0, 2.0)
+    assert found.intervals["critical_load"][0] > 200.0
+    assert found.load_range[1] == 750.0
+    slow = margin(ensemble(), 750.0, 0.6)
+    assert (math.isnan(slow.critical_load), slow.load_outcome) == (True, "mild throughout")
+    assert slow.intervals["critical_load"] == (math.inf, math.inf)
+    fast = margin(ensemble(), 750.0, 5.9)
+    assert fast.intervals["critical_load"][0] == 0.0
 
 
 def test_a_single_load_has_no_critical_load():
@@ -66,6 +147,6 @@ def test_a_single_load_has_no_critical_load():
         rises=samples.rises[:, :1],
         widths=samples.widths[:, :1],
     )
-    assert pipeline.margin_intervals(single, 200.0, 2.0).critical_load is None
+    assert math.isnan(margin(single, 200.0, 2.0).critical_load)
     with pytest.raises(InputError, match="load is 400 N; the samples have 200 N alone"):
-        pipeline.margin_intervals(single, 400.0, 2.0)
+        margin(single, 400.0, 2.0)

@@ -271,12 +271,16 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
     assert not any(judged.contradicts for judged in wrong.judged)
     assert wrong.as_dict()["fits"] is False
     place = 750.0, 5.5  # far on the severe side
-    assert pipeline.risk(wrong.ensemble, *place).verdict == "severe"
-    told = pipeline.risk(wrong.ensemble, *place, wrong.draws)
+    ds = dataset(wrong.ensemble, preset="reference")
+    assert pipeline.margin(ds, *place).verdict == "severe"
+    weighed = pipeline.at(ds, given_measured=True)
+    told = pipeline.margin(weighed, *place)
     assert (told.verdict, told.probability > 0.95) == ("not decided", True)
-    assert told.misfit == wrong.misfit
+    assert told.misfit == pipeline.posterior(pipeline.Ensemble.of(ds)).misfit != ""
     table = {"load [N]": [750.0], "velocity [m/s]": [5.5]}
-    assert pipeline.risk_table(wrong.ensemble, table, wrong.draws)["verdict"][0] == "not decided"
+    assert pipeline.margin(weighed, table)["verdict"][0] == "not decided"
+    crossings = pipeline.boundary(weighed)
+    assert crossings[["mild_below", "severe_above"]].to_array().isnull().all()
 
 
 def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():

@@ -46,13 +46,18 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
     held = sweeps.held()
     page = content(held)
     loads, velocities, shares = (len(page[name]) for name in ("loads", "velocities", "shares"))
-    lines = unpacked(page["lines"]["load"], "<f4").reshape(velocities, -1, shares)
-    at_points = lines[:, :: page["parts"]["load"]].transpose(1, 0, 2)
+    plane = unpacked(page["plane"], "<f4").reshape(len(page["fine"]["load"]), -1, shares)
+    parts = page["parts"]
+    at_points = plane[:: parts["load"], page["first"] :: parts["velocity"]][:, :velocities]
+    columns = unpacked(page["columns"], "<f4").reshape(velocities, -1, shares)
     assert at_points.shape[0] == loads
+    is_done = (held["status"] == 1).values
+    at_loads = columns[:, :: parts["load"]].swapaxes(0, 1)
+    np.testing.assert_array_equal(at_loads[is_done], at_points[is_done])
     for share in (0.0, 0.1, 0.35):
         expected = decisive_rise(held, synthetic.conditions(share)).values
         place = page["shares"].index(share)
-        np.testing.assert_allclose(at_points[..., place], expected, rtol=1e-6)
+        np.testing.assert_allclose(at_points[is_done, place], expected[is_done], rtol=1e-6)
 
 
 def test_the_course_of_each_point_is_there_with_what_is_on_its_own_grid():

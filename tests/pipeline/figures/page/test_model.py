@@ -1,34 +1,58 @@
 """Numbers of a page's scripts, run by Node, beside `irg boundary` and `irg margin`."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.dataset import variant_of
-from pipeline.analysis.decisive import conditions_of, decisive_rise
-from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, crossing, interpolated
-from pipeline.figures.page.content import content
+from pipeline.analysis.dataset import read_conditions
+from pipeline.analysis.field import fields
+from pipeline.analysis.laboratory import model_error
+from pipeline.analysis.margin import answer
+from pipeline.analysis.transition import CROSSES, SEVERAL
+from pipeline.figures.page.content import BETWEEN, EXTRAPOLATED, content
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
+from tests.helpers.sweeps import with_fields
 from tests.pipeline.figures.page import sweeps
 from tests.pipeline.figures.page.sweeps import same
+from tribo import Corrections, InputError
 
 BOUNDARY = """
 return argument.map((given) => {
   chosen.conditions = { ...content.conditions, ...given };
-  const { velocity, load } = summary();
+  const { velocity, load } = boundaries();
   return [velocity, load].map((rows) => [
     rows.map(({ low, middle, high }) => [low, middle, high].map((x) => isFinite(x) ? x : NaN)),
     rows.map(({ transitions }) => transitions.map(({ outcome }) => outcome)),
-    rows.map(({ transitions }) => transitions.map(({ isBridged }) => isBridged)),
   ]);
+});
+"""
+MARGINS = """
+return argument.map(({ conditions, places }) => {
+  chosen.conditions = { ...content.conditions, ...conditions };
+  return places.map(([load, velocity]) => {
+    const [k, j] = sweep.nearest({ load, velocity });
+    const [f, v] = [sweep.fine.load[k], sweep.fine.velocity[j]];
+    const { rises, error, probabilities, verdict } = marginAt([k, j], chosen.conditions);
+    const way = (axis, node, now) => quantileOf(nearestTurns(
+      surfaces().map((one) => sweep.transition(axis, one, node, chosen.conditions)), now), 0.5);
+    return {
+      place: [f, v], temperature: quantileOf(rises.map(temperature), 0.5), error, probabilities,
+      verdict, velocity: way("velocity", k, v), load: way("load", j, f),
+      states: surfaces().map((one) => Number(sweep.state(one, k, j))), words: modelError().words,
+      isWhole: sweep.fine.load.every((_, i) => sweep.inner().every((_, n) =>
+        (i !== k && n + content.first !== j) ||
+        surfaces().every((one) => sweep.state(one, i, n + content.first) < "3"))),
+    };
+  });
 });
 """
 
 
-def random_conditions(ds, count=4):
+def random_conditions(ds, count=5):
     """Conditions of all kinds, the first those of the sweep."""
     draw = np.random.default_rng(ds.sizes["velocity"])
     yield {}
@@ -42,20 +66,20 @@ def random_conditions(ds, count=4):
         }
         if "bulk_ratio" in ds.coords:
             conditions["disk_temperature"] = bulk + 12.0 * math.sin(conditions["friction"] * 300)
-        if conditions_of(ds).criterion == "share":
+        if read_conditions(ds).criterion == "share":
             conditions["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
         yield conditions
 
 
-def boundary(ds, conditions):
-    """The boundary under conditions as the page has them."""
+def under(ds, conditions):
+    """The sweep under conditions as the page has them."""
     conditions = dict(conditions)
     if "disk_temperature" in conditions:
         pin = conditions["bulk_temperature"]
         conditions["bulk_temperature"] = {"pin": pin, "disk": conditions.pop("disk_temperature")}
     if "failing_share" in conditions:
         conditions["share"] = conditions.pop("failing_share")
-    return pipeline.boundary(ds, **conditions)
+    return pipeline.at(ds, **conditions)
 
 
 @pytest.mark.parametrize("kind", sweeps.KINDS)
@@ -63,90 +87,145 @@ def test_the_boundary_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
     asked, crossings = list(random_conditions(ds)), 0
     for conditions, sides in zip(asked, run(ds, BOUNDARY, asked), strict=True):
-        expected = boundary(ds, conditions)
+        expected = pipeline.boundary(under(ds, conditions))
         for side, axis, name in zip(
             sides, ("load", "velocity"), ("critical_velocity", "critical_load"), strict=True
         ):
-            quantiles, codes, bridged = (np.array(part) for part in side)
+            quantiles, codes = (np.array(part) for part in side)
             if "crossing_at_load" in expected:
                 same(quantiles.T, expected[f"{name}_quantile"])
                 same((codes == CROSSES).sum(axis=1), expected[f"crossing_at_{axis}"])
-                across = expected[f"bridged_at_{axis}"] > 0
-                same(bridged.sum(axis=1), across.sum(variant_of(across)))
             else:
                 same(quantiles[:, 1], expected[name])
                 assert codes[:, 0].tolist() == expected[f"outcome_at_{axis}"].values.tolist()
-                same(bridged[:, 0], expected[f"bridged_at_{axis}"] > 0)
             crossings += int((codes == CROSSES).sum())
     assert crossings > 20
 
 
-@pytest.mark.parametrize("kind", ["a hold", "two bulk temperatures"])
-def test_the_place_of_an_operating_point_is_that_of_the_command(kind):
+@pytest.mark.parametrize("kind", ["one surface", "several surfaces", "a hold", "a warm pin"])
+def test_the_verdict_at_a_node_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
-    margin = """
-    return argument.map(([load, velocity]) => {
-      const { rise, ...ways } = sweep.margin(0, load, velocity, chosen.conditions);
-      const [along, up] = [ways.velocity, ways.load].map(({ ends: [low, high] }) =>
-        low === high && Number.isFinite(low) ? low : NaN);
-      const error = errorAt(0, load, velocity) * (temperature(rise) - temperature(0));
-      return [error, temperature(rise), along, up];
-    });
-    """
     draw = np.random.default_rng(3)
-    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(5)]
-    places += [[333.0, 1.8]]
-    for place, (error, temperature, along, up) in zip(places, run(ds, margin, places), strict=True):
-        (expected,) = pipeline.margins(ds, *place)
-        if np.isfinite(temperature):  # else beyond the points computed there
-            same(temperature, expected.decisive_temperature)
-            assert error == pytest.approx(expected.temperature_error, rel=0.3)
-        for there, critical in (along, expected.critical_velocity), (up, expected.critical_load):
-            if np.isfinite(there):
-                same(there, critical, rtol=0.02)
+    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(8)]
+    asked = [
+        {"conditions": conditions, "places": places}
+        for conditions in random_conditions(ds)
+        if conditions.get("friction") != 0
+    ]
+    compared, verdicts = 0, set()
+    for given, told in zip(asked, run(ds, MARGINS, asked), strict=True):
+        there = under(ds, given["conditions"])
+        (field,) = fields(there)
+        scatter = model_error(there, field)
+        for page in told:
+            if {BETWEEN, EXTRAPOLATED} & {*page["states"]}:
+                continue
+            expected = answer(field, *page["place"], scatter)
+            assert page["temperature"] == pytest.approx(expected.decisive_temperature, abs=0.05)
+            rise = expected.decisive_temperature - field.conditions.coldest_bulk_temperature
+            kept = "failing_share", "bulk_ratio"
+            if all(getattr(field.conditions, x) == getattr(read_conditions(ds), x) for x in kept):
+                assert page["error"] * rise == pytest.approx(expected.temperature_error, rel=1e-4)
+                likely = expected.lowest, expected.probability, expected.highest
+                assert page["probabilities"] == pytest.approx(likely, abs=0.02)
+                if abs(expected.highest - 0.05) > 0.02 and abs(expected.lowest - 0.95) > 0.02:
+                    assert page["verdict"] == expected.verdict
+            assert page["words"].split(" % ")[-1] == expected.model_error.split(" % ")[-1]
+            assert page["probabilities"][1] == pytest.approx(expected.probability, abs=0.02)
+            for own, critical in (
+                (page["velocity"], expected.critical_velocity),
+                (page["load"], expected.critical_load),
+            ):
+                if np.isfinite(critical) and page["isWhole"]:
+                    same(own, critical, rtol=0.02)
+            compared += 1
+            verdicts.add(expected.verdict)
+    assert compared > 15
+    assert len(verdicts) == 3
 
 
-def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
+def test_beyond_the_points_a_run_is_as_likely_severe_as_the_command_says():
+    ds = sweeps.along_boundary()
+    places = [[float(load), float(v)] for load in ds["load"] for v in ds["velocity"]]
+    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
+    (field,) = fields(ds)
+    scatter, beyond = model_error(ds, field), 0
+    for page in told:
+        if page["states"] != [EXTRAPOLATED] or math.isnan(page["temperature"]):
+            continue
+        try:
+            expected = answer(field, *page["place"], scatter)
+        except InputError:
+            continue
+        assert page["probabilities"][1] == pytest.approx(expected.probability, abs=0.01)
+        beyond += 1
+    assert beyond > 5
+
+
+def banded():
+    """Friction that falls with velocity, so that wear is severe, mild and severe again."""
+    ds = synthetic.sweep()
+    falling = Corrections(friction=((0.5, 2.6), (1.2, 1.0), (6.0, 0.9)))
+    return with_fields(ds, conditions=replace(read_conditions(ds), corrections=falling))
+
+
+def test_bands_of_severe_wear_have_all_their_ends():
+    ds = banded()
+    expected = pipeline.boundary(ds)
+    assert (expected["outcome_at_load"] == SEVERAL).any()
+    script = """
+    return boundaries().velocity.map(({ transitions: [{ places, outcome }] }) => [outcome, places]);
+    """
+    for (outcome, places), row in zip(
+        run(ds, script), expected["turns_at_load"].values, strict=True
+    ):
+        same(places, row[np.isfinite(row)])
+        assert (outcome == SEVERAL) == (len(places) > 1)
+    words = run(ds, "return outcomeText(boundaries().velocity[5], 'm/s');")
+    assert words.startswith("severe up to ")
+    assert " and from " in words
+
+
+GRID = """
+return argument.map((friction) => {
+  const middle = excess(0.5, { ...chosen.conditions, friction });
+  const [x, y] = [sweep.inner(), sweep.fine.load];
+  const places = contour(x, y, [middle], true).split(/[ML]/).filter(Boolean);
+  return [places.map((pair) => pair.split(",").map(Number)), contour(x, y, [middle]).length];
+});
+"""
+
+
+def test_the_line_that_is_drawn_lies_where_wear_turns_on_the_field():
     ds = sweeps.one(status={})
-    fine, velocities = run(ds, "return [sweep.fine.load, sweep.drawn([0], chosen.conditions)[0]];")
-    rise = decisive_rise(ds, synthetic.conditions())
-    stored, loads = ds["velocity"].values, np.array(fine)
-    places = np.linspace(stored[0], stored[-1], 500)
-    rows = np.array([interpolated(stored, row, places) for row in rise.values])
-    plane = np.array([interpolated(ds["load"].values, column, loads) for column in rows.T]).T
-    expected = [crossing(places, row, synthetic.limit()) for row in plane]
-    known = np.isfinite(velocities)
-    assert known.sum() > 20
-    same(np.array(velocities)[known], np.array(expected)[known])
+    ((places, _),) = run(ds, GRID, [0.1])
+    (field,) = fields(ds)
+    assert len(places) > 40
+    for velocity, load in places[::7]:
+        here = field.temperatures(load, velocity)
+        assert here.values[0] == pytest.approx(here.critical[0], abs=1.0)
 
 
 def test_no_line_is_drawn_beyond_what_was_computed():
     ds = sweeps.along_boundary()
-    drawn = """
-    return argument.map((friction) => {
-      chosen.conditions = { ...chosen.conditions, friction };
-      return [sweep.drawn([0], chosen.conditions)[0], isCut([friction])];
-    });
-    """
     frictions = [0.02, 0.05, 0.1, 0.3]
-    for friction, (line, is_cut) in zip(frictions, run(ds, drawn, frictions), strict=True):
-        outcomes = pipeline.boundary(ds, friction)["outcome_at_load"].values
-        assert np.isfinite(line).any() == (outcomes == CROSSES).any()
-        assert is_cut or not np.isin(outcomes, (ABOVE, BELOW)).any()
+    for friction, (places, _) in zip(frictions, run(ds, GRID, frictions), strict=True):
+        outcomes = pipeline.boundary(pipeline.at(ds, friction=friction))["outcome_at_load"].values
+        crossing = ds["load"].values[outcomes == CROSSES]
+        if not crossing.size:
+            assert not places
+        if friction == 0.1:
+            loads = [load for _, load in places]
+            assert (min(loads), max(loads)) == (crossing[0], crossing[-1])
 
 
 @pytest.mark.parametrize("kind", ["one surface", "zero velocity"])
 def test_straight_lines_err_by_no_more_than_the_page_says(kind):
     ds = sweeps.KINDS[kind]()
     said = content(ds, 0)["error"]
-    script = (
-        "return summary().velocity.map(({ transitions }) => transitions.map(({ ends }) => ends));"
-    )
-    expected = pipeline.boundary(ds)["critical_velocity"].transpose("load", ...).values
-    ends = np.array(run(ds, script), float).reshape(len(expected), -1, 2)
-    off = np.abs(ends[..., 0] / expected.reshape(len(expected), -1) - 1)[
-        ends[..., 0] == ends[..., 1]
-    ]
+    script = "return boundaries().velocity.map(({ middle }) => middle);"
+    expected = pipeline.boundary(ds)["critical_velocity"].values
+    off = np.abs(np.array(run(ds, script), float) / expected - 1)
     assert np.isfinite(off).sum() > 3
     assert np.nanmax(off) <= max(said, 1e-6)
     assert said < 0.01

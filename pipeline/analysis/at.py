@@ -1,0 +1,299 @@
+"""A stored sweep judged otherwise, without a new simulation: the dataset carries what holds for it.
+
+What acts after the simulation replaces the sweep's own, values of entries that the sweep has
+several of select its rows, and unknown inputs of samples are fixed.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import secrets
+import shlex
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.special import ndtr
+
+from pipeline.analysis.dataset import (
+    ALLOWED,
+    GIVEN_MEASURED,
+    dataset_of,
+    entry_dims,
+    is_emulated,
+    judged_values,
+    read_conditions,
+    taken_entries,
+    whole_sweep,
+)
+from pipeline.analysis.scenes import scenes, value_text
+from pipeline.scene.format import OIL_WORKS
+from pipeline.scene.units import in_si, share_of, to_si
+from pipeline.store.place import PathLike
+from pipeline.store.schema import PLANE
+from pipeline.sweep.conditions import PATHS, Bulk, changes_of
+from pipeline.sweep.judged import open_inputs
+from pipeline.sweep.samples import REACH
+from pipeline.sweep.unknown import Unknown
+from tribo import InputError
+
+COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
+"""Bulk temperatures between which an oil may work [K]."""
+_NAMES = {path: name for name, path in PATHS.items()}
+_ROUNDED = 1e-9  # of a range, beyond which a value is outside
+
+
+def at(
+    ds: xr.Dataset | PathLike,
+    friction: float | Sequence[float] | None = None,
+    bulk_temperature: Bulk | Sequence[float | str] | None = None,
+    critical_temperature: float | str | Sequence[float | str] | None = None,
+    share: float | str | Sequence[float | str] | None = None,
+    criterion: str | None = None,
+    own_laws: bool = False,
+    given_measured: bool = False,
+    scatter: float | None = None,
+    **entries: Any,
+) -> xr.Dataset:
+    """Judge a sweep otherwise, without a new simulation.
+
+    Every answer and every figure of the returned dataset is at these values. Of one condition
+    several values are rows, along a dimension with the path of its entry, such as
+    ``friction.coefficient``.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or folder or address of the store.
+    friction : float or several, optional
+        Coefficient of friction, at least 0.
+    bulk_temperature, critical_temperature : float, str or mapping, optional
+        Temperature far from the contact, and the one above which the lubricant fails [K]; or text
+        with a unit, such as ``"80 degC"``. In a sweep of bodies of unequal bulk temperatures, such
+        as ``{"pin": "60 degC", "disk": "25 degC"}`` for both.
+    share : float or str, optional
+        Wear is severe where more than this share of the contact area is hotter than the critical
+        temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
+    criterion : str, optional
+        Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
+        ``"mean"``; see `tribo.CRITERIA`. Or your own, such as ``"laws:hottest"``.
+    own_laws : bool
+        Allow your own criterion to run, which is code of a file in the working folder.
+    given_measured : bool
+        Weigh the inputs of samples by the transitions and tests of their scene.
+    scatter : float, optional
+        Relative standard deviation of the velocities of these tests; see `pipeline.posterior`.
+    **entries
+        Values by the paths of entries [SI], or text with a unit: of an entry with several values
+        (``[sweep] over``), the one or those to take; of an unknown input of samples, the one to fix
+        it at; of a condition, the same as above.
+
+    Returns
+    -------
+    Dataset
+        The sweep at these values.
+
+    Raises
+    ------
+    InputError
+        If a value lies outside its range, or an entry needs a new simulation.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> warmer = pipeline.at("results/first_try.zarr", friction=0.09, bulk_temperature="40 degC")
+    >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
+    1.48
+    >>> several = pipeline.at("results/first_try.zarr", **{"friction.coefficient": (0.09, 0.103)})
+    >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
+    array([1.88, 1.48])
+    """
+    ds = dataset_of(ds)
+    given = {
+        "friction": friction,
+        "bulk_temperature": bulk_temperature,
+        "critical_temperature": critical_temperature,
+        "share": share,
+        "criterion": criterion,
+    }
+    wanted = {PATHS[name]: value for name, value in given.items() if value is not None}
+    if twice := wanted.keys() & entries.keys():
+        path = min(twice)
+        raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
+    if given_measured or scatter is not None:
+        ds = _weighed(ds, given_measured, scatter, [_NAMES[path] for path in wanted])
+    ds, wanted = _taken(ds, wanted | entries)
+    known = _NAMES.keys() | open_inputs(whole_sweep(ds)).keys()
+    if others := [path for path in wanted if path not in known]:
+        raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
+    wanted = {path: _in_si(path, value) for path, value in wanted.items()}
+    several = {path: values for path, values in wanted.items() if isinstance(values, list)}
+    ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several}, own_laws)
+    for path, values in reversed(several.items()):
+        if path not in _NAMES or path == PATHS["criterion"]:
+            raise InputError(f"{path} takes one value at a time here; give one")
+        axis = (path, values, {"units": _UNITS[path], "long_name": path})
+        # The status alone tells of which scenes a sweep is; all else would be read to be repeated.
+        status = ds["status"].expand_dims({path: values})
+        ds = ds.assign(status=status).assign_coords({path: axis})
+    for scene in scenes(ds) if wanted else ():
+        read_conditions(scene, with_criterion=False)  # refuses what the sweep has nothing for
+    return ds
+
+
+def _weighed(
+    ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
+) -> xr.Dataset:
+    """The dataset whose samples are weighed by the tests of their scene."""
+    if not is_emulated(ds):
+        raise InputError(
+            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
+            "given_measured and scatter)"
+        )
+    if not given_measured:
+        raise InputError(
+            f"scatter is {scatter:g}, of measured velocities that do not count here; add "
+            "--given-measured (in Python given_measured=True), or leave it out"
+        )
+    if others := [name for name in others if name != "criterion"]:
+        raise InputError(
+            f"the tests weigh the conditions as they were drawn: leave out {', '.join(others)}"
+        )
+    values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
+    return ds.assign_attrs(at=json.dumps(values))
+
+
+_UNITS = {
+    PATHS["friction"]: "1", PATHS["bulk_temperature"]: "K", PATHS["critical_temperature"]: "K",
+    PATHS["share"]: "1",
+}  # fmt: skip
+
+
+def _in_si(path: str, value: Any) -> Any:
+    """A value of a condition in SI, several as a list; that of another entry as it is."""
+    name = _NAMES.get(path)
+    if isinstance(value, np.ndarray | Sequence) and not isinstance(value, str):
+        if not len(value):
+            raise InputError(f"{name or path} has no value; give one, or several")
+        return [_in_si(path, one) for one in value]
+    match name:
+        case "friction" if isinstance(value, str):
+            raise InputError(f"friction is {value!r}; give a number such as 0.1, or several")
+        case "bulk_temperature" if isinstance(value, Mapping):
+            return {body: _kelvin(name, one) for body, one in value.items()}
+        case "bulk_temperature" | "critical_temperature":
+            return _kelvin(name, value)
+        case "share":
+            return share_of(value)
+    return value
+
+
+def _kelvin(name: str, value: float | str) -> float:
+    """Read a temperature [K], and refuse one at which no oil works."""
+    kelvin = in_si(name, value, "80 degC")
+    hottest = HOTTEST_OIL if name == "bulk_temperature" else math.inf
+    if kelvin < COLDEST_OIL or hottest < kelvin < math.inf:
+        raise InputError(
+            f"{name} is {kelvin - 273.15:.4g} °C ({kelvin:g} K), at which no oil works; give one "
+            f"from {COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
+            'text has its unit, such as "80 degC"'
+        )
+    return kelvin
+
+
+def _changed(ds: xr.Dataset, values: Mapping[str, Any], own_laws: bool) -> xr.Dataset:
+    """The dataset that says itself at which values it is judged."""
+    if not values:
+        return ds
+    sweep = whole_sweep(ds)
+    inputs = open_inputs(sweep)
+    conditions = {_NAMES[path]: value for path, value in values.items() if path in _NAMES}
+    law = changes_of(**conditions, own_laws=own_laws).get("own_criterion")
+    attributes = dict(ds.attrs)
+    if law:
+        attributes["own_law"] = secrets.token_hex(8)  # which no store can name
+        ALLOWED[attributes["own_law"]] = law
+    inner = {path: _within(inputs[path], values[path]) for path in values.keys() - _NAMES.keys()}
+    both = judged_values(ds) | dict(values) | inner
+    if PATHS["share"] in values and PATHS["criterion"] not in values:
+        both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
+    attributes["at"] = json.dumps(both)
+    # A label of a condition that holds no more goes; inputs of samples are those that were drawn.
+    labels = [path for path in values if path in ds.coords and path in _NAMES]
+    return ds.drop_vars(labels).assign_attrs(attributes)
+
+
+def _within(unknown: Unknown, value: float | str) -> float:
+    """A value of an unknown input in SI; raises if the samples do not reach it."""
+    shown = unknown.shown
+    if isinstance(value, str) and unknown.unit == "1":
+        raise InputError(f'{unknown.path} is "{value}"; give a plain number')
+    number = in_si(unknown.path, value, f"1 {shown.name}")
+    if unknown.kind == "list":
+        nearest = min(unknown.parameters, key=lambda one: abs(one - number))
+        if abs(nearest - number) <= _ROUNDED * abs(nearest):
+            return nearest
+        listed = ", ".join(f"{shown.of(one):g}" for one in unknown.parameters)
+        allowed = f"one of {listed}{shown.suffix}"
+    else:
+        low, high = unknown.quantile(ndtr(np.array([-REACH, REACH]))).tolist()
+        if unknown.kind == "uniform":
+            low, high = unknown.parameters
+        slack = _ROUNDED * (high - low)
+        if low - slack <= number <= high + slack:
+            return number
+        allowed = f"one from {shown.of(low):.4g} to {shown.of(high):.4g}{shown.suffix}"
+    raise InputError(
+        f"{unknown.path} is {shown.of(number):.6g}{shown.suffix}, beyond the samples; give "
+        f"{allowed}, or run the scene with --set {unknown.path}=… into another store"
+    )
+
+
+def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
+    """The sweep at those values that its table of variants has, and the others."""
+    columns = {*entry_dims(ds), *taken_entries(ds)}
+    for path in values.keys() & columns:
+        several = isinstance(values[path], list | tuple | np.ndarray)
+        places = [
+            _place(ds[path], value) for value in (values[path] if several else [values[path]])
+        ]
+        if path in ds.dims:
+            ds = ds.isel({path: places if several else places[0]})
+    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # of a row of pairs
+    return ds, {path: value for path, value in values.items() if path not in columns}
+
+
+def _place(axis: xr.DataArray, value: float | str) -> int:
+    """Place of a value along the dimension of an entry."""
+    values = np.atleast_1d(axis.values).tolist()
+    if isinstance(values[0], str):
+        matches = [number for number, held in enumerate(values) if held == value]
+    else:
+        wanted = _number(value)
+        matches = np.flatnonzero(np.isclose(values, wanted, rtol=1e-9, atol=0)).tolist()
+    if not matches:
+        held = ", ".join(value_text(axis, one) for one in values)
+        raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {held}")
+    return int(matches[0])
+
+
+def _number(value: float | str) -> float:
+    """Value of a number or of a quantity [SI]; NaN if it is neither."""
+    for read in (float, lambda text: to_si(text, like=text)):
+        with suppress(ValueError):
+            return read(value)
+    return math.nan
+
+
+def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
+    """Say that an entry acts in the simulation, with the command that computes it."""
+    sweep = whole_sweep(ds)
+    scene = (sweep.about.arguments or (f"{sweep.about.name}.toml",))[0]
+    command = shlex.join(["irg", "run", scene, "--set", f"{path}={value}", "-o", "OTHER.zarr"])
+    has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
+    if unknown := open_inputs(sweep):
+        has = f"; its samples have {', '.join(unknown)}"
+    return f"{path} is not one of the entries that this sweep can be judged at{has}: run {command}"

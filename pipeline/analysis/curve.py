@@ -1,0 +1,143 @@
+"""The one interpolation of rises, along velocities or loads: a curve, its exponent, its crossings.
+
+Between points the logarithm of the rise is interpolated over that of the velocity or the load by a
+monotone cubic (PCHIP). It is exact for a power law, and adds no crossings. On ramps of the IRG
+scene, every 0.25 m/s from 0.5 to 4 m/s, it found a velocity halfway between to 0.11 % (root mean
+square), below 1 m/s to 0.16 %; the same cubic in y over x to 0.23 %, straight lines to 0.76 %.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any
+
+import numpy as np
+import scipy  # loads its parts when they are used
+
+from tribo import Criterion
+from tribo.types import Array
+
+_NEAR = 1.01  # ratio of abscissae over which an exponent is taken
+_FLAT = 0.25  # least exponent of a power law that is continued down to 0
+
+
+class Curve:
+    """A monotone cubic through points that are known, of the logarithms where they are positive.
+
+    Abscissae (n,) ascend. Ordinates are (n,), or (n, m) if all columns are known at the same points
+    and positive there.
+    """
+
+    def __init__(self, x: Array, y: Array) -> None:
+        is_known = np.isfinite(y.reshape(len(y), -1)[:, 0])
+        self.x, self.y = x[is_known], y[is_known]
+        self._is_log = bool((self.x > 0).all() and (self.y > 0).all())
+        # From the first point down to 0 the power law goes on with which the others begin, unless
+        # it is flat: that would leap up at 0.
+        self._foot = 0.0
+        if len(self.x) > 2 and self.x[0] == 0 and self.y[0] == 0 and (self.y[1:] > 0).all():
+            rest = Curve(self.x[1:], self.y[1:])
+            slope = float(rest._cubic(np.log(self.x[1]), 1))
+            if slope > _FLAT:
+                self._foot, self._rest = slope, rest
+
+    @functools.cached_property
+    def _cubic(self) -> Any:
+        return scipy.interpolate.PchipInterpolator(self._scaled(self.x), self._scaled(self.y))
+
+    def _scaled(self, values: Array | float) -> Any:
+        return np.log(values) if self._is_log else values
+
+    def __call__(self, places: Array, continued: bool = False) -> Array:
+        """Ordinates at places; NaN beyond the outermost points, and of a single point.
+
+        If continued, the power law through the last two points goes on beyond them, where all are
+        positive.
+        """
+        result = np.full((*places.shape, *self.y.shape[1:]), np.nan)
+        if len(self.x) < 2:
+            return result
+        inside = (places >= self.x[0]) & (places <= self.x[-1])
+        result[inside] = self._within(places[inside])
+        if continued and self._is_log:
+            for beyond, end in ((places < self.x[0], 0), (places > self.x[-1], -1)):
+                ratio = (places[beyond] / self.x[end]).reshape(-1, *[1] * (self.y.ndim - 1))
+                result[beyond] = self.y[end] * ratio ** self.end_exponent(end)
+        return result
+
+    def _within(self, places: Array) -> Array:
+        if self._foot:
+            first = self.x[1]
+            foot = self.y[1] * (np.minimum(places, first) / first) ** self._foot
+            return np.where(places < first, foot, self._rest._within(np.maximum(places, first)))
+        values = self._cubic(self._scaled(places))
+        return np.exp(values) if self._is_log else np.asarray(values)
+
+    def end_exponent(self, end: int) -> Any:
+        """Exponent of the power law through the first two points (0), or the last two (-1)."""
+        other = 1 if end == 0 else -2
+        ratio = math.log(self.x[end] / self.x[other])
+        return np.log(self.y[end] / self.y[other]) / ratio
+
+    def at(self, place: float, continued: bool = False) -> float:
+        """Ordinate at one place, that of a point itself where there is one."""
+        (same,) = np.nonzero(self.x == place)
+        return float(self.y[same[0]] if same.size else self(np.array([place]), continued)[0])
+
+    def exponent(self, place: float) -> float:
+        """Exponent d ln(y)/d ln(x) at a place; NaN where that is, or beyond the points."""
+        if not place > 0 or len(self.x) < 2:
+            return math.nan
+        ends = np.clip([place / _NEAR, place * _NEAR], self.x[0], self.x[-1])
+        low, high = self._within(ends)
+        return math.log(high / low) / math.log(ends[1] / ends[0]) if low > 0 else math.nan
+
+    def crossings(self, limit: float) -> tuple[float, ...]:
+        """All places at which y passes a limit, ascending."""
+        severe = Criterion.is_severe(self.y, limit)
+        turns = np.flatnonzero(severe[1:] != severe[:-1])
+        places = [self._crossing(int(k), limit) for k in turns]
+        if len(self.y) and self.y[-1] == limit and not severe.any():
+            places.append(float(self.x[-1]))
+        return tuple(places)
+
+    def _crossing(self, k: int, limit: float) -> float:
+        """Place between a point and the next one at which y passes a limit."""
+        x, y = self.x[k : k + 2].tolist(), self.y[k : k + 2].tolist()
+        if limit in y:
+            return float(x[y.index(limit)])
+        if self._foot:
+            if k:
+                return self._rest._crossing(k - 1, limit)
+            return float(x[1] * (limit / y[1]) ** (1 / self._foot))
+        below, above = x
+        if (self._within(np.array(below)) > limit) != (y[0] > limit):  # by rounding
+            return float(below)
+        if (self._within(np.array(above)) > limit) != (y[1] > limit):
+            return float(above)
+        options = {"xtol": 1e-15, "maxiter": 1000}
+        off = functools.partial(self._off, limit)
+        return float(scipy.optimize.brentq(off, below, above, **options))
+
+    def _off(self, limit: float, place: float) -> float:
+        return float(self._within(np.array(place))) - limit
+
+
+def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> Array:
+    """Interpolate y, which may have columns; see `Curve`."""
+    return Curve(x, y)(places, continued)
+
+
+def certain(x: Array, y: Array, places: Array, limit: float) -> Array:
+    """Interpolate y, and extrapolate it by a power law where that cannot cross a limit."""
+    curve = Curve(x, y)
+    within = curve(places)
+    if len(curve.x) < 2:
+        return within
+    beyond = curve(places, continued=True)
+    if Criterion.is_mild(curve.y[0], limit):
+        within = np.where(places < curve.x[0], np.minimum(beyond, curve.y[0]), within)
+    if Criterion.is_severe(curve.y[-1], limit):
+        within = np.where(places > curve.x[-1], np.maximum(beyond, curve.y[-1]), within)
+    return within

@@ -1,0 +1,419 @@
+"""The field ln(rise/limit) of one scene over load and velocity, of which every answer is made.
+
+The rise is that which decides, at friction 1; its limit is (critical − bulk)/friction. A field has
+members, each with a weight: the surfaces of a sweep, one row of its table, or draws of what is not
+known exactly. This is the field of points that were computed; `pipeline.uncertain` has that of
+samples.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import pkgutil
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.curve import Curve, certain
+from pipeline.analysis.dataset import (
+    dataset_of,
+    has_plane,
+    is_emulated,
+    read_conditions,
+    stored_sweep,
+    taken_entries,
+)
+from pipeline.analysis.decisive import (
+    at_one_friction,
+    decisive_rise,
+    require_all_sound,
+    require_sound,
+)
+from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
+from pipeline.analysis.model_error import Scatter, severe_share
+from pipeline.analysis.scenes import scenes
+from pipeline.analysis.transition import UNITS, Transition, Turns, range_of
+from pipeline.store.place import PathLike
+from pipeline.store.schema import COORDINATES, PLANE
+from pipeline.sweep.accuracy import velocity_error
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.severity import contact_temperature, rise_limit
+from pipeline.sweep.variants import PLACE, VARIANT
+from tribo import InputError
+from tribo.types import Array, Mask
+
+_USUAL = COORDINATES.keys() - {VARIANT, "realization"}
+_SAMPLES = "pipeline.uncertain.samples:fields"
+"""Maker of the fields of samples, an extra that may be missing."""
+_PARTS = 64  # of an interval of velocities, between which friction is taken as it is there
+_OF_FILM = 0.032
+"""Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
+LEAST_SLOPE = 0.05
+"""Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
+
+
+class Field(Protocol):
+    """What every answer asks of a scene; arrays have a value of each member, shape (m,)."""
+
+    @property
+    def weights(self) -> Array:
+        """Weights of the members, whose sum is 1."""
+
+    @property
+    def conditions(self) -> Conditions:
+        """Conditions that the field is judged by."""
+
+    @property
+    def source(self) -> xr.Dataset:
+        """Dataset of the scene or the row."""
+
+    @property
+    def entries(self) -> Mapping[str, Any]:
+        """Values of the entries that have several, by their paths."""
+
+    @property
+    def shown(self) -> Mapping[str, Any]:
+        """All labels of the row."""
+
+    @property
+    def ends(self) -> Mapping[str, tuple[float, float]]:
+        """Ends of the loads [N] and velocities [m/s] asked for."""
+
+    @property
+    def place(self) -> tuple[float, float] | None:
+        """Load [N] and velocity [m/s] of a row that has no plane."""
+
+    @property
+    def misfit(self) -> str:
+        """Why the tests contradict the model; empty if they do not."""
+
+    def judged_by(self, own: Mapping[str, float]) -> Field:
+        """The field under the conditions of a row of a table; see `Conditions.of_row`."""
+
+    def temperatures(self, load: float, velocity: float) -> Here:
+        """Deciding temperatures at a place, and where they are from."""
+
+    def error(self, load: float, velocity: float) -> RiseError:
+        """Numerical error there, relative to the rise: that of the member that errs most."""
+
+    def turns(self, axis: str, load: float, velocity: float) -> Turns:
+        """Where wear turns severe along an axis through a place."""
+
+    def probability(
+        self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
+    ) -> Array:
+        """Probability that the next run is severe, by velocity (k,).
+
+        The shift of ln(rise) makes all rises larger.
+        """
+
+    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
+        """The same by load and velocity."""
+
+
+class Here(NamedTuple):
+    """Deciding temperatures of the members of a field at a place."""
+
+    values: Array  # [K]
+    is_severe: Mask
+    critical: Array  # [K]
+    is_computed: bool  # the very point is done
+    is_continued: bool  # beyond the points that are done
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """Rises of a member along velocities or loads, and what of them was computed."""
+
+    curve: Curve
+    done: Array
+    missing: Array
+    ends: tuple[float, float]
+
+    def transition(self, limit: float) -> Transition:
+        """Where the line passes a limit [K]."""
+        return Transition.along(self.curve, limit, self.ends, self.done, self.missing)
+
+    def severe(self, limit: float) -> list[tuple[float, float]]:
+        """Ranges in which wear is severe, where the line goes on by the power law of its ends."""
+        x, y = self.curve.x, self.curve.y
+        ranges = self.transition(limit).severe()
+        if not len(x) or not 0 < limit < math.inf or not (x > 0).all() or not (y > 0).all():
+            return ranges
+
+        def beyond(end: int) -> float:
+            slope = 1.0  # at most, of a point by itself
+            if len(x) > 1:
+                slope = max(self.curve.end_exponent(end), LEAST_SLOPE)
+            return float(x[end] * (limit / y[end]) ** (1 / slope))
+
+        if ranges and ranges[0][0] == 0:
+            ranges[0] = (min(beyond(0), float(x[0])), ranges[0][1])
+        if not ranges or ranges[-1][1] < math.inf:
+            ranges.append((max(beyond(-1), float(x[-1])), math.inf))
+        return ranges
+
+
+@dataclass(frozen=True, eq=False)
+class PointField:
+    """The field of computed points, of the surfaces of a scene or of one row of its table."""
+
+    planes: tuple[RisePlane, ...]  # at one friction, where it depends on the velocity
+    conditions: Conditions
+    promised: float | None  # relative error of boundary velocities
+    ends: Mapping[str, tuple[float, float]]  # of the loads [N] and velocities [m/s] asked for
+    source: xr.Dataset  # where the rises are from
+    entries: Mapping[str, Any] = field(default_factory=dict)
+    shown: Mapping[str, Any] = field(default_factory=dict)
+    place: tuple[float, float] | None = None
+    misfit: str = ""
+
+    @property
+    def weights(self) -> Array:
+        """See `Field`."""
+        return np.full(len(self.planes), 1 / len(self.planes))
+
+    @property
+    def limit(self) -> float:
+        """Rise above which wear is severe [K]."""
+        return rise_limit(self.conditions)
+
+    def judged_by(self, own: Mapping[str, float]) -> PointField:
+        """See `Field`."""
+        return self.under(self.conditions.of_row(own)) if own else self
+
+    def under(self, conditions: Conditions) -> PointField:
+        """The field under other conditions."""
+        if conditions.bulk_ratio == self.conditions.bulk_ratio:  # rises at friction 1 are the same
+            return replace(self, conditions=conditions)
+        rise = decisive_rise(self.source, conditions)
+        planes = tuple(grids_of(self.source, at_one_friction(rise, conditions)))
+        return replace(self, planes=planes, conditions=conditions)
+
+    @functools.cached_property
+    def _curves(self) -> list[list[Curve]]:
+        """Curve over velocities of each load, by plane."""
+        return [[Curve(plane.velocities, row) for row in plane.rises] for plane in self.planes]
+
+    def temperatures(self, load: float, velocity: float) -> Here:
+        """See `Field`; an `InputError` where too little is done to tell."""
+        self._require_within(load, velocity)
+        found = [self._rise(number, load, velocity) for number in range(len(self.planes))]
+        if not all(math.isfinite(rise) for rise, _ in found):
+            raise InputError(
+                f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
+                "sweep to its end, or add points there"
+            )
+        if self.place is None:  # else all rows are checked
+            beneath = np.array([plane.beneath(load, velocity) for plane in self.planes])
+            dims = [name for name in ("realization",) if name in self.source.dims]
+            require_sound(self.source, beneath if dims else beneath[0], *dims, *PLANE)
+        rises = np.array([rise for rise, _ in found])
+        return Here(
+            contact_temperature(rises, self.conditions),
+            rises > self.limit,
+            np.full(len(rises), self.conditions.known_critical_temperature()),
+            all(self._is_done(plane, load, velocity) for plane in self.planes),
+            not all(is_within for _, is_within in found),
+        )
+
+    @staticmethod
+    def _is_done(plane: RisePlane, load: float, velocity: float) -> bool:
+        here = plane.rises[np.ix_(plane.loads == load, plane.velocities == velocity)]
+        return bool(np.isfinite(here).any())
+
+    def _require_within(self, load: float, velocity: float) -> None:
+        axes = self.planes[0].loads, self.planes[0].velocities
+        for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
+            lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
+            if not (lowest <= value <= highest and value > 0):
+                raise InputError(
+                    f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
+                    f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
+                )
+
+    def _rise(self, number: int, load: float, velocity: float) -> tuple[float, bool]:
+        """Rise of a member at a place [K], and whether it lies between computed points."""
+        for continued in (False, True):
+            by_load = self._at_velocity(number, velocity, continued)
+            rise = Curve(self.planes[number].loads, by_load).at(load)
+            if math.isfinite(rise):
+                break
+        return rise, not continued
+
+    def _at_velocity(self, number: int, velocity: float, continued: bool = False) -> Array:
+        """Rises of a member by load at one velocity [K], with the friction there."""
+        rises = np.array([curve.at(velocity, continued) for curve in self._curves[number]])
+        return rises * self.conditions.friction_factor(np.array(velocity))
+
+    def error(self, load: float, velocity: float) -> RiseError:
+        """See `Field`."""
+        errors = [rise_error(plane, load, velocity, self.promised) for plane in self.planes]
+        worst = max(errors, key=lambda one: math.inf if one.total is None else one.total)
+        corrections = self.conditions.corrections
+        if not (corrections and corrections.film_resistance) or worst.warned is None:
+            return worst
+        return replace(worst, warned=math.hypot(worst.warned, _OF_FILM))
+
+    def turns(self, axis: str, load: float, velocity: float) -> Turns:
+        """See `Field`."""
+        lines = self.lines(axis, load, velocity)
+        here = velocity if axis == "velocity" else load
+        return Turns.of([line.transition(self.limit) for line in lines], here)
+
+    def probability(
+        self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
+    ) -> Array:
+        """See `Field`."""
+        limit = self.limit * math.exp(-shift)
+        lines = self.lines("velocity", load, float(velocities[0]))
+        shares = [severe_share(line.severe(limit), velocities, scatter) for line in lines]
+        return np.asarray(self.weights @ np.array(shares))
+
+    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
+        """See `Field`."""
+        return np.array([self.probability(load, velocities, scatter) for load in loads])
+
+    @functools.cached_property
+    def _kept(self) -> dict[tuple[str, float, float], list[Line]]:
+        return {}
+
+    def lines(self, axis: str, load: float, velocity: float) -> list[Line]:
+        """Line of each member along an axis, through the rise at a place.
+
+        Between loads or velocities of the sweep, rises go on where wear is certainly mild or
+        severe.
+        """
+        key = axis, load, velocity
+        if key not in self._kept:
+            if len(self._kept) > 1:  # those of one place are asked for several times
+                self._kept.clear()
+            self._kept[key] = [self._line(k, *key) for k in range(len(self.planes))]
+        return self._kept[key]
+
+    def _line(self, number: int, axis: str, load: float, velocity: float) -> Line:
+        plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
+        x, other, place, along = plane.velocities, plane.loads, load, velocity
+        rises, is_missing = plane.rises * factor(x), plane.is_missing
+        if axis == "load":
+            x, other, place, along = other, x, velocity, load
+            rises, is_missing = rises.T, is_missing.T
+        above = int(np.searchsorted(other, place))
+        is_between = above < len(other) and other[above] != place
+        missing = np.logical_or.reduce(is_missing[above - is_between : above + 1])
+        has_curve = self.conditions.has_friction_curve
+        if place in other:
+            computed = going_on = rises[above]
+        elif axis == "load":
+            computed, here = self._at_velocity(number, velocity), np.array([velocity])
+            going_on = np.array(
+                [certain(other, row, here, limit / factor(here)[0])[0] for row in plane.rises]
+            ) * factor(here)
+        elif has_curve:  # how friction goes on beyond the points is no power law
+            computed = going_on = np.array([Curve(other, column).at(place) for column in rises.T])
+        else:
+            certainly = np.array([certain(x, row, x, limit) for row in rises])
+            rows = np.where(np.isfinite(rises), rises, certainly)
+            computed, going_on = (
+                np.array([Curve(other, column).at(place) for column in lines.T])
+                for lines in (rises, rows)
+            )
+        done, missing = x[np.isfinite(computed)], x[missing]
+        rise, is_within = (
+            (math.nan, False) if place in other else self._rise(number, load, velocity)
+        )
+        if is_within:
+            number_there = int(np.searchsorted(x, along))
+            if along not in x:
+                x = np.insert(x, number_there, along)
+                going_on = np.insert(going_on, number_there, rise)
+            going_on[number_there] = rise
+        if has_curve and axis == "velocity":
+            x, going_on = along_friction(x, going_on, factor)
+        return Line(Curve(x, going_on), done, missing, self.ends[axis])
+
+
+def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
+    """Velocities [m/s] close together, and rises [K] there with friction by velocity.
+
+    Between two velocities the friction is known, and only the heat is interpolated: rises are
+    divided by the factor of their friction, and multiplied by that of each place.
+    """
+    steps = np.arange((len(velocities) - 1) * _PARTS + 1) / _PARTS
+    places = np.interp(steps, np.arange(len(velocities)), velocities)
+    between = Curve(velocities, rises / factor(velocities))(places) * factor(places)
+    between[::_PARTS] = rises
+    return places, between
+
+
+def fields(ds: xr.Dataset | PathLike) -> list[Field]:
+    """The field of each scene of a sweep, or of each row that has a place of its own."""
+    ds = dataset_of(ds)
+    if is_emulated(ds):
+        made: list[Field] = pkgutil.resolve_name(_SAMPLES)(ds)
+        return made
+    if has_plane(ds):
+        return [_field(scene) for scene in scenes(ds)]
+    # At once, for a read of each row by itself takes ten times as long.
+    require_all_sound(ds)
+    ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
+    return [*_about_places(_field(scene) for scene in scenes(ds))]
+
+
+def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
+    """The field of one scene, under conditions in place of its own if they are given."""
+    return _field(scene, conditions)
+
+
+def _field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
+    conditions = conditions or read_conditions(scene)
+    placed = [name for name in PLANE if name not in scene.dims]
+    place = tuple(scene[name].item() for name in PLANE) if len(placed) == len(PLANE) else None
+    coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
+    shown = {name: label.item() for name, label in coords.items() if not label.ndim}
+    entries = {path: scene[path].item() for path in taken_entries(scene)}
+    scene, sweep = scene.expand_dims(placed if place else []), stored_sweep(scene)
+    rise = decisive_rise(scene, conditions)
+    ends = {
+        name: (at, at) if place else range_of(scene, name)
+        for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
+    }
+    return PointField(
+        planes=tuple(grids_of(scene, at_one_friction(rise, conditions))),
+        conditions=conditions,
+        promised=velocity_error(sweep),
+        ends=ends,
+        source=scene,
+        entries=entries,
+        shown=shown,
+        place=place,
+    )
+
+
+def _about_places(rows: Iterable[PointField]) -> Iterator[PointField]:
+    """Rows, those that lie about one place as one; the first of these is the place itself."""
+    about = dict[Any, list[PointField]]()
+    for row in rows:
+        labels = [label for label in row.shown.items() if label[0] != VARIANT]
+        about.setdefault((*labels,) if PLACE in row.shown else id(row), []).append(row)
+    for first, *others in about.values():
+        if others:
+            both = zip(*(row.planes for row in (first, *others)), strict=True)
+            planes = tuple(RisePlane.joined(same) for same in both)
+            axes = {"load": planes[0].loads, "velocity": planes[0].velocities}
+            ends = {name: (float(x[0]), float(x[-1])) for name, x in axes.items()}
+            first = replace(first, planes=planes, ends=ends)
+        yield first
+
+
+def quantile(values: Array, weights: Array, share: float) -> float:
+    """Value that a share of the weight stays below; values may be infinite, NaN if one is."""
+    if np.isnan(values).any():
+        return math.nan
+    order = np.argsort(values)
+    below = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return float(np.interp(share * weights.sum(), below, values[order]))

@@ -1,0 +1,173 @@
+"""Tests of a laboratory beside what is computed at their own conditions, and what they tell."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from pipeline.analysis.dataset import scene_sweep, stored_sweep
+from pipeline.analysis.field import Field, PointField, point_field, quantile
+from pipeline.analysis.margin import NOT_DECIDED
+from pipeline.analysis.model_error import USUAL, ModelError, Scatter
+from pipeline.analysis.scenes import frame_by_scene, planes
+from pipeline.analysis.tables import frame_of, notes_of, short
+from pipeline.sweep.about import Measurement
+from pipeline.sweep.conditions import Conditions
+from tribo import InputError
+
+NOT_KNOWN = "not known"
+USUAL_SCATTER = 0.05
+"""Relative standard deviation of the velocity of a transition that gives none."""
+_DEVIATIONS = 2.0  # of a measured velocity, within which a transition agrees
+_BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
+_HEADS = (
+    "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
+    "computed", "decisive temperature [°C]", "agrees", "note",
+)  # fmt: skip
+
+
+def laboratory_tests(ds: xr.Dataset) -> tuple[Measurement, ...]:
+    """Measured transitions of a sweep, and then its tests."""
+    about = stored_sweep(ds).about
+    return (*about.measured, *about.tested)
+
+
+def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
+    """Conditions of a test: friction and bulk of its own or the scene, not those judged at."""
+    judged, scene = stored_sweep(ds).conditions, scene_sweep(ds).conditions
+    bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
+    if test.bulk_temperature is not None:
+        bulks = {"bulk_temperature": test.bulk_temperature, "disk_temperature": None}
+    return replace(judged, friction=scene.friction, **bulks).at_friction(test.friction)
+
+
+def model_error(ds: xr.Dataset, field: Field) -> Scatter:
+    """The model's own error in a scene, by its tests."""
+    scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
+    usual = stored_sweep(ds).about.model_scatter
+    if scatter is not None:
+        return scatter
+    plain = ModelError(usual=USUAL if usual is None else usual)
+    if not isinstance(field, PointField):
+        untold = "the scene's tests count by --given-measured"
+        return replace(plain, untold=untold) if laboratory_tests(ds) else plain
+    if field.place:
+        return plain
+    told = (_residual(ds, field, test) for test in laboratory_tests(ds))
+    return replace(plain, residuals=tuple(r for r in told if r is not None))
+
+
+def _residual(ds: xr.Dataset, field: PointField, test: Measurement) -> float | None:
+    """ln(measured/computed) of a test at its own conditions; None where it tells nothing."""
+    place = test.normal_load, test.velocity
+    try:
+        own = field.under(own_conditions(ds, test))
+        here = own.temperatures(*place)
+    except InputError:  # beyond the sweep
+        return None
+    turns = own.turns("velocity", *place)
+    if test.outcome and (test.outcome == "severe") == (np.mean(here.is_severe) > 0.5):
+        return None
+    low, high = turns.computed
+    critical = quantile(turns.nearest, own.weights, 0.5)
+    critical = min(max(critical, low), high)  # the end of a line that goes beyond the sweep
+    return math.log(test.velocity / critical) if critical > 0 else None
+
+
+def tests_beside(ds: xr.Dataset, load: float, velocity: float) -> Iterator[str]:
+    """Tests at or beside a place, in words."""
+    for test in laboratory_tests(ds):
+        apart = abs(test.normal_load / load - 1), abs(test.velocity / velocity - 1)
+        if max(apart) <= _BESIDE:
+            yield f"{test.outcome or 'severe'}, {test.normal_load:g} N, {test.velocity:g} m/s"
+
+
+def compared(ds: xr.Dataset) -> pd.DataFrame | None:
+    """Frame of tests beside what is computed at their own conditions; None if there are none."""
+    if not (laboratory_tests(ds) and planes(ds)):
+        return None
+    return frame_by_scene(ds, lambda scene: frame_of(_HEADS, _rows(scene)))
+
+
+def agreement(frame: pd.DataFrame) -> str:
+    """Count of tests that agree, in a sentence."""
+    counts = Counter(frame["agrees"])
+    words = {
+        "yes": ("agrees", "agree"),
+        "no": ("does not", "do not"),
+        NOT_DECIDED: ("is not decided", "are not decided"),
+        NOT_KNOWN: ("is not known", "are not known"),
+    }
+    said = (f"{counts[key]} {pair[counts[key] > 1]}" for key, pair in words.items() if counts[key])
+    return f"Of {len(frame)} tests {', '.join(said)}."
+
+
+def on_tests(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+    """The count of tests that agree, their frame, and why others are not known."""
+    yield agreement(frame)
+    yield short(frame, ["note"])
+    yield from notes_of(frame)
+    yield (
+        f"each at its own friction and bulk; a transition agrees within {_DEVIATIONS:g} "
+        f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none, a "
+        "test if its outcome is the computed one beyond the error of the temperature"
+    )
+
+
+def _rows(ds: xr.Dataset) -> Iterator[tuple[Any, ...]]:
+    """Rows of one scene."""
+    field = point_field(ds)
+    under = functools.cache(field.under)
+    held = getattr(stored_sweep(ds).scene.loading, "hold", 0.0)
+    for test in laboratory_tests(ds):
+        place = test.normal_load, test.velocity
+        note = ""
+        if test.hold not in (None, held):
+            note = f"computed with the hold of the scene, {held:g} s"
+        at = test.friction, test.bulk_temperature
+        try:
+            own = own_conditions(ds, test)
+            at = own.friction, own.bulk_temperature
+            computed, temperature, agrees = _answer(test, under(own))
+        except InputError as error:
+            computed, temperature, agrees, note = NOT_KNOWN, None, NOT_KNOWN, str(error)
+        kind = test.outcome or "transition"
+        yield (kind, *place, *at, test.hold, computed, temperature, agrees, note)
+
+
+def _answer(test: Measurement, field: PointField) -> tuple[str, float, str]:
+    """What is computed at a test, the deciding temperature [K], and whether it agrees.
+
+    The numerical error and the scatter of the measurement count, and not the model's own error,
+    which the tests have made.
+    """
+    place = test.normal_load, test.velocity
+    here, error = field.temperatures(*place), field.error(*place).total
+    temperature = quantile(here.values, field.weights, 0.5)
+    rises = here.values - field.conditions.coldest_bulk_temperature
+    known = error is not None and np.abs(here.critical - here.values) > error * rises
+    verdict = NOT_DECIDED
+    if np.all(known) and len({*here.is_severe.tolist()}) == 1:
+        verdict = "severe" if here.is_severe[0] else "mild"
+    if outcome := test.outcome:
+        said = verdict
+        if len({*here.is_severe.tolist()}) > 1:
+            said = f"severe on {here.is_severe.sum()} of {len(here.is_severe)} surfaces"
+        agrees = NOT_DECIDED if verdict == NOT_DECIDED else "yes" if verdict == outcome else "no"
+        return said, temperature, agrees
+    critical = quantile(field.turns("velocity", *place).nearest, field.weights, 0.5)
+    scatter = test.velocity_scatter or USUAL_SCATTER * test.velocity
+    near = abs(critical - test.velocity) <= _DEVIATIONS * scatter
+    said = f"at {critical:.3g} m/s" if 0 < critical < math.inf else verdict
+    if error is None:
+        return said, temperature, NOT_DECIDED
+    away = NOT_DECIDED if verdict == NOT_DECIDED else "no"
+    return said, temperature, "yes" if near else away

@@ -1,0 +1,125 @@
+"""A sweep at other conditions, which the dataset carries (pipeline/analysis/at.py)."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.analysis.dataset import read_conditions, stored_sweep
+from tests.helpers import synthetic
+from tribo import InputError
+
+HOT = {"friction": 0.12, "bulk_temperature": "60 degC"}
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return synthetic.sweep()
+
+
+def test_every_answer_is_at_the_conditions_that_the_dataset_carries(sweep):
+    hot = pipeline.at(sweep, **HOT, critical_temperature="150 degC", share="5%")
+    limit = synthetic.limit(0.12, 333.15, 423.15)
+    critical = synthetic.critical_velocity(synthetic.LOADS, limit, 0.05)
+    crossings = pipeline.boundary(hot)["critical_velocity"]
+    inside = (critical > synthetic.VELOCITIES[0]) & (critical < synthetic.VELOCITIES[-1])
+    np.testing.assert_allclose(crossings[inside], critical[inside], rtol=1e-9)
+    found = pipeline.margin(hot, 600.0, 1.1)
+    expected = 333.15 + 0.12 * synthetic.rise(600.0, 1.1, 0.95)
+    assert found.decisive_temperature == pytest.approx(expected)
+    last = pipeline.temperatures(pipeline.end_of_point(hot)).sel(load=600.0, velocity=1.0)
+    assert last["max_temperature"] == pytest.approx(333.15 + 0.12 * synthetic.rise(600.0, 1.0))
+    assert read_conditions(sweep) == synthetic.conditions()  # which stays as it is
+
+
+def test_what_is_given_by_its_name_or_by_its_path_is_the_same(sweep):
+    paths = {"friction.coefficient": 0.12, "temperature.bulk": "60 degC"}
+    by_path, by_name = pipeline.at(sweep, **paths), pipeline.at(sweep, **HOT)
+    xr.testing.assert_identical(by_path, by_name)
+    assert json.loads(by_path.attrs["at"]) == {
+        "friction.coefficient": 0.12,
+        "temperature.bulk": 333.15,
+    }
+
+
+def test_conditions_are_added_to_those_given_before_and_replace_them(sweep):
+    twice = pipeline.at(pipeline.at(sweep, friction=0.2), bulk_temperature="60 degC", friction=0.12)
+    xr.testing.assert_identical(twice, pipeline.at(sweep, **HOT))
+    mean = pipeline.at(sweep, criterion="mean")
+    assert read_conditions(pipeline.at(mean, friction=0.12)).criterion == "mean"
+    assert read_conditions(pipeline.at(mean, share=0.2)).criterion == "share"
+
+
+def test_several_values_are_rows_and_each_is_as_alone(sweep):
+    rows = pipeline.at(
+        sweep, friction=(0.09, 0.103), **{"temperature.bulk": ["25 degC", "60 degC"]}
+    )
+    crossings = pipeline.boundary(rows)["critical_velocity"]
+    assert {*crossings.dims} == {"friction.coefficient", "temperature.bulk", "load"}
+    table = pipeline.margin(rows, 600.0, 1.2)
+    for row in table.to_dict("records"):
+        friction, bulk = row["friction.coefficient"], row["temperature.bulk [°C]"] + 273.15
+        alone = pipeline.at(sweep, friction, bulk_temperature=bulk)
+        here = {"friction.coefficient": friction, "temperature.bulk": bulk}
+        np.testing.assert_array_equal(
+            crossings.sel(here), pipeline.boundary(alone)["critical_velocity"]
+        )
+        found = pipeline.margin(alone, 600.0, 1.2)
+        assert (row["verdict"], row["distance [K]"]) == (found.verdict, found.distance)
+        one = pipeline.margin(rows.sel(here), 600.0, 1.2)
+        assert one.distance == found.distance
+    assert len(table.drop_duplicates()) == 4
+
+
+def test_conditions_outlive_what_xarray_does_to_a_dataset(alone, tmp_path):
+    hot = pipeline.at(alone, friction=0.12, critical_temperature=380.0)
+    expected = pipeline.boundary(hot)["critical_velocity"]
+    cut = pipeline.boundary(hot.sel(load=[250.0, 600.0]).isel(velocity=[0, 2]))
+    assert cut.attrs["friction"] == 0.12
+    assert read_conditions(hot.copy(deep=True)).critical_temperature == 380.0
+    several = pipeline.at(hot, friction=(0.1, 0.12))
+    selected = pipeline.boundary(several.isel({"friction.coefficient": 1}))["critical_velocity"]
+    np.testing.assert_array_equal(selected, expected)
+    with xr.open_zarr(alone) as plain:
+        hot = pipeline.at(plain, friction=0.12, critical_temperature=380.0)
+        hot.to_netcdf(tmp_path / "hot.nc", engine="scipy", format="NETCDF3_64BIT")
+    with xr.open_dataset(tmp_path / "hot.nc", engine="scipy") as back:
+        xr.testing.assert_equal(pipeline.boundary(back)["critical_velocity"], expected)
+
+
+def test_an_attribute_that_was_overwritten_is_refused(sweep):
+    with pytest.raises(InputError, match="the attribute at is 'hotter', which is none"):
+        pipeline.boundary(sweep.assign_attrs(at="hotter"))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"pin.radius": "3 mm"}, r"run irg run synthetic.toml --set 'pin.radius=3 mm' -o"),
+        ({"friction": 0.1, "friction.coefficient": 0.2}, "friction.coefficient is given twice"),
+        ({"friction": "a lot"}, "friction is 'a lot'; give a number"),
+        ({"friction": -0.1}, "friction is -0.1; it must be at least 0"),
+        ({"friction": ()}, "friction has no value"),
+        ({"criterion": ["mean", "highest"]}, "temperature.criterion takes one value at a time"),
+        ({"criterion": "coldest"}, "coldest"),
+        ({"critical_temperature": 145.0}, "145 K"),
+        ({"bulk_temperature": "60 N"}, "60 N"),
+        ({"share": 1.5}, "1.5"),
+        ({"given_measured": True}, "the sweep has no samples"),
+        ({"scatter": 0.1}, "the sweep has no samples"),
+    ],
+)
+def test_what_cannot_be_judged_afterwards_is_refused_in_a_line(sweep, given, message):
+    with pytest.raises(InputError, match=message) as refused:
+        pipeline.at(sweep, **given)
+    assert "\n" not in str(refused.value)
+
+
+def test_what_needs_a_run_names_the_values_that_the_sweep_has():
+    with pytest.raises(InputError) as refused:
+        pipeline.at(synthetic.sweep(), **{"window.pixel_size": "5 um"})
+    assert re.search(r"--set 'window.pixel_size=5 um'", str(refused.value))
+    assert stored_sweep(synthetic.sweep()).about.name == "synthetic"

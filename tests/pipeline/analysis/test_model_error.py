@@ -1,0 +1,178 @@
+"""The model's own error (pipeline/analysis/model_error.py), and what a verdict makes of it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate, stats
+
+import pipeline
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import compared, laboratory_tests, model_error
+from pipeline.analysis.margin import NOT_DECIDED, answer, error_band, percent
+from pipeline.analysis.model_error import ModelError
+from pipeline.sweep.about import Measurement
+from tests.helpers import synthetic
+from tests.pipeline.analysis.test_boundary import falling
+
+EXPONENT = synthetic.VELOCITY_EXPONENT
+
+
+def density(x, degrees, scale):
+    """Student's t by its formula."""
+    factor = math.gamma((degrees + 1) / 2) / math.gamma(degrees / 2)
+    factor /= math.sqrt(degrees * math.pi) * scale
+    return factor * (1 + (x / scale) ** 2 / degrees) ** (-(degrees + 1) / 2)
+
+
+def chance_below(x, degrees, scale):
+    return integrate.quad(density, -math.inf, x, (degrees, scale), epsabs=1e-12, limit=200)[0]
+
+
+def swept_with(*tests):
+    """Sweep of a power law with these (load, velocity, outcome), None at a transition."""
+    made = [Measurement(load, velocity, outcome=outcome) for load, velocity, outcome in tests]
+    return synthetic.sweep(
+        measured=tuple(one for one in made if not one.outcome),
+        tested=tuple(one for one in made if one.outcome),
+    )
+
+
+def scatter_of(ds):
+    return model_error(ds, point_field(ds))
+
+
+CRITICAL = float(synthetic.critical_velocity(600.0, synthetic.limit()))
+
+
+@pytest.mark.parametrize("residuals", [(), (0.2,), (0.01, -0.02, 0.3, 0.0, -0.1)])
+def test_the_error_of_the_next_run_is_students_t_of_few_tests_and_ten_percent(residuals):
+    degrees = 4 + len(residuals)
+    scale = math.sqrt((4 * 0.10**2 + sum(r * r for r in residuals)) / degrees)
+    places = np.array([-0.4, -0.1, 0.0, 0.05, 0.3])
+    expected = [chance_below(x, degrees, scale) for x in places]
+    np.testing.assert_allclose(ModelError(residuals).below(places), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.8, 0.97, 1.2, 2.0])
+def test_a_probability_is_that_of_a_run_beyond_the_transition(ratio):
+    ds, velocity = swept_with(), ratio * CRITICAL
+    found = pipeline.margin(ds, 600.0, velocity)
+    error = math.log1p(found.temperature_error / (found.decisive_temperature - 298.15))
+    assert error > 0.005
+    ends = {"lowest": -error, "probability": 0.0, "highest": error}
+    for name, shift in ends.items():
+        critical = CRITICAL * math.exp(-shift / EXPONENT)
+        expected = 1 - chance_below(math.log(critical / velocity), 4, 0.10)
+        assert getattr(found, name) == pytest.approx(expected, abs=1e-6)
+
+
+def test_without_tests_and_with_them_the_answer_says_what_its_own_error_rests_on():
+    untested = pipeline.margin(swept_with(), 600.0, 1.0)
+    assert untested.model_error == "no test here: 10 % in velocity taken"
+    one = swept_with((600.0, 1.3 * CRITICAL, None))
+    scale = math.sqrt((4 * 0.01 + math.log(1.3) ** 2) / 5)
+    said = pipeline.margin(one, 600.0, 1.0).model_error
+    assert said == f"± {100 * scale:.2g} % in velocity, by 1 test and 10 %"
+    own = synthetic.sweep(measured=(), model_scatter=0.03)
+    assert scatter_of(own).scale == pytest.approx(0.03)
+    none = pipeline.margin(synthetic.sweep(measured=(), model_scatter=0.0), 600.0, 1.0)
+    assert (none.model_error, none.probability) == ("none, as the scene says", 0.0)
+
+
+def test_a_wrong_outcome_counts_with_its_distance_and_a_right_one_does_not():
+    right = (600.0, 0.7 * CRITICAL, "mild"), (600.0, 1.4 * CRITICAL, "severe")
+    wrong = (600.0, 0.8 * CRITICAL, "severe"), (600.0, 1.1 * CRITICAL, "mild")
+    assert scatter_of(swept_with(*right)).residuals == ()
+    expected = [math.log(0.8), math.log(1.1)]
+    assert scatter_of(swept_with(*right, *wrong)).residuals == pytest.approx(expected)
+    fewer = scatter_of(swept_with(wrong[0])).scale
+    assert fewer > scatter_of(swept_with()).scale
+
+
+def test_a_transition_counts_at_its_own_conditions():
+    warm = Measurement(600.0, 1.2, 0.12, bulk_temperature=310.0)
+    ds = pipeline.at(synthetic.sweep(measured=(warm,)), friction=0.05)
+    critical = synthetic.critical_velocity(600.0, synthetic.limit(0.12, 310.0))
+    assert scatter_of(ds).residuals == pytest.approx([math.log(1.2 / critical)])
+
+
+def test_a_line_beyond_the_sweep_counts_with_its_end_and_a_test_beyond_it_not_at_all():
+    cold = {"critical_temperature": 1200.0}  # nothing is severe up to 4 m/s
+    ds = pipeline.at(swept_with((600.0, 2.0, "severe"), (9e3, 2.0, None)), **cold)
+    assert scatter_of(ds).residuals == pytest.approx([math.log(2.0 / 4.0)])
+
+
+@pytest.mark.parametrize("velocity", [0.6, 1.0, 1.2, 1.6, 2.2, 2.6, 3.5])
+def test_of_a_band_of_severe_wear_the_runs_within_it_are_counted(velocity):
+    ds = synthetic.sweep(rise=falling, measured=(), preset="reference")
+    found = pipeline.margin(ds, 400.0, velocity)
+    runs = velocity * np.exp(0.10 * stats.t(4).ppf((np.arange(20000) + 0.5) / 20000))
+    share = np.mean(falling(400.0, runs, 0.9) > synthetic.limit())
+    assert found.probability == pytest.approx(share, abs=4e-3)
+    assert found.lowest <= found.probability <= found.highest
+    assert found.velocity_turns == pytest.approx((1.1, 2.4), rel=2e-3)
+    nearest = min((1.1, 2.4), key=lambda place: abs(math.log(place / velocity)))
+    assert found.critical_velocity == pytest.approx(nearest, rel=2e-3)
+
+
+def test_tests_beside_a_place_are_named_and_those_farther_away_are_not():
+    ds = swept_with((600.0, 1.5, "severe"), (600.0, 1.5 * 1.2, "mild"), (700.0, 1.5, None))
+    found = pipeline.margin(ds, 620.0, 1.45)
+    assert found.tested == ("severe, 600 N, 1.5 m/s",)
+    assert found.sentence.endswith("tested there: severe, 600 N, 1.5 m/s")
+    assert pipeline.margin(ds, 300.0, 1.5).tested == ()
+
+
+def test_whether_a_test_agrees_does_not_depend_on_the_models_own_error():
+    tests = (600.0, 0.8 * CRITICAL, "mild"), (600.0, 1.3 * CRITICAL, None)
+    usual = swept_with(*tests)
+    wide = synthetic.sweep(
+        model_scatter=0.5,
+        **{
+            kind: tuple(one for one in laboratory_tests(usual) if bool(one.outcome) == told)
+            for kind, told in (("measured", False), ("tested", True))
+        },
+    )
+    assert compared(wide).equals(compared(usual))
+    assert compared(usual)["agrees"].to_list() == ["no", "yes"]
+    assert pipeline.margin(wide, 600.0, 0.8 * CRITICAL).verdict == NOT_DECIDED
+
+
+def test_a_model_that_its_tests_contradict_decides_nothing():
+    ds = swept_with()
+    field = replace(point_field(ds), misfit="the tests contradict the model")
+    far = answer(field, 400.0, 0.5, scatter_of(ds))
+    assert answer(point_field(ds), 400.0, 0.5, scatter_of(ds)).verdict == "mild"
+    assert (far.verdict, far.as_dict()["verdict"]) == (NOT_DECIDED, NOT_DECIDED)
+    band = error_band(field, 400.0, np.geomspace(0.3, 6.0, 50), scatter_of(ds))
+    assert np.isnan(band).all()
+
+
+def test_no_probability_is_told_that_is_nearer_to_certainty_than_is_known():
+    said = [percent(p) for p in (0.0, 9e-5, 0.004, 0.5, 0.999, 1 - 9e-5)]
+    assert said == [
+        "less than 0.01 %",
+        "less than 0.01 %",
+        "0.4 %",
+        "50 %",
+        "99.9 %",
+        "more than 99.99 %",
+    ]
+    ds = synthetic.sweep(measured=(), model_scatter=0.0)
+    ends = [
+        pipeline.margin(ds, 600.0, velocity).as_dict()["probability"] for velocity in (0.5, 4.0)
+    ]
+    assert ends == [1e-4, 1 - 1e-4]
+    assert pipeline.margin(ds, {"load": [600.0], "velocity": [0.5]})["probability"].item() == 1e-4
+
+
+def test_the_answer_begins_with_a_sentence_for_those_who_decide():
+    found = pipeline.margin(swept_with(), 600.0, 0.8 * CRITICAL)
+    words = found.sentence.split(": ", 1)
+    ends = [percent(p).removesuffix(" %") for p in (found.lowest, found.highest)]
+    likely = f"severe wear is {percent(found.probability)} likely ({ends[0]} to {ends[1]} %)"
+    assert words[0] == found.verdict.capitalize()
+    assert words[1].startswith(f"{likely}, {found.distance:.3g} K below the critical temperature")
+    assert "conductivity" in words[1]  # inputs that are taken as exact
