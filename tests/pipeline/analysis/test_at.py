@@ -58,7 +58,7 @@ def test_several_values_are_rows_and_each_is_as_alone(sweep):
         sweep, friction=(0.09, 0.103), **{"temperature.bulk": ["25 degC", "60 degC"]}
     )
     crossings = pipeline.boundary(rows)["critical_velocity"]
-    assert {*crossings.dims} == {"friction.coefficient", "temperature.bulk", "load"}
+    assert crossings.dims == ("friction.coefficient", "temperature.bulk", "load")
     table = pipeline.margin(rows, 600.0, 1.2)
     for row in table.to_dict("records"):
         friction, bulk = row["friction.coefficient"], row["temperature.bulk [°C]"] + 273.15

@@ -6,9 +6,11 @@ from argparse import ArgumentTypeError as Refused
 
 import pytest
 
+import pipeline
 from pipeline.cli import values
 from pipeline.cli.given import conditions_in
 from pipeline.cli.parser import parse
+from tests.helpers import synthetic
 
 
 @pytest.mark.parametrize(("text", "share"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0)])
@@ -58,6 +60,26 @@ def test_a_key_is_set_once(irg):
     again = "fidelity.increments=6"
     error = irg("run", "s.toml", "--set", "increments=5", "--set", again, code=2)
     assert "--set: increments is given more than once; give it once" in error
+
+
+def test_a_value_that_a_store_is_judged_at_has_its_unit(irg, monkeypatch):
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: synthetic.sweep())
+
+    def judged(*entries, **options):
+        return irg("boundary", "out.zarr", *(f"--at={entry}" for entry in entries), **options)
+
+    for entry in ("temperature.critical=150", "pin.radius=3"):
+        path, _, number = entry.partition("=")
+        said = judged(entry, code=2)
+        assert f"--at: {path} is {number}, without a unit; give one such as" in said
+    assert "run irg run" in judged("pin.radius=3 mm", code=2)
+    said = judged("temperature.critical=150 degC", "friction.coefficient=0.12")
+    assert "above 150 °C; friction 0.12, bulk 25 °C" in said
+    same = irg("boundary", "out.zarr", "--critical-temperature=150 degC", "--friction=0.12")
+    assert said == same
+    assert "is given twice" in irg(
+        "boundary", "out.zarr", "--at=friction.coefficient=0.1", "--friction=0.12", code=2
+    )
 
 
 def test_values_below_zero_reach_their_options():
