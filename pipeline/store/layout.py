@@ -118,6 +118,8 @@ def made_coordinates(sweep: Sweep, axes: Mapping[str, Sequence[Any]]) -> dict[st
 
     speeds = np.abs(np.array(axes["velocity"]))
     distance = spread(speeds, wanted["velocity"].dims) * spread(time, dims)
+    whole = tuple(len(axes[dim]) for dim in wanted["sliding_distance"].dims)
+    distance = np.broadcast_to(distance, whole)
     return {"time": time, "normal_load": normal_load, "sliding_distance": distance}
 
 

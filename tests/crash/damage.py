@@ -20,7 +20,7 @@ import pipeline
 from pipeline.cli import main as irg
 from pipeline.store import verify as verifying
 from pipeline.store.place import ROOT
-from tests.crash.loop import PATIENCE, Forked, code_of, differing, places
+from tests.crash.loop import PATIENCE, Forked, code_of, differing, places, values_of_points
 from tests.crash.sweeps import EXPECTED, STAGES
 
 TRIALS = 300
@@ -132,7 +132,7 @@ class _Whole:
     def faults(self, path):
         """Faults of a store that should be as this one."""
         with pipeline.open_sweep(path) as ds:
-            arrays = {name: ds[name].values for name in ds.data_vars}
+            arrays = values_of_points(ds)
             for index, point in places(ds):
                 names = list(differing(arrays, index, EXPECTED(point)))
                 if arrays["status"][index] != 1 or names:

@@ -142,6 +142,16 @@ def places(ds):
         yield tuple(number for number, _ in place), Point(load, velocity, tuple(values.items()))
 
 
+def values_of_points(ds):
+    """Values of all variables of points, by name."""
+    return {name: ds[name].values for name in [*ds.data_vars, "own_grid"]}
+
+
+def _is_known(values):
+    """True where there is a value: of a flag, where it is set."""
+    return values if values.dtype == bool else np.isfinite(values)
+
+
 def differing(arrays, index, result):
     """Variables of a point that are not, bit for bit, what was computed."""
     expected = {**result.record("pressure" in arrays).data}
@@ -149,7 +159,7 @@ def differing(arrays, index, result):
         stored = arrays[name][index]
         if stored[-len(values) :].tobytes() != values.tobytes():
             yield name
-        elif name in STEPPED and np.isfinite(stored[: -len(values)]).any():
+        elif name in STEPPED and _is_known(stored[: -len(values)]).any():
             yield f"{name} beyond its end"
 
 
@@ -160,7 +170,7 @@ def is_meant_to_fail(point, message):
 
 def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
     """Faults of a dataset: points lost, points that differ, and values of those not done."""
-    arrays = {name: ds[name].values for name in ds.data_vars}
+    arrays = values_of_points(ds)
     left = set(acknowledged)
     for index, point in places(ds):
         status = int(arrays["status"][index])
@@ -172,7 +182,7 @@ def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
         if status == FAILED and not may_fail(point, arrays["message"][index]):
             yield f"{point} has failed: {arrays['message'][index]}"
         for name in {*STEPPED, *FIELDS} & set(arrays):
-            if np.isfinite(arrays[name][index]).any():
+            if _is_known(arrays[name][index]).any():
                 yield f"{point} is not done, and has {name}"
     yield from (f"{point} was told as done, and is lost" for point in left)
 

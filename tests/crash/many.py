@@ -24,7 +24,7 @@ import pipeline
 from pipeline.cli import main as irg
 from pipeline.run.sweep import run_sweep
 from pipeline.store.place import ROOT
-from tests.crash.loop import code_of, differing, places
+from tests.crash.loop import code_of, differing, places, values_of_points
 from tests.crash.sweeps import Expected, keep_one_thread
 from tests.helpers import tiny
 from tests.helpers.campaigns import conclude
@@ -168,7 +168,7 @@ def large(folder, points):
     checked, report["verify"] = timed(pipeline.verify_store, path)
     if not (summary.done == checked.done == ds["status"].size and checked.is_clean):
         yield f"{summary.done} points are done, {checked.done} of them intact"
-    expected, arrays = Expected(sweep_of(points)), {name: ds[name].values for name in ds.data_vars}
+    expected, arrays = Expected(sweep_of(points)), values_of_points(ds)
     for index, point in random.sample(list(places(ds)), COMPARED):
         for name in differing(arrays, index, expected(point)):
             yield f"{point}: {name} differs"

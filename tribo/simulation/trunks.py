@@ -69,12 +69,13 @@ class Trunks:
     >>> import tribo
     >>> from dataclasses import replace
     >>> scene = replace(tribo.critical_temperature_rig(), wear=tribo.Wear(1e-15))
-    >>> scene = replace(scene, loading=tribo.Ramp(rate=1.0, reference_load=10.0))
+    >>> ramp, fine = tribo.Ramp(1.0, 10.0), replace(scene.fidelity, increments=8)
+    >>> scene = replace(scene, loading=ramp, fidelity=fine)
     >>> trunks = Trunks()
-    >>> for load in (5.0, 10.0):  # of 100 increments up to 10 N
+    >>> for load in (5.0, 9.0):  # by increments of 1.25 N
     ...     print(sum(1 for state in tribo.simulate(scene, load, 0.065, trunks)))
-    50
-    51
+    4
+    5
     """
 
     def __init__(self, limit: int = MOST_BYTES) -> None:

@@ -1,6 +1,7 @@
 """The labelled view of a stored sweep (pipeline/analysis/dataset.py)."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pint
@@ -73,6 +74,26 @@ def test_the_course_of_a_load_is_that_of_the_higher_ones_as_far_as_it_goes(ds):
     for name in STEPPED.keys() & ds.data_vars.keys():
         lower = ds[name].sel(load=250.0, step=-1).values  # at 125 N, as of all on this trunk
         assert lower.tobytes() == ds[name].sel(load=600.0, step=-4).values.tobytes(), name
+
+
+def test_no_answer_reads_a_step_on_the_grid_of_the_history(tmp_path):
+    track = tribo.Track.under(tiny.sweep().scene.pin, tiny.sweep().scene.disk, 0.34)
+    kept = tribo.Corrections(track=track, disk_bulk=tribo.Bulk(capacity=500.0))
+    coarser = {"history_coarsening": 2, "increments": 6}
+    wide = tribo.Grid((96, 16), (4.3e-6, 15e-6))
+    sweep = tiny.sweep(pixels=wide, fidelity=coarser)
+    corrected = sweep.changed(conditions=replace(sweep.conditions, corrections=kept))
+    for number, one in enumerate((sweep, corrected)):
+        commit_all(tmp_path / f"{number}.zarr", one)
+        ds = open_sweep(tmp_path / f"{number}.zarr").load()
+        on_way = ~ds["own_grid"] & ds["max_rise"].notnull()
+        assert on_way.isel(step=-2).all()
+        other = ds.copy(deep=True)
+        for name in STEPPED.keys() & ds.data_vars.keys():
+            other[name] = ds[name].where(~on_way, 1e9)
+        for answer in (boundary, decisive_temperature):
+            xr.testing.assert_identical(answer(ds), answer(other))
+        assert margins(ds, 500.0, 1.2) == margins(other, 500.0, 1.2)
 
 
 def test_any_xarray_draws_the_course_from_the_first_increment(alone):

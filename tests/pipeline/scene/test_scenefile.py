@@ -58,7 +58,6 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
             Measurement(200.0, 3.75, 0.094),
         ),
         fields=True,
-        independent=False,
         preset="standard",
     )
     assert sweep.scene.grid.shape == (288, 240)
@@ -105,7 +104,6 @@ def test_what_may_be_left_out_takes_its_default(read):
     assert sweep.conditions.failing_share == 0.1
     assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     assert not sweep.record.fields
-    assert not sweep.plane.independent
     assert sweep.about.measured == ()
 
 
