@@ -20,7 +20,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - scenes: `new_scene`, `load_scene`, `scene_entry`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `follow_boundary`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`
-- answers: `at`, `boundary`, `margin`, `Margin`, `Conditions`, `temperatures`, `warned`, `diff`,
+- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `warned`, `diff`,
   `vary`, `critical_temperatures`
 - inputs that are not known exactly: `Ensemble`, `sensitivity`, `posterior`, `candidates`,
   `plan_tests`, `design`, `Goal`

@@ -41,9 +41,12 @@ CALLS = """
 from pathlib import Path
 import numpy as np
 import pipeline
-pipeline.boundary("a.zarr", [0.1, 0.12], {"pin": "60 degC", "disk": 300.0}, "150 degC", "10%")
-pipeline.boundary(Path("a.zarr"), np.array([0.1, 0.15, 0.2]))
-pipeline.temperatures(Path("a.zarr"), 0.12, "60 degC", 420.0)
+ds = pipeline.at("a.zarr", [0.1, 0.12], {"pin": "60 degC", "disk": 300.0}, "150 degC", "10%")
+pipeline.at(Path("a.zarr"), np.array([0.1, 0.15, 0.2]), **{"pin.radius": "2 mm"})
+pipeline.boundary(Path("a.zarr"))
+pipeline.temperatures(ds)
+pipeline.margin(ds, "400 N", 1.5)
+pipeline.margin("a.zarr", {"load": ["400 N"], "velocity": [2.0]})["verdict"]
 """
 
 

@@ -39,6 +39,7 @@ from pipeline.sweep.judged import open_inputs
 from pipeline.sweep.samples import REACH
 from pipeline.sweep.unknown import Unknown
 from tribo import InputError
+from tribo.types import Array
 
 COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 """Bulk temperatures between which an oil may work [K]."""
@@ -48,14 +49,15 @@ _ROUNDED = 1e-9  # of a range, beyond which a value is outside
 
 def at(
     ds: xr.Dataset | PathLike,
-    friction: float | Sequence[float] | None = None,
+    friction: float | str | Sequence[float] | Array | None = None,
     bulk_temperature: Bulk | Sequence[float | str] | None = None,
     critical_temperature: float | str | Sequence[float | str] | None = None,
     share: float | str | Sequence[float | str] | None = None,
     criterion: str | None = None,
-    own_laws: bool = False,
-    given_measured: bool = False,
-    scatter: float | None = None,
+    # Any, so that a type checker lets entries through that have texts by their paths.
+    own_laws: Any = False,
+    given_measured: Any = False,
+    scatter: Any = None,
     **entries: Any,
 ) -> xr.Dataset:
     """Judge a sweep otherwise, without a new simulation.
@@ -109,7 +111,7 @@ def at(
     1.48
     >>> several = pipeline.at("results/first_try.zarr", **{"friction.coefficient": (0.09, 0.103)})
     >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
-    array([1.88, 1.48])
+    array([1.89, 1.48])
     """
     ds = dataset_of(ds)
     given = {

@@ -153,7 +153,9 @@ def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
     is_refined = touching < (0 if sweep.about.selection else scene.fidelity.fewest_elements)
     duration = stepped["time"].max("step")
     of_rows = rise, rise.isnull() & asked(ds), warnings_of(ds), duration, is_refined
-    parts = (part.transpose(*rise.dims).values.reshape(shape) for part in of_rows)
+    parts = (
+        part.broadcast_like(rise).transpose(*rise.dims).values.reshape(shape) for part in of_rows
+    )
     axes = rise["load"].values, rise["velocity"].values
     return [RisePlane(*axes, *values) for values in zip(*parts, strict=True)]
 

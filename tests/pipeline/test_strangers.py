@@ -319,7 +319,7 @@ def test_a_page_judges_by_the_criterion_of_the_user(strangers, done):
         ).path.read_text()
         for name, criterion in (("own", "payload:rule"), ("mean", "mean"), ("high", "highest"))
     ]
-    own, mean, highest = (page.split('"lines":')[1].split("}")[0] for page in pages)
+    own, mean, highest = (page.split('"columns":')[1].split("}")[0] for page in pages)
     assert own == mean != highest
 
 

@@ -16,6 +16,7 @@ from pipeline.figures.ramp import ramp
 from pipeline.figures.studies import signed
 from pipeline.figures.style import TINTS
 from pipeline.run.vary import Variation, Variations
+from pipeline.scene.along import Place
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
 from pipeline.sweep.surface import Lubrication
@@ -263,7 +264,7 @@ WIDE = Unknown(samples.CRITICAL.path, "uniform", (383.15, 473.15), "K", written=
 
 def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
     ensemble = samples.ensemble((WIDE, samples.RATE, samples.FRICTION, samples.LENGTH))
-    goal = Goal((pipeline.Place(400.0, 1.6),), 0.05)
+    goal = Goal((Place(400.0, 1.6),), 0.05)
     limit = Limit(
         WIDE, goal, "at least", 420.0, (415.0, 424.0), (420.0, 473.15), (473.15, 0.0),
         goal.places[0], (383.15, 413.15, 443.15, 473.15), (0.9, 0.1, 0.01, 0.0),
@@ -297,37 +298,27 @@ RATES = (1.1e-15, 400.0), (1.3e-15, 410.0)
 # What is not known exactly
 
 
-MEAN = np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]])
-
-
-def test_the_probability_over_the_plane_has_its_place_its_tests_and_its_lines():
+def test_the_probability_over_the_plane_has_its_tests_and_its_lines():
     tests = [
         {"normal_load": 400.0, "velocity": 1.6, "friction": None},
         {"normal_load": 9000.0, "velocity": 1.6, "friction": None},
     ]
-    ensemble = samples.ensemble(tests=tests)
-    loads, velocities = np.linspace(200.0, 750.0, 30), np.linspace(0.5, 4.0, 40)
-    off = np.log(velocities / samples.critical_velocity(MEAN, loads[:, None]))
-    axes = {"load": loads, "velocity": velocities}
-    plane = xr.DataArray(1 / (1 + np.exp(-12 * off)), axes, ("load", "velocity"))
-    figure = pipeline.draw_risk(ensemble, plane, {"load": 300.0, "velocity": 1.2})
+    ds = samples.dataset(samples.ensemble(tests=tests), model_scatter=0.0)
+    figure = pipeline.plot(ds, "diagram")
     axes, bar = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == (
         "sliding velocity [m/s]",
         "normal load [N]",
     )
-    (place,) = (line for line in axes.lines if line.get_label() == "operating point")
-    assert np.column_stack(place.get_data()).tolist() == [[1.2, 300.0]]
     assert lines(axes)["measured"].tolist() == [[1.6, 400.0]]
     assert "1 test lies beyond the figure" in labels(figure.legends[0])
     drawn = axes.collections[1]
     assert drawn.levels.tolist() == [0.05, 0.5, 0.95]
     (middle,) = (path for path in drawn.get_paths()[1:2])
     for velocity, load in middle.vertices[::20]:
-        chance = plane.interp(velocity=velocity, load=load).item()
-        assert chance == pytest.approx(0.5, abs=0.03)
+        assert pipeline.margin(ds, load, velocity).probability == pytest.approx(0.5, abs=0.03)
     assert axes.get_title().endswith("inputs as assumed, before any measurement")
-    assert bar.get_ylabel() == "probability of severe wear, mean of runs"
+    assert bar.get_ylabel() == "probability that the next run is severe"
 
 
 def test_bars_of_a_sensitivity_are_its_indices_by_input_and_load():

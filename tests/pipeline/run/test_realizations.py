@@ -103,7 +103,7 @@ def test_the_band_is_that_of_the_surfaces():
         assert (int(band["crossing_at_load"]), int(band["known_at_load"])) == (4, 4)
     one = boundary(ensemble().sel(realization=1))
     assert one["critical_velocity"].dims == ("load",)
-    for name in one.data_vars:
+    for name in one.data_vars.keys() - {"mild_below", "severe_above"}:  # of all surfaces
         np.testing.assert_array_equal(one[name], crossings[name].sel(realization=1), name)
 
 

@@ -290,8 +290,9 @@ def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(sampled, t
     assert irg("boundary", store, *slim, "--json")["samples"] == 8
     both = irg("margin", store, *place)["scenes"]
     assert [one["probability"] for one in both] == [likely, rare]
-    for command in ("report", "explore"):
-        assert "has several values of pin.radius" in irg(command, store, code=2)
+    assert "has several values of pin.radius" in irg("report", store, code=2)
+    irg("explore", store, "-o", tmp_path / "page.html")  # which lets choose among them
+    assert "pin.radius 4 mm" in (tmp_path / "page.html").read_text()
     assert "it has 2 mm, 4 mm" in irg("margin", store, "--at", "pin.radius=3 mm", code=2)
     said = irg("plot", store, *slim, "--at", "pin.length=3 mm", code=2)
     assert "is not one of the entries that this sweep can be judged at" in said

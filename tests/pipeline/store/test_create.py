@@ -400,7 +400,7 @@ def of_another_format(path):
         (a_folder_named_like_a_variable, "is not a store"),
         (a_group_of_somebody_else, "is not the store of a sweep"),
         (without_root, "has lost its zarr.json; irg run with the scene that made it"),
-        (of_another_format, "has format 99, and this program reads format 4; make it anew"),
+        (of_another_format, "has format 99, and this program reads format 5; make it anew"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):

@@ -12,7 +12,6 @@ from pipeline.uncertain.sensitivity import indices
 from tests.helpers.samples import (
     ALL,
     CRITICAL,
-    EXPONENT,
     FRICTION,
     JOINT,
     LENGTH,
@@ -43,21 +42,6 @@ def test_the_probability_is_that_of_2000_direct_samples_within_its_error(load, v
     severe = rise(direct, load, velocity) * noise > limit(direct)
     error = math.sqrt(severe.mean() * (1 - severe.mean()) / 2000)
     assert abs(found - severe.mean()) < 2.5 * math.hypot(error, 0.01)
-
-
-def test_where_no_slope_is_known_the_rise_errs_by_as_much_as_the_velocity():
-    few = dataclasses.replace(ensemble((CRITICAL, FRICTION), count=12), velocity_error=0.0)
-    at = np.array([1.95, 2.05])
-    few = dataclasses.replace(
-        few,
-        design=dataclasses.replace(few.design, velocities=(1.95, 2.05)),
-        sample_velocities=np.geomspace(*at, 12),
-        rises=few.rises * (np.geomspace(*at, 12) / few.sample_velocities)[:, None] ** EXPONENT,
-    )
-    rough = dataclasses.replace(few, velocity_error=0.08)
-    exact, highest = (margin(one, 400.0, 2.0).error.preset for one in (few, rough))
-    rise = margin(rough, 400.0, 2.0).decisive_temperature - 298.15
-    assert (exact, highest) == pytest.approx((0.0, 0.08 * rise))  # not by 1.08**EXPONENT
 
 
 def test_the_probability_counts_with_what_is_correlated(samples):

@@ -8,6 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.margin import percent
+from pipeline.analysis.margin_error import error_of_point
 from pipeline.sweep.unknown import drawn
 from tests.helpers.samples import (
     ALL,
@@ -99,10 +100,10 @@ def test_the_error_of_the_preset_moves_every_rise():
     assert rough.decisive_temperature == exact.decisive_temperature
     assert (exact.error.total, exact.lowest) == (0.0, exact.probability)
     rise_error = rough.error.preset / (rough.decisive_temperature - 298.15)
-    assert rise_error == pytest.approx(1.08**EXPONENT - 1, rel=0.05)
+    assert rise_error == pytest.approx(error_of_point(0, 1.0, 0.08).preset, rel=1e-9)
     off = np.log(critical_velocity(DIRECT, 400.0) / 2.0)
     for end, sign in (("lowest", -1), ("highest", 1)):
-        expected = np.mean(off < sign * math.log(1.08))
+        expected = np.mean(off < sign * math.log1p(rise_error) / EXPONENT)
         assert getattr(rough, end) == pytest.approx(expected, abs=0.015)
     unknown = dataclasses.replace(ensemble(), velocity_error=None)
     for place in ((400.0, 0.8), (750.0, 5.0)):
