@@ -134,6 +134,7 @@ class _Run:
         self._warm: set[str] = set()  # workers that have told of a point
         self._noted: set[str] = set()  # versions that the user was told of
         self._is_idle_told = False
+        self._begun: dict[tuple[Point, ...], dict[str, tuple[float, float]]] = {}
         self.running: list[_Running] = []
         self.computed: dict[str, _Running] = {}
         self.computes = True
@@ -172,7 +173,8 @@ class _Run:
             key=name, workers=worker, allow_other_workers=not is_alone, priority=-number,
         )  # fmt: skip
         future.add_done_callback(self._reports.wake)
-        self.running.append(_Running(task, future, worker, is_alone))
+        begun = self._begun.setdefault(task.points, {})
+        self.running.append(_Running(task, future, worker, is_alone, begun))
 
     # Tasks end
 
@@ -186,8 +188,9 @@ class _Run:
             if task.future.status in ("error", "cancelled"):  # lost, and once more when repeated
                 del self.computed[key]
                 self._recover(task)
-            elif self._has_lost_its_worker(task) and not task.future.done():
-                del self.computed[key]  # still suspected, and so tried again
+            elif task.worker not in self._workers and task.future.status != "finished":
+                del self.computed[key]  # if it was alone, it is still suspected
+                self._hand_out_again(task)
         self._look_at_workers()
         return bool(ended)
 
@@ -206,6 +209,16 @@ class _Run:
         self.computes = self._reports.computes(self._workers)
         for task in [task for task in self.running if self._is_given_up(task)]:
             self.running.remove(task)
+        for task in [task for task in self.running if task.worker not in self._workers]:
+            if not task.future.done():
+                self.running.remove(task)
+                self._hand_out_again(task)
+
+    def _hand_out_again(self, task: _Running) -> None:
+        """Give a task to another worker, as its own is gone: Dask may leave it waiting."""
+        if not task.is_alone:
+            self._connection.client.cancel([task.future])
+            self._waiting.put_back(task.task)
 
     def _tell_idle(self) -> None:
         """Tell, once, of threads that have nothing to do."""
