@@ -135,6 +135,7 @@ class _Run:
         self._noted: set[str] = set()  # versions that the user was told of
         self._is_idle_told = False
         self._begun: dict[tuple[Point, ...], dict[str, tuple[float, float]]] = {}
+        self._moved: Counter[tuple[Point, ...]] = Counter()  # tasks whose worker was gone
         self.running: list[_Running] = []
         self.computed: dict[str, _Running] = {}
         self.computes = True
@@ -216,9 +217,14 @@ class _Run:
 
     def _hand_out_again(self, task: _Running) -> None:
         """Give a task to another worker, as its own is gone: Dask may leave it waiting."""
-        if not task.is_alone:
-            self._connection.client.cancel([task.future])
+        if task.is_alone:
+            return
+        self._connection.client.cancel([task.future])
+        self._moved[task.points] += 1
+        if self._moved[task.points] < TRIALS:
             self._waiting.put_back(task.task)
+        else:  # a worker may die of it before it tells that it has begun
+            self._accuse(task, _KILLED)
 
     def _tell_idle(self) -> None:
         """Tell, once, of threads that have nothing to do."""
