@@ -30,7 +30,7 @@ from tribo import InputError
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
     "scene", "lines", "rise", "plot", "conditions", "margin", "operating",
-    "points", "diagram", "tables",
+    "points", "course", "diagram", "tables",
 )  # fmt: skip
 
 
