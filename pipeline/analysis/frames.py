@@ -52,9 +52,6 @@ def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
         yield f"{missing} points are pending or failed and were left out"
 
 
-_BAND = "mild_below", "severe_above"
-
-
 def _decided(boundaries: xr.Dataset) -> Iterator[str]:
     """The answer for those who decide: where the next run is mild, and where it is severe."""
     for values, part in parts_of(boundaries):

@@ -366,11 +366,6 @@ def _nearest(
     return [tuple(place) for place in places.tolist()]
 
 
-def _bits(holds: Mask) -> str:
-    """A mask as text of 0 and 1."""
-    return "".join("01"[bit] for bit in holds.ravel().astype(int))
-
-
 def packed_array(values: Any, dtype: str) -> str:
     """An array as the base64 of its bytes."""
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
