@@ -112,13 +112,23 @@ def stores(tmp_path_factory):
     return made
 
 
+@pytest.fixture(scope="module")
+def answers():
+    """Text and JSON of commands that were asked before, which many tests look at."""
+    return {}
+
+
 @pytest.fixture
-def ask(stores, irg):
+def ask(stores, answers, irg):
     """Run a command on a store: its document, and a function that asks for values in its text."""
 
     def run(command, kind, *options, code=0):
-        said = irg(command, stores(kind), *options, code=code)
-        document = irg(command, stores(kind), *options, "--json", code=code)
+        asked = (command, kind, *map(str, options))
+        if asked not in answers:
+            words = command, stores(kind), *options
+            said, document = (irg(*words, *json_, code=code) for json_ in ((), ("--json",)))
+            answers[asked] = said, json.dumps(document)
+        said, document = answers[asked][0], json.loads(answers[asked][1])
         tokens = set(re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]\d+)?", said))
 
         def shown(*values):

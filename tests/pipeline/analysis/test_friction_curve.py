@@ -24,8 +24,8 @@ def swept(corrections):
 
 
 def temperature(corrections, load, velocity):
-    factor = float(corrections.friction_factor(np.array(velocity)))
-    return 298.15 + 0.1 * factor * float(synthetic.rise(load, velocity, 0.9))
+    factor = corrections.friction_factor(np.asarray(velocity))
+    return 298.15 + 0.1 * factor * synthetic.rise(load, velocity, 0.9)
 
 
 def test_friction_is_that_of_the_place_and_not_interpolated():
@@ -78,8 +78,7 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the
     assert (crossings["outcome_at_load"] == 6).any()
     fine = np.geomspace(0.5, 6.0, 20001)
     for load in (200.0, 250.0, 600.0):
-        rise = [temperature(BACK, load, velocity) for velocity in fine]
-        severe = np.array(rise) > 418.15
+        severe = temperature(BACK, load, fine) > 418.15
         turns = fine[1:][severe[1:] != severe[:-1]]
         found = crossings.sel(load=load)
         assert found["begins_severe_at_load"] == severe[0]
