@@ -184,7 +184,10 @@ class _Run:
         ended = [task for task in self.running if task.future.done()]
         self.running = [task for task in self.running if task not in ended]
         for task in ended:
-            self._end(task)
+            if task.future.status == "finished":
+                self.computed[task.future.key] = task
+            else:
+                self._recover(task)
         for key, task in [*self.computed.items()]:
             if task.future.status in ("error", "cancelled"):  # lost, and once more when repeated
                 del self.computed[key]
@@ -237,12 +240,6 @@ class _Run:
                 "Client(threads_per_worker=1) and dask worker --nthreads 1 do"
             )
 
-    def _end(self, task: _Running) -> None:
-        if task.future.status == "finished":
-            self.computed[task.future.key] = task
-        else:
-            self._recover(task)
-
     def _take(self, worker: str, answer: WorkerReport, now: float) -> None:
         """Take the records that a worker has, and note what it computes."""
         require_same_code(answer.versions, worker)
@@ -292,13 +289,9 @@ class _Run:
         guilty = [point for point in task.points if self._losses[point] >= TRIALS]
         self._settle(PointRecord(point, None, reason) for point in guilty)
 
-    def _has_lost_its_worker(self, task: _Running) -> bool:
-        """True of a task that may run nowhere, since the worker that it was given alone is gone."""
-        return task.is_alone and task.worker not in self._workers
-
     def _is_given_up(self, task: _Running) -> bool:
         """True of a task whose own worker is gone, and of one that worker after worker leaves."""
-        if self._has_lost_its_worker(task):
+        if task.is_alone and task.worker not in self._workers:
             self._accuse(task, _KILLED)
             return True
         left = [times for worker, times in task.begun.items() if worker not in self._workers]
