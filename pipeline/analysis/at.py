@@ -21,11 +21,12 @@ from scipy.special import ndtr
 from pipeline.analysis.dataset import (
     ALLOWED,
     GIVEN_MEASURED,
+    Kind,
     dataset_of,
     entry_dims,
-    is_emulated,
     judged_values,
     read_conditions,
+    sweep_kind,
     taken_entries,
     whole_sweep,
 )
@@ -150,7 +151,7 @@ def _weighed(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
     """The dataset whose samples are weighed by the tests of their scene."""
-    if not is_emulated(ds):
+    if sweep_kind(ds) is not Kind.SAMPLES:
         raise InputError(
             "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
             "given_measured and scatter)"

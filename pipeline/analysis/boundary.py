@@ -15,13 +15,13 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
+    Kind,
     dataset_of,
     entry_dims,
-    is_emulated,
     read_conditions,
-    require_plane,
+    require_kind,
     stored_sweep,
-    variant_of,
+    sweep_kind,
 )
 from pipeline.analysis.decisive import attributes_by
 from pipeline.analysis.field import Field, PointField, fields, point_field
@@ -108,10 +108,8 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     1.48
     """
     ds = dataset_of(ds)
-    if is_emulated(ds):
-        return by_scene(ds, _band_alone)
-    require_plane(ds)
-    return by_scene(ds, boundary_under)
+    require_kind(ds, Kind.PLANE, Kind.SAMPLES)
+    return by_scene(ds, _band_alone if sweep_kind(ds) is Kind.SAMPLES else boundary_under)
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
@@ -135,7 +133,7 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
             dims = result[f"critical_{axis}"].dims
             words = "film parameter at the crossing"
             result[f"film_parameter_at_{line}"] = dims, film, {"units": "1", "long_name": words}
-    result = with_band(result, variant_of(ds))
+    result = with_band(result) if "realization" in result.dims else result
     return _with_errors(result, found, ds)
 
 
@@ -261,10 +259,8 @@ BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 
 
-def with_band(boundaries: xr.Dataset, variant: str | None) -> xr.Dataset:
-    """Add quantiles, mean, spread and counts over several surfaces or samples, their dimension."""
-    if variant is None:
-        return boundaries
+def with_band(boundaries: xr.Dataset) -> xr.Dataset:
+    """Add quantiles, mean, spread and counts over several surfaces."""
     shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     with_quantiles = boundaries.assign_coords(quantile=shares)
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
@@ -275,12 +271,12 @@ def with_band(boundaries: xr.Dataset, variant: str | None) -> xr.Dataset:
             outcome,
             boundaries[f"computed_from_at_{axis}"],
             boundaries[f"computed_to_at_{axis}"],
-            input_core_dims=[[variant]] * 4,
+            input_core_dims=[["realization"]] * 4,
             output_core_dims=[[], [], ["quantile"]],
             vectorize=True,
         )
-        crossing = (outcome == CROSSES).sum(variant)
-        certain = outcome.isin((CROSSES, MILD, SEVERE)).sum(variant)
+        crossing = (outcome == CROSSES).sum("realization")
+        certain = outcome.isin((CROSSES, MILD, SEVERE)).sum("realization")
         quantiles = quantiles.transpose(..., "quantile", axis)
         columns = {
             f"{name}_mean": (mean, unit, "mean over the surfaces"),

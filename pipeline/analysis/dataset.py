@@ -6,6 +6,7 @@ import functools
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -231,15 +232,21 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
         return _of_points(open_sweep(source))
     _text(source)
     lazy = {
-        n: source[n].compute() for n in source.variables if source[n].chunks and n not in AT_END
+        name: source[name].compute()
+        for name, held in source.variables.items()
+        if held.chunks and name not in AT_END
     }
-    coords = {name: lazy.pop(name) for name in [*lazy] if name in source.coords}
-    return _of_points(ordered(source.assign_coords(coords).assign(lazy)))
+    if lazy:
+        coords = {name: lazy.pop(name) for name in [*lazy] if name in source.coords}
+        source = source.assign_coords(coords).assign(lazy)
+    return _of_points(ordered(source))
 
 
 def _of_points(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with time, load and distance of each step at each point."""
     names = [name for name in (*MADE, "own_grid") if name in ds.coords]
+    if not names:  # it was taken before
+        return ds
     ds = ds.reset_coords(names)
     if "status" not in ds:
         return ds
@@ -267,29 +274,39 @@ def judged_dims(ds: xr.Dataset) -> list[str]:
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """Dataset of a sweep with loads and velocities; one of rows with own places is refused."""
     ds = dataset_of(source)
-    require_plane(ds)
+    require_kind(ds, Kind.PLANE)
     require_one_scene(ds)
     return ds
 
 
-def require_plane(ds: xr.Dataset) -> None:
-    """Raise an `InputError` at a sweep whose rows have places of their own."""
-    if not has_plane(ds):
-        raise InputError(
-            "the sweep has rows with places of their own, and no plane of velocities and loads; "
-            "irg margin, plot, report and diff take them row by row"
-        )
+class Kind(Enum):
+    """What the rows of a sweep are, which decides how it answers."""
+
+    PLANE = "rows that share loads and velocities"
+    PLACES = "rows with a load and a velocity of their own"
+    SAMPLES = "rows drawn from distributions, of which an emulator answers"
 
 
-def has_plane(ds: xr.Dataset) -> bool:
-    """True if all rows share the velocities, and none has one of its own."""
-    return all(set(ds[name].dims) <= {name} for name in PLANE)
-
-
-def is_emulated(ds: xr.Dataset) -> bool:
-    """True if rows were drawn from distributions, and an emulator of them answers."""
+def sweep_kind(ds: xr.Dataset) -> Kind:
+    """What the rows of a sweep are."""
     draw = stored_sweep(ds).variants.draw
-    return bool(draw and draw.unknown)
+    if draw and draw.unknown:
+        return Kind.SAMPLES
+    return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
+
+
+def require_kind(ds: xr.Dataset, *kinds: Kind) -> None:
+    """Raise an `InputError` at a sweep of another kind, which has no plane."""
+    if (kind := sweep_kind(ds)) not in kinds:
+        raise InputError(_NO_PLANE[kind])
+
+
+_NO_PLANE = {
+    Kind.PLACES: "the sweep has rows with places of their own, and no plane of velocities and "
+    "loads; irg margin, plot, report and diff take them row by row",
+    Kind.SAMPLES: "the sweep has samples, and no plane of points; irg boundary, margin, plot and "
+    "report answer from all of them",
+}
 
 
 def require_one_scene(ds: xr.Dataset) -> None:
@@ -309,11 +326,6 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
     axes = [*numbers, *(name for name in (*_drawn(ds), *PLANE) if name in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
     return ds.sortby(unsorted) if unsorted else ds
-
-
-def variant_of(ds: xr.Dataset | xr.DataArray) -> str | None:
-    """Dimension of the surfaces or samples: ``"realization"``, ``"variant"`` or none."""
-    return next((name for name in _drawn(ds) if name in ds.dims), None)
 
 
 def _drawn(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:

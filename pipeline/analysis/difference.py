@@ -12,13 +12,13 @@ import xarray as xr
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
+    Kind,
     asked,
     dataset_of,
     end_of_point,
-    has_plane,
-    is_emulated,
     require_one_scene,
     stored_sweep,
+    sweep_kind,
 )
 from pipeline.analysis.decisive import require_all_sound
 from pipeline.analysis.entries import scene_entries
@@ -80,11 +80,11 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     [0.0, 0.0, 0.0, 0.0]
     """
     first, second = dataset_of(a), dataset_of(b)
-    are_planes = [has_plane(ds) or is_emulated(ds) for ds in (first, second)]
-    if are_planes == [True, True]:
+    have_places = [sweep_kind(ds) is Kind.PLACES for ds in (first, second)]
+    if not any(have_places):
         for ds in (first, second):
             require_one_scene(ds)
-    elif any(are_planes):
+    elif not all(have_places):
         raise InputError(
             "one of the stores has rows with places of their own, and the other has none; compare "
             "stores of a kind"
@@ -92,7 +92,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     for ds in (first, second):
         require_all_sound(ds)
     points, alike = _points(first, second)
-    between = _boundary if all(are_planes) else _margins
+    between = _margins if all(have_places) else _boundary
     crossings = between(first, second)
     return Difference(_entries(first, second), crossings, points, alike)
 

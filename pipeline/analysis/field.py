@@ -20,11 +20,11 @@ import xarray as xr
 
 from pipeline.analysis.curve import Curve, certain
 from pipeline.analysis.dataset import (
+    Kind,
     dataset_of,
-    has_plane,
-    is_emulated,
     read_conditions,
     stored_sweep,
+    sweep_kind,
     taken_entries,
 )
 from pipeline.analysis.decisive import (
@@ -353,10 +353,11 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 def fields(ds: xr.Dataset | PathLike) -> list[Field]:
     """The field of each scene of a sweep, or of each row that has a place of its own."""
     ds = dataset_of(ds)
-    if is_emulated(ds):
+    kind = sweep_kind(ds)
+    if kind is Kind.SAMPLES:
         made: list[Field] = pkgutil.resolve_name(_SAMPLES)(ds)
         return made
-    if has_plane(ds):
+    if kind is Kind.PLANE:
         return [_field(scene) for scene in scenes(ds)]
     # At once, for a read of each row by itself takes ten times as long.
     require_all_sound(ds)

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import entry_dims, variant_of
-from pipeline.analysis.scenes import heads_of, parts_of, words
+from pipeline.analysis.dataset import entry_dims
+from pipeline.analysis.scenes import attribute_values, heads_of, parts_of
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
 from pipeline.sweep.conditions import PATHS
@@ -40,7 +40,7 @@ def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
     alone = ["friction"] if "friction" in boundaries.attrs else []
     for frame in frames_of(boundaries):
         yield short(frame, [*alone, *JUDGED.values()])
-    told = dict.fromkeys(part.attrs["model_error"] for _, part in parts_of(boundaries))
+    told = dict.fromkeys(attribute_values(boundaries, "model_error"))
     yield f"the model's own error: {' or '.join(told)}"
     if "film_parameter_at_load" in boundaries:
         yield (
@@ -54,9 +54,7 @@ def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
 
 def _decided(boundaries: xr.Dataset) -> Iterator[str]:
     """The answer for those who decide: where the next run is mild, and where it is severe."""
-    for values, part in parts_of(boundaries):
-        names = entry_dims(boundaries["mild_below"])
-        labels = words(boundaries, dict(zip(names, values, strict=True)))
+    for labels, part in parts_of(boundaries):
         said = []
         for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):
             low, high = (
@@ -72,17 +70,17 @@ def _decided(boundaries: xr.Dataset) -> Iterator[str]:
 
 def missing_points(boundaries: xr.Dataset) -> int:
     """Number of pending and failed points, of all scenes."""
-    return sum(part.attrs.get("missing_points", 0) for _, part in parts_of(boundaries))
+    return sum(attribute_values(boundaries, "missing_points"))
 
 
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     """Frame along one axis."""
-    variant = variant_of(boundaries)
     columns = _band if f"{name}_quantile" in boundaries else _surface
     values = dict(columns(boundaries, name, axis))
     if (film := f"film_parameter_at_{axis}") in boundaries:
         over = boundaries[film]
-        values["film parameter Λ"] = over.median(variant) if variant else over
+        surfaces = [name for name in over.dims if name == "realization"]
+        values["film parameter Λ"] = over.median(surfaces) if surfaces else over
     if axis == "load":
         values["mild below [m/s]"] = boundaries["mild_below"]
         values["severe above [m/s]"] = boundaries["severe_above"]
@@ -130,9 +128,9 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
 
     Of samples the velocities of some probabilities alone.
     """
-    other, variant = name.removeprefix("critical_"), variant_of(boundaries)
+    other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]
-    if variant is None:
+    if surfaces not in boundaries.dims:
         for place, share in enumerate(band["quantile"].values.tolist()):
             velocity = band.isel(quantile=place, drop=True)
             yield f"velocity of {100 * share:g} % [{unit}]", velocity.where(velocity > 0, -np.inf)
@@ -144,9 +142,9 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     for moment in ("mean", "spread"):
         yield f"{moment} [{unit}]", boundaries[f"{name}_{moment}"]
     codes = boundaries[f"outcome_at_{axis}"]
-    yield "surfaces", xr.full_like(codes, 1).sum(variant)
+    yield "surfaces", xr.full_like(codes, 1).sum(surfaces)
     for code, outcome in outcomes(other).items():
         if code == CROSSES or (codes == code).any():
-            yield "cross" if code == CROSSES else outcome, (codes == code).sum(variant)
-    bridged = (boundaries[f"bridged_at_{axis}"] > 0).sum(variant)
+            yield "cross" if code == CROSSES else outcome, (codes == code).sum(surfaces)
+    bridged = (boundaries[f"bridged_at_{axis}"] > 0).sum(surfaces)
     yield "of them across points not done", bridged.where(bridged > 0)

@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import scene_sweep, stored_sweep
+from pipeline.analysis.dataset import Kind, scene_sweep, stored_sweep, sweep_kind
 from pipeline.analysis.field import Field, PointField, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError, Scatter
-from pipeline.analysis.scenes import frame_by_scene, planes
+from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
@@ -67,19 +67,30 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
 
 def _residual(ds: xr.Dataset, field: PointField, test: Measurement) -> float | None:
     """ln(measured/computed) of a test at its own conditions; None where it tells nothing."""
-    place = test.normal_load, test.velocity
     try:
         own = field.under(own_conditions(ds, test))
-        here = own.temperatures(*place)
+        here = own.temperatures(test.normal_load, test.velocity)
     except InputError:  # beyond the sweep
         return None
-    turns = own.turns("velocity", *place)
     if test.outcome and (test.outcome == "severe") == (np.mean(here.is_severe) > 0.5):
         return None
-    low, high = turns.computed
-    critical = quantile(turns.nearest, own.weights, 0.5)
-    critical = min(max(critical, low), high)  # the end of a line that goes beyond the sweep
+    critical = within_computed(own, test)
     return math.log(test.velocity / critical) if critical > 0 else None
+
+
+def critical_velocity(own: PointField, test: Measurement) -> float:
+    """Velocity nearest to a test at which wear turns in its own field, median of the surfaces.
+
+    It is 0 or infinite where wear does not turn among the computed points [m/s].
+    """
+    turns = own.turns("velocity", test.normal_load, test.velocity)
+    return quantile(turns.nearest, own.weights, 0.5)
+
+
+def within_computed(own: PointField, test: Measurement) -> float:
+    """The same, but the end of what was computed where it lies beyond [m/s]."""
+    low, high = own.turns("velocity", test.normal_load, test.velocity).computed
+    return min(max(critical_velocity(own, test), low), high)
 
 
 def tests_beside(ds: xr.Dataset, load: float, velocity: float) -> Iterator[str]:
@@ -92,7 +103,7 @@ def tests_beside(ds: xr.Dataset, load: float, velocity: float) -> Iterator[str]:
 
 def compared(ds: xr.Dataset) -> pd.DataFrame | None:
     """Frame of tests beside what is computed at their own conditions; None if there are none."""
-    if not (laboratory_tests(ds) and planes(ds)):
+    if not laboratory_tests(ds) or sweep_kind(ds) is not Kind.PLANE:
         return None
     return frame_by_scene(ds, lambda scene: frame_of(_HEADS, _rows(scene)))
 
@@ -163,7 +174,7 @@ def _answer(test: Measurement, field: PointField) -> tuple[str, float, str]:
             said = f"severe on {here.is_severe.sum()} of {len(here.is_severe)} surfaces"
         agrees = NOT_DECIDED if verdict == NOT_DECIDED else "yes" if verdict == outcome else "no"
         return said, temperature, agrees
-    critical = quantile(field.turns("velocity", *place).nearest, field.weights, 0.5)
+    critical = critical_velocity(field, test)
     scatter = test.velocity_scatter or USUAL_SCATTER * test.velocity
     near = abs(critical - test.velocity) <= _DEVIATIONS * scatter
     said = f"at {critical:.3g} m/s" if 0 < critical < math.inf else verdict

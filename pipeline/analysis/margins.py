@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, overload
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, is_emulated, require_plane
+from pipeline.analysis.dataset import Kind, dataset_of, entry_dims, require_kind, sweep_kind
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.laboratory import model_error, tests_beside
 from pipeline.analysis.margin import Margin, answer, told
@@ -123,8 +123,8 @@ class Judged(NamedTuple):
 
 def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
     """Places of each scene of a sweep, or of its rows where no points are given."""
-    if points is not None and not is_emulated(ds):
-        require_plane(ds)
+    if points is not None:
+        require_kind(ds, Kind.PLANE, Kind.SAMPLES)
     for field in fields(ds):
         scatter, under = model_error(field.source, field), functools.cache(_under(field))
         if points is None and field.place is None:
@@ -152,7 +152,7 @@ def margin_frame(
     ds: xr.Dataset, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
     """Frame of places, with the labels of their scenes and further columns in front."""
-    names = [*entry_dims(ds)] if has_plane(ds) or is_emulated(ds) else _labels(found)
+    names = _labels(found) if sweep_kind(ds) is Kind.PLACES else entry_dims(ds)
     heads = heads_of(ds, names)
     labels = pd.DataFrame(
         {

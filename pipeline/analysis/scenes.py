@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import dataset_of, entry_dims, has_plane, taken_entries
+from pipeline.analysis.dataset import dataset_of, entry_dims, taken_entries
 from pipeline.analysis.tables import frame_of
 from pipeline.scene.units import display, shown_in
 from pipeline.store.place import PathLike
@@ -28,11 +28,6 @@ def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
         yield ds.isel(dict(zip(names, places, strict=True)))
 
 
-def planes(ds: xr.Dataset) -> list[xr.Dataset]:
-    """The sweep of each scene; none where rows have places of their own, and no plane."""
-    return [*scenes(ds)] if has_plane(ds) else []
-
-
 def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:
     """Answers on each scene side by side; attributes in which they differ become coordinates."""
     ds = dataset_of(ds)
@@ -48,23 +43,34 @@ def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) 
         for name in rows[0]
         if name not in {*alike, *names}
     }
-    whole = stacked(results, axes).assign_coords(others)
+    for axis in reversed(axes):
+        starts = range(0, len(results), axis.size)
+        results = [_joined(results[start : start + axis.size], axis) for start in starts]
+    whole = results[0].assign_coords(others)
     whole.attrs = alike
     return whole
 
 
-def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
-    """Boundaries of all scenes one by one, each with the values of its entries."""
+def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
+    """Boundaries of all scenes one by one, each after the values of its entries in words."""
     names = entry_dims(boundaries["mild_below"])
     for places in np.ndindex(*(boundaries.sizes[name] for name in names)):
         part = boundaries.isel(dict(zip(names, places, strict=True)))
-        values = tuple(part[name].item() for name in names)
+        values = {name: part[name].item() for name in names}
         attributes = {
             str(name): coord.item()
             for name, coord in part.coords.items()
             if name not in names and set(names) & set(boundaries[name].dims)
         }
-        yield values, part.drop_vars([*names, *attributes]).assign_attrs(attributes)
+        part = part.drop_vars([*names, *attributes]).assign_attrs(attributes)
+        yield words(boundaries, values), part
+
+
+def attribute_values(boundaries: xr.Dataset, name: str) -> list[Any]:
+    """An attribute of a boundary, in each scene in which it differs; empty if there is none."""
+    if name in boundaries.coords:
+        return list(boundaries[name].values.ravel().tolist())
+    return [boundaries.attrs[name]] if name in boundaries.attrs else []
 
 
 def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str] | None = None) -> dict[str, str]:
@@ -103,16 +109,10 @@ def frame_by_scene(
     return pd.concat(frames, ignore_index=True)
 
 
-def stacked(results: Sequence[Result], axes: Sequence[xr.DataArray]) -> Result:
-    """Results of all combinations of values along the dimensions of the entries."""
-    if not axes:
-        return results[0]
-    axis, size = axes[0], len(results) // axes[0].size
-    parts: list[Any] = [
-        stacked(results[begin : begin + size], axes[1:]) for begin in range(0, len(results), size)
-    ]
+def _joined(results: Sequence[Result], axis: xr.DataArray) -> Result:
+    """Results at each value of an entry, along its dimension."""
     labels = {name: label for name, label in axis.coords.items() if label.dims == axis.dims}
-    parts = [part.drop_vars(labels, errors="ignore") for part in parts]
+    parts: list[Any] = [part.drop_vars(labels, errors="ignore") for part in results]
     options: dict[str, Any] = {"data_vars": "all"} if isinstance(parts[0], xr.Dataset) else {}
     result: Result = xr.concat(
         parts, axis, coords="minimal", compat="override", join="override",

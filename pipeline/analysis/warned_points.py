@@ -17,14 +17,15 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
+    Kind,
     dataset_of,
-    has_plane,
     judged_dims,
     read_conditions,
     stored_sweep,
+    sweep_kind,
 )
 from pipeline.analysis.decisive import beside_boundary, decisive_rise
-from pipeline.analysis.scenes import by_scene, planes, value_text
+from pipeline.analysis.scenes import by_scene, scenes, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -134,17 +135,19 @@ def _molten(ds: xr.Dataset) -> xr.DataArray:
 
 
 def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.DataArray:
-    """Points that are marked in their scene; none where rows have places of their own."""
-    return by_scene(ds, mark) if has_plane(ds) else xr.zeros_like(ds["status"], bool)
+    """Points that are marked in their scene; none of rows that have no plane."""
+    has_plane = sweep_kind(ds) is Kind.PLANE
+    return by_scene(ds, mark) if has_plane else xr.zeros_like(ds["status"], bool)
 
 
 def _beside_boundaries(ds: xr.Dataset) -> xr.DataArray | None:
     """Points beside the other kind of wear; None where that is not known."""
-    try:
-        judged = [read_conditions(scene) for scene in planes(ds)]
-    except OwnLawError:
+    if sweep_kind(ds) is not Kind.PLANE:
         return None
-    if not judged or any(one.critical_temperature is None for one in judged):
+    try:
+        if any(read_conditions(scene).critical_temperature is None for scene in scenes(ds)):
+            return None
+    except OwnLawError:
         return None
 
     def of_scene(scene: xr.Dataset) -> xr.DataArray:
@@ -152,7 +155,7 @@ def _beside_boundaries(ds: xr.Dataset) -> xr.DataArray | None:
         rise = decisive_rise(scene, conditions)
         return rise.copy(data=beside_boundary(rise.values, rise_limit(conditions)))
 
-    return by_scene(ds, of_scene)
+    return _marked(ds, of_scene)
 
 
 def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:

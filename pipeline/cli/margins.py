@@ -15,13 +15,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis import frames, laboratory
 from pipeline.analysis.boundary import turns_left_out
-from pipeline.analysis.dataset import (
-    has_plane,
-    is_emulated,
-    judged_dims,
-    read_conditions,
-    scene_sweep,
-)
+from pipeline.analysis.dataset import Kind, judged_dims, read_conditions, scene_sweep, sweep_kind
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import LONG, Judged, counts_in_words, judged, margin_frame
@@ -175,7 +169,8 @@ def _is_incomplete(here: Margin) -> bool:
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads, and the band of their errors."""
     ds = dataset_in(options)
-    if not (has_plane(ds) or is_emulated(ds)):
+    kind = sweep_kind(ds)
+    if kind is Kind.PLACES:
         return _about_rows(ds)
     with working("finding the boundary"):
         crossings = pipeline.boundary(ds)
@@ -184,7 +179,7 @@ def boundary(options: argparse.Namespace) -> Result:
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)))]
     for part in frames.on_boundary(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
-    if is_emulated(ds):
+    if kind is Kind.SAMPLES:
         document |= _on_samples(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)

@@ -18,15 +18,15 @@ from scipy.ndimage import maximum_filter, minimum_filter
 
 from pipeline.analysis.boundary import BAND, boundary_under
 from pipeline.analysis.dataset import (
+    Kind,
     asked,
     at_realization,
     drawn_row,
     entry_dims,
-    has_plane,
-    is_emulated,
     read_conditions,
     scene_sweep,
     stored_sweep,
+    sweep_kind,
 )
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.field import point_field
@@ -71,7 +71,8 @@ def diagram(
     Over several surfaces the boundary is that of the median one, in a band from the tenth to the
     ninetieth of a hundred. It lies on the plane interpolated between the computed points.
     """
-    if is_emulated(ds):
+    kind = sweep_kind(ds)
+    if kind is Kind.SAMPLES:
         if realization is not None or ax is not None:
             raise InputError(_OF_SAMPLES)
         # With the libraries that only this needs.
@@ -79,7 +80,7 @@ def diagram(
 
         return draw_probability(ds, log)
     ds = at_realization(ds, realization)
-    if not has_plane(ds):
+    if kind is Kind.PLACES:
         if log:
             raise InputError(_OF_A_PLANE)
         return draw_rows(ds, ax)

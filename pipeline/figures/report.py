@@ -22,7 +22,7 @@ from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.frames import on_boundary
 from pipeline.analysis.laboratory import compared, on_tests
 from pipeline.analysis.margins import LONG, counts_in_words, margin
-from pipeline.analysis.scenes import parts_of, scenes, value_text, words
+from pipeline.analysis.scenes import parts_of, scenes, value_text
 from pipeline.analysis.tables import (
     frame_of,
     html_of,
@@ -119,7 +119,7 @@ def report(
 def body_of(ds: xr.Dataset, points: OperatingPoints | None) -> str:
     """Headings, paragraphs, tables and a picture, as HTML."""
     sweep = dataset.stored_sweep(ds)
-    if dataset.is_emulated(ds):
+    if dataset.sweep_kind(ds) is dataset.Kind.SAMPLES:
         answers = sections_of_samples(ds, points)
     else:
         answers = _sections_of_points(ds, points)
@@ -140,18 +140,19 @@ def body_of(ds: xr.Dataset, points: OperatingPoints | None) -> str:
 
 def _sections_of_points(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
     """Answers of a plane by its boundary, of rows with places of their own by their margins."""
-    if not dataset.has_plane(ds):
+    given = _operating_points(ds, points)
+    if dataset.sweep_kind(ds) is dataset.Kind.PLACES:
         return {
             "Question and answer": _question_of_rows(ds),
             "Margins by row": _drawn(ds),
-            "Operating points": _operating_points(ds, points),
+            "Operating points": given,
         }
     return {
         "Question and answer": _question(ds),
         "Transition diagram": _drawn(ds),
         "Boundary in numbers": _numbers(ds),
         "Tests": _tests(ds),
-        "Operating points": _operating_points(ds, points),
+        "Operating points": given if points else [],
     }
 
 
@@ -195,8 +196,7 @@ def _question(ds: xr.Dataset) -> Iterator[Part]:
         )
     boundaries = boundary(ds)
     yield judged_by(dataset.read_conditions(scene) for scene in scenes(ds))
-    for values, part in parts_of(boundaries):
-        entries = words(ds, dict(zip(dataset.entry_dims(ds), values, strict=True)))
+    for entries, part in parts_of(boundaries):
         yield f"Answer{entries and ' for '}{entries}: {_answer(part)}"
 
 
@@ -213,7 +213,7 @@ def _question_of_rows(ds: xr.Dataset) -> Iterator[Part]:
 
 def _answer(boundaries: xr.Dataset) -> str:
     """Velocities at which wear turns severe at the lowest and the highest load."""
-    axis = dataset.variant_of(boundaries)
+    axis = "realization" if "realization" in boundaries.dims else ""
     velocities = boundaries["critical_velocity"]
     crosses = boundaries["outcome_at_load"] == CROSSES
     if axis:
@@ -237,8 +237,6 @@ def _numbers(ds: xr.Dataset) -> Iterator[Part]:
 
 def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Part]:
     """Margins of operating points."""
-    if points is None and dataset.has_plane(ds):
-        return
     table = margin(ds, points)
     yield from _on_points(table)
     yield from points.remarks if points else ()

@@ -23,13 +23,14 @@ from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
 from pipeline.analysis.dataset import (
+    Kind,
     asked,
     dataset_of,
     end_of_point,
-    is_emulated,
     read_conditions,
     require_one_scene,
     stored_sweep,
+    sweep_kind,
     values_of,
 )
 from pipeline.analysis.decisive import require_sound
@@ -141,7 +142,7 @@ class Ensemble:
             If the sweep has no samples, or too few of them are done.
         """
         ds = dataset_of(ds)
-        if not is_emulated(ds):
+        if sweep_kind(ds) is not Kind.SAMPLES:
             raise InputError(
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "
                 "it into a new store"
@@ -149,7 +150,7 @@ class Ensemble:
         require_one_scene(ds)
         sweep = stored_sweep(ds)
         draw = sweep.variants.draw
-        assert draw is not None  # for the type checker: is_emulated has asked
+        assert draw is not None  # for the type checker, as samples were drawn
         design, conditions = draw.design, read_conditions(ds)
         paths = [quantity.path for quantity in design.inputs]
         ds = ds.sortby("load").isel(variant=asked(ds).any("load").values)
@@ -349,7 +350,7 @@ class Ensemble:
 def keep_fits(ds: xr.Dataset) -> None:
     """Fit the samples of a store and keep the fits in it, so that commands need not."""
     ds["status"].encoding["reader"].may_keep = True
-    for scene in scenes(ds) if is_emulated(ds) else ():
+    for scene in scenes(ds) if sweep_kind(ds) is Kind.SAMPLES else ():
         with suppress(InputError):  # too few are done
             ensemble = Ensemble.of(scene)
             for held in ensemble.by_hold.values():

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtr
 
-from pipeline.analysis.dataset import require_one_scene, taken_entries
+from pipeline.analysis.dataset import taken_entries
 from pipeline.analysis.field import LEAST_SLOPE, Here
 from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import Scatter
@@ -235,7 +235,6 @@ def _crossings(x: Array, lines: Array) -> tuple[Array, Array]:
 
 def single_field(ds: xr.Dataset) -> SampleField:
     """The field of a sweep of samples of one scene; an `InputError` if it has several."""
-    require_one_scene(ds)
     return _field(ds)
 
 

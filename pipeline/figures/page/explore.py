@@ -15,12 +15,7 @@ from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.dataset import (
-    dataset_of,
-    is_emulated,
-    require_plane,
-    stored_sweep,
-)
+from pipeline.analysis.dataset import Kind, dataset_of, require_kind, stored_sweep, sweep_kind
 from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.figures.page.content import MOST_FIELDS, content, content_of_samples
@@ -105,11 +100,11 @@ def explore(
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     ds = dataset_of(ds)
     parts = [*scenes(ds)]
-    if is_emulated(ds):
+    if sweep_kind(ds) is Kind.SAMPLES:
         held = [content_of_samples(part) for part in parts]
         scripts, bodies = ["samples"], [_of_samples(one) for one in held]
     else:
-        require_plane(ds)
+        require_kind(ds, Kind.PLANE)
         held = [content(part, most_fields // len(parts)) for part in parts]
         scripts, bodies = ["state", "page"], [_of_plane(one) for one in held]
     names = [entries_in_words(part) for part in parts]

@@ -17,7 +17,7 @@ def band(outcomes, places, computed=(1.5, 2.5)):
         columns[f"outcome_at_{axis}"] = dims, np.array(outcomes)[:, None]
         for end, value in zip(("from", "to"), computed, strict=True):
             columns[f"computed_{end}_at_{axis}"] = dims, np.full((len(places), 1), value)
-    ds = with_band(xr.Dataset(columns), "realization")
+    ds = with_band(xr.Dataset(columns))
     counts = ds["crossing_at_load"].item(), ds["known_at_load"].item()
     return ds["critical_velocity_quantile"].values[:, 0], counts
 
