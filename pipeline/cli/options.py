@@ -316,7 +316,7 @@ OF_TRADE = (
 OF_PLOT = (
     Option(
         "--kind", default="diagram",
-        choices=("diagram", "ramp", "fields", "temperature"),
+        choices=("diagram", "ramp", "fields", "temperature", "tests"),
         help="default: diagram; temperature is drawn over the velocity",
     ),
     Group(

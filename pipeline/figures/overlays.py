@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.field import point_field, quantile
-from pipeline.analysis.laboratory import own_conditions
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import critical_velocity, own_conditions
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.store.schema import PLANE
@@ -61,7 +61,7 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     return legend
 
 
-_TESTS: dict[str | None, tuple[Any, ...]] = {
+TESTS: dict[str | None, tuple[Any, ...]] = {
     None: ("measured transition", "measured", "D", BLACK, "white", 8.0, 1.3),
     "mild": ("test: mild wear", "tested-mild", "^", "white", BLACK, 8.5, 1.3),
     "severe": ("test: severe wear", "tested-severe", "^", BLACK, "white", 9.5, 0.8),
@@ -79,7 +79,7 @@ def mark_tests(
     """
     legend: list[Artist] = []
     warmer = [test.bulk_temperature or own_bulk for test in tests]
-    for outcome, (label, gid, marker, mfc, mec, ms, mew) in _TESTS.items():
+    for outcome, (label, gid, marker, mfc, mec, ms, mew) in TESTS.items():
         for is_other in (False, True):
             of_kind = [
                 test
@@ -133,10 +133,9 @@ def at_own_conditions(
             own = own_conditions(ds, test)
             if _is_near(own, conditions, test.velocity):
                 continue
-            turns = field.under(own).turns("velocity", test.normal_load, test.velocity)
+            velocity = critical_velocity(field.under(own), test)
         except InputError:  # beyond the sweep, or as warm as the critical temperature
             continue
-        velocity = quantile(turns.nearest, field.weights, 0.5)
         if 0 < velocity < math.inf:
             load = test.normal_load
             places.append((velocity, load))

@@ -17,6 +17,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import PendingError, fields
 from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.style import figure_path, fit_to_width, save_figure
+from pipeline.figures.tested import measured_over_computed
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary
@@ -28,6 +29,7 @@ KINDS: dict[str, Callable[..., Figure]] = {
     "ramp": ramp,
     "fields": fields,
     "temperature": temperature,
+    "tests": measured_over_computed,
 }
 """Function that draws each kind of figure."""
 
@@ -46,7 +48,7 @@ def plot(
     ----------
     ds : Dataset or path
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store.
-    kind : {"diagram", "ramp", "fields", "temperature"}
+    kind : {"diagram", "ramp", "fields", "temperature", "tests"}
         Name of the figure.
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
@@ -58,8 +60,8 @@ def plot(
     **options
         Options of the kind:
 
-        - of each, ``realization``, seed of the surface to draw (if not given the first; in a
-          diagram all, with a band from the tenth to the ninetieth of a hundred).
+        - of each but tests, ``realization``, seed of the surface to draw (if not given the first;
+          in a diagram all, with a band from the tenth to the ninetieth of a hundred).
         - diagram: ``log``, True for logarithmic axes, without velocity 0.
         - ramp, fields, temperature: ``load`` [N], or text with a unit, the
           highest if not given; of a ramp several.
@@ -67,7 +69,7 @@ def plot(
           the one nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step, in place of contact and wear.
         - fields: ``stacked``, True for panels below each other.
-        - diagram, temperature: ``ax``, axes of matplotlib to draw on; not of samples.
+        - diagram, temperature, tests: ``ax``, axes of matplotlib to draw on; not of samples.
 
     Returns
     -------

@@ -19,6 +19,7 @@ from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
 from pipeline.store.progress import Summary
 from pipeline.store.schema import FAILED, PENDING
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import Lubrication
 from tests.helpers import samples, synthetic
 from tests.helpers.sweeps import with_fields
@@ -299,6 +300,37 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
+
+
+def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_friction():
+    transitions = (
+        Measurement(600.0, 1.5, 0.1),
+        Measurement(400.0, 2.25, 0.091, velocity_scatter=0.2),
+    )
+    mild = Measurement(200.0, 3.0, outcome="mild")
+    beyond, unknown = Measurement(200.0, 3.5, 0.07), Measurement(900.0, 1.0)
+    ds = synthetic.sweep(measured=(*transitions, beyond, unknown), tested=(mild,))
+    axes = plot(ds, "tests").axes[0]
+    drawn = {}
+    for bars in axes.containers:
+        (point,) = bars.lines[0].get_xydata()
+        drawn[tuple(point)] = bars
+    for test in (*transitions, mild):
+        limit = (418.15 - 298.15) / (test.friction or 0.1)
+        ratio = limit / synthetic.rise(test.normal_load, 1.0, 0.9)
+        critical = ratio ** (1 / synthetic.VELOCITY_EXPONENT)
+        ((x, y),) = (place for place in drawn if place[1] == test.velocity)
+        assert x == pytest.approx(critical, rel=1e-3)
+        (ends,) = drawn[x, y].lines[2][0].get_segments()
+        error = 0.0 if test.outcome else test.velocity_scatter or 0.05 * y
+        assert np.ptp(ends[:, 1]) == pytest.approx(2 * error)
+    (far,) = (place for place in drawn if place[1] == beyond.velocity)
+    assert far[0] == VELOCITIES[-1]  # where the computed points end
+    said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
+    assert "measured transition, beyond what was computed" in said
+    assert "1 of 5 tests: not known" in said
+    with pytest.raises(InputError, match=r"no tests to draw; give \[\[measured\]\]"):
+        plot(synthetic.sweep(measured=()), "tests")
 
 
 # Samples of what is not known exactly

@@ -1,0 +1,93 @@
+"""Tests of the laboratory beside what is computed for them: measured over computed velocity."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pipeline.analysis.dataset import plane_of
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import (
+    USUAL_SCATTER,
+    critical_velocity,
+    laboratory_tests,
+    model_error,
+    own_conditions,
+    within_computed,
+)
+from pipeline.analysis.margin import DECIDED
+from pipeline.analysis.model_error import Scatter
+from pipeline.figures import style
+from pipeline.figures.overlays import TESTS
+from pipeline.figures.style import BLACK, GREY, TINTS
+from tribo import InputError
+
+_ROOM = 1.25  # factor of velocity about the tests
+_FAINT = 0.35  # opacity of a test whose transition lies beyond what was computed
+
+
+@style.in_house_style
+def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
+    """Draw the velocity of each test over the critical one computed at its own conditions."""
+    ds = plane_of(ds)
+    held = laboratory_tests(ds)
+    if not held:
+        raise InputError(
+            "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
+            "log of them as irg tests writes it"
+        )
+    field, found = point_field(ds), []
+    for test in held:
+        with suppress(InputError):  # as warm as the critical temperature
+            own = field.under(own_conditions(ds, test))
+            computed = within_computed(own, test)
+            if computed > 0:  # not of a load beyond the sweep
+                found.append((test, computed, computed != critical_velocity(own, test)))
+    if not found:
+        raise InputError("the sweep reaches no test of its scene; add loads and velocities to it")
+    figure, axes = style.canvas(ax, (6.6, 6.4))
+    places = np.array([(computed, test.velocity) for test, computed, _ in found])
+    ends = places.min() / _ROOM, places.max() * _ROOM
+    scatter = model_error(ds, field)
+    _draw_band(axes, ends, scatter)
+    labels = set[str]()
+    for test, computed, is_beyond in found:
+        name, gid, marker, mfc, mec, ms, mew = TESTS[test.outcome]
+        label = name + ", beyond what was computed" * is_beyond
+        error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
+        bars = axes.errorbar(
+            computed, test.velocity, error, ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec,
+            mew=mew, ecolor=GREY, zorder=4, alpha=_FAINT if is_beyond else 1.0,
+            label="" if label in labels else label,
+        )  # fmt: skip
+        bars.lines[0].set_gid(gid)
+        labels.add(label)
+    if unknown := len(held) - len(found):
+        axes.plot([], [], ls="none", label=f"{unknown} of {len(held)} tests: not known")
+    axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
+    style.plain_numbers(axes)
+    axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
+    axes.set_ylabel("velocity of the test [m/s]")
+    axes.set_title(f"{style.title_of(ds)}\ncomputed against measured", pad=10, wrap=True)
+    title = f"the model's own error: {scatter.worded}"
+    style.legend_below(figure, ax, ncols=2, title=title, title_fontsize=9.5)
+    return figure
+
+
+def _draw_band(axes: Axes, ends: tuple[float, float], scatter: Scatter) -> None:
+    """The line on which a test is as computed, and where a run is neither mild nor severe."""
+    ratios = np.geomspace(ends[0] / ends[1], ends[1] / ends[0], 801)
+    line = np.array(ends)
+    low, high = np.interp([DECIDED[0], DECIDED[-1]], scatter.below(np.log(ratios)), ratios)
+    if low < high:
+        axes.fill_between(
+            line, low * line, high * line, color=TINTS["band"], alpha=0.6, lw=0,
+            label="next run not decided",
+        )  # fmt: skip
+    axes.plot(
+        line, line, color=BLACK, lw=1.4, label="measured as computed; mild wear below, severe above"
+    )
