@@ -66,7 +66,7 @@ promises: .venv/test  ## judge --accuracy, presets and stated errors on random s
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.curved
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 
-samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its next tests by truths, in 2 hours
+samples: .venv/test   ## judge samples by 2000 simulations, irg infer, next runs and next tests by truths, in 4 hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.bands
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --minutes 30
@@ -74,6 +74,8 @@ samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its n
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --promise --case $$case \
 	        --tests $$tests --truths 150 --minutes 6 --laws drawn || exit 1; done; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans --minutes 30
+	for tests in 8 24; do \
+	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.runs --tests $$tests || exit 1; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, in an hour or two

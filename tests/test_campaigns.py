@@ -7,11 +7,13 @@ import subprocess
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 
 from tests.helpers.campaigns import PAGE, ROOT, older
 from tests.mutants.changes import changes
 from tests.promises.errors import are_covered, covered, places
 from tests.promises.report import are_right, kept
+from tests.promises.runs import SAID, comes_true, reported, true_probabilities
 
 
 def test_figures_are_older_than_later_changes_of_their_rooms_alone(tmp_path):
@@ -86,6 +88,35 @@ def test_stated_errors_are_judged_at_points_and_between_them():
         assert line == ("draft", 1, 30, "2.00%", "2.00%", f"{stated:.2%}", over, held)
         assert are_covered([line]) == is_right
     assert not are_covered([covered("draft", found.assign(stated=0.1))])  # too wide
+
+
+class KnownRig:
+    """A field that knows its rig: lines of severe wear at 400 N from 2 m/s on, with 10 %."""
+
+    ensemble, scatter = type("Ends", (), {"velocities": (0.5, 8.0)}), None
+
+    def probability(self, load, velocities, scatter):
+        return stats.norm.cdf(np.log(velocities * load / 800.0) / 0.1)
+
+    def transition(self, load, bulk):
+        return np.log(800.0 / load)
+
+
+def test_what_is_said_of_the_next_run_comes_true_where_all_is_known():
+    rig, rows = KnownRig(), []
+    for number in range(10):
+        same = [true_probabilities(rig, rig, load, 298.15, 0.1) for load in (400.0, 700.0)]
+        assert np.ravel(same) == pytest.approx([*SAID, *SAID], rel=0.02)
+        # A rig that scatters by 5 % where 10 % are taken is severe less often than said.
+        less = [true_probabilities(rig, rig, 400.0, 298.15, 0.05)]
+        assert less[0][0] == pytest.approx(stats.norm.cdf(2 * stats.norm.ppf(0.01)), rel=0.2)
+        rows += [{"truth": number, "law": law, "true": true}
+                 for law, true in (("drawn", same), ("5 %", less))]  # fmt: skip
+    assert true_probabilities(rig, rig, 10_000.0, 298.15, 0.1) is None
+    found = dict(reported(rows))
+    assert comes_true("drawn", found["drawn"], 8)
+    assert comes_true("5 %", found["5 %"], 24)  # the safe side
+    assert not comes_true("drawn", found["5 %"], 8)
 
 
 def test_a_mutant_differs_at_one_place_of_what_runs():
