@@ -70,9 +70,9 @@ def surface(options: argparse.Namespace) -> Result:
 
 def help_(options: argparse.Namespace) -> Result:
     """Print a page, the help of a command, or the names of all pages."""
-    topic, pages = options.topic, _pages()
+    topic, held = options.topic, pages()
     if topic is None:
-        texts = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
+        texts = {name: path.read_text(encoding="utf-8") for name, path in held.items()}
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
         lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
         if _SITE.exists():
@@ -84,18 +84,18 @@ def help_(options: argparse.Namespace) -> Result:
     if topic in names:
         parse([topic, "--help"])
     page = _name(Path(topic))
-    if page not in pages:
-        near = get_close_matches(topic, [*pages, *names], 1)
+    if page not in held:
+        near = get_close_matches(topic, [*held, *names], 1)
         meant = f' (did you mean "{near[0]}"?)' if near else ""
         raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
-    text = pages[page].read_text(encoding="utf-8")
+    text = held[page].read_text(encoding="utf-8")
     if sys.stdout.isatty() and not options.json:
         pydoc.pager(text)
         return Result({}, ())
     return Result({"page": page, "text": text}, [text.removesuffix("\n")])
 
 
-def _pages() -> dict[str, Path]:
+def pages() -> dict[str, Path]:
     """File of each page that can be printed, by its name, in the order of reading."""
     paths = (path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE)
     named = {_name(path): path for path in paths}

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from pipeline import extras
 from pipeline.cli import options as o
+from pipeline.cli.completion import completer
 from pipeline.cli.options import Command
 
 GROUPS = ("run", "ask", "show", "look after")
@@ -166,7 +167,12 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        """Say in one line what is wrong, and where the options stand."""
+        """Say in one line what is wrong, what was perhaps meant, and where the options stand."""
+        if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \(choose.*\)", message):
+            words = re.findall(r"[\w-]+", message.partition("(choose from")[2])
+            if near := get_close_matches(wrong[2], words, 1):
+                message = f"{wrong[1].lower()} is {wrong[2]!r}; did you mean {near[0]!r}?"
+                self.exit(2, f"{self.prog}: {message} See {self.prog} --help\n")
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
@@ -253,7 +259,7 @@ def _add(parsers: Any, command: Command) -> None:
     added.set_defaults(command=command.function, parser=added)
     for taken in (*o.OF_ALL, *command.takes):
         if isinstance(taken, o.Option):
-            added.add_argument(*taken.names, **taken.settings)
+            _add_option(added, taken)
             continue
         group = (
             added.add_argument_group(taken.title)
@@ -261,4 +267,11 @@ def _add(parsers: Any, command: Command) -> None:
             else added.add_mutually_exclusive_group()
         )
         for option in taken.options:
-            group.add_argument(*option.names, **option.settings)
+            _add_option(group, option)
+
+
+def _add_option(parser: Any, option: o.Option) -> None:
+    """Add an option, with what a shell offers for it."""
+    action = parser.add_argument(*option.names, **option.settings)
+    if found := completer(action.dest):
+        action.completer = found

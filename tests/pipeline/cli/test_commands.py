@@ -246,6 +246,8 @@ def test_the_help_lists_every_command_in_one_of_four_groups(irg):
     [
         (["check", "scen.toml"], 'scene.toml"?)'),
         (["check", "first_tri"], 'did you mean "first_try"?'),
+        (["boundry", "a.zarr"], "command is 'boundry'; did you mean 'boundary'?"),
+        (["plot", "a.zarr", "--kind", "ram"], "--kind is 'ram'; did you mean 'ramp'?"),
         (["boundary", "result/scene.zarr"], 'results/scene.zarr"?)'),
         (["margin", "results/scene.zarr", "--points", "dutty.csv"], 'duty.csv"?)'),
     ],

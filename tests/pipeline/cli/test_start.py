@@ -12,6 +12,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
+from pipeline.cli.completion import completer
 from pipeline.cli.parser import commands, function_of, parse
 from tests.helpers.scenes import SCENE
 
@@ -77,6 +78,25 @@ def test_a_shell_is_told_what_may_follow(tmp_path):
     program = "import sys; sys.argv[0] = 'irg'; from pipeline.cli import main; main()"
     subprocess.run([sys.executable, "-c", program], env=environment, check=True)
     assert (tmp_path / "offered").read_text() == offered
+
+
+@pytest.mark.parametrize(
+    ("destination", "prefix", "offered"),
+    [
+        ("scene", "fi", ["fig4", "fig5", "fig8", "first_try", "first.toml"]),
+        ("preset", "st", ["standard"]),
+        ("topic", "first", ["first-hour"]),
+        ("set", "wear.pat", ["wear.pattern="]),
+        ("at", "friction.co", ["friction.coefficient="]),
+    ],
+)
+def test_names_are_offered_that_begin_as_they_are_typed(
+    destination, prefix, offered, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "first.toml").touch()
+    assert completer(destination)(prefix=prefix) == offered
+    assert completer("output") is None
 
 
 @pytest.mark.parametrize("error", [MemoryError(), OSError(errno.ENOMEM, "fork")])
