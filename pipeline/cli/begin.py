@@ -23,16 +23,9 @@ from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.headings import numbered
 from pipeline.scene.logs import Log, Trace, read_log, read_trace
-from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
+from pipeline.scene.shipped import WORKFLOWS, page_name, shipped_pages, shipped_scenes
 from tribo import InputError
 
-_OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
-_READING_ORDER = (
-    "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
-    "scene", "dataset", "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes",
-    "paper",
-)  # fmt: skip
-_NAMES = {"README": "paper"}
 _SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"
 
 
@@ -70,7 +63,7 @@ def surface(options: argparse.Namespace) -> Result:
 
 def help_(options: argparse.Namespace) -> Result:
     """Print a page, the help of a command, or the names of all pages."""
-    topic, held = options.topic, pages()
+    topic, held = options.topic, shipped_pages()
     if topic is None:
         texts = {name: path.read_text(encoding="utf-8") for name, path in held.items()}
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
@@ -83,7 +76,7 @@ def help_(options: argparse.Namespace) -> Result:
     names = [command.name for command in commands()]
     if topic in names:
         parse([topic, "--help"])
-    page = _name(Path(topic))
+    page = page_name(Path(topic))
     if page not in held:
         near = get_close_matches(topic, [*held, *names], 1)
         meant = f' (did you mean "{near[0]}"?)' if near else ""
@@ -93,19 +86,6 @@ def help_(options: argparse.Namespace) -> Result:
         pydoc.pager(text)
         return Result({}, ())
     return Result({"page": page, "text": text}, [text.removesuffix("\n")])
-
-
-def pages() -> dict[str, Path]:
-    """File of each page that can be printed, by its name, in the order of reading."""
-    paths = (path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE)
-    named = {_name(path): path for path in paths}
-    order = dict.fromkeys((*_READING_ORDER, *sorted(named)))
-    return {name: named[name] for name in order if name in named}
-
-
-def _name(path: Path) -> str:
-    """Name of a page, by its file or as it is typed."""
-    return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))
 
 
 def tests(options: argparse.Namespace) -> Result:

@@ -20,9 +20,9 @@ def _presets() -> Iterable[str]:
 
 
 def _pages() -> Iterable[str]:
-    from pipeline.cli.begin import pages
+    from pipeline.scene.shipped import shipped_pages
 
-    return pages()
+    return shipped_pages()
 
 
 def _entries() -> Iterable[str]:

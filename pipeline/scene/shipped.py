@@ -1,4 +1,4 @@
-"""The scenes that come with the program: ``workflows/`` of its source, or of the package."""
+"""Scenes and pages that come with the program: `workflows/` of its source or of the package."""
 
 from __future__ import annotations
 
@@ -26,3 +26,25 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     """File of a scene that is given by its path from a folder, or by its name if it is shipped."""
     path, shipped = folder / scene, shipped_scenes().get(str(scene))
     return path if shipped is None or path.exists() else shipped
+
+
+_OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
+_READING_ORDER = (
+    "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
+    "scene", "dataset", "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes",
+    "paper",
+)  # fmt: skip
+_NAMES = {"README": "paper"}
+
+
+def shipped_pages() -> dict[str, Path]:
+    """File of each page that can be printed, by its name, in the order of reading."""
+    paths = (path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE)
+    named = {page_name(path): path for path in paths}
+    order = dict.fromkeys((*_READING_ORDER, *sorted(named)))
+    return {name: named[name] for name in order if name in named}
+
+
+def page_name(path: Path) -> str:
+    """Name of a page, by its file or as it is typed."""
+    return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))
