@@ -7,14 +7,14 @@ from .analysis.difference import diff as diff
 from .analysis.margin import Margin as Margin
 from .analysis.margins import margin as margin
 from .analysis.warned_points import warned as warned
-from .figures.page.explore import explore as explore
 from .figures.plot import plot as plot
-from .figures.report import report as report
 from .figures.studies import draw_design as draw_design
 from .figures.studies import draw_trade as draw_trade
 from .figures.studies import draw_variations as draw_variations
 from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
+from .page.explore import explore as explore
+from .report.report import report as report
 from .run.boundary_search import follow_boundary as follow_boundary
 from .run.critical_temperature import critical_temperatures as critical_temperatures
 from .run.sweep import run_sweep as run_sweep

@@ -8,8 +8,8 @@ from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
-EXTRAS = ("gears",)
-"""Folders in `pipeline` that are asked for commands, if they are there."""
+EXTRAS: dict[str, tuple[str, ...]] = {"gears": (), "page": ("explore",), "report": ("report",)}
+"""Folders in `pipeline` that are asked for commands, if they are there; and their public names."""
 
 
 @cache
@@ -18,6 +18,11 @@ def present() -> tuple[str, ...]:
     specs = {name: find_spec(f"pipeline.{name}") for name in EXTRAS}
     # A folder that was emptied, but for caches, has a spec without an origin.
     return tuple(name for name, spec in specs.items() if spec is not None and spec.origin)
+
+
+def absent() -> frozenset[str]:
+    """Public names of `pipeline` whose extras are not there."""
+    return frozenset(one for name in EXTRAS.keys() - present() for one in EXTRAS[name])
 
 
 def modules(part: str) -> Iterator[ModuleType]:

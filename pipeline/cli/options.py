@@ -334,7 +334,3 @@ OF_PLOT = (
     _flag("--log", "logarithmic axes of the diagram"),
     Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),
 )  # fmt: skip
-OF_EXPLORE = (
-    output("PAGE.html", "file of the page; default: beside the store"),
-    _flag("--no-fields", "leave all fields out"),
-)  # fmt: skip

@@ -121,20 +121,6 @@ COMMANDS = (
         ),
     ),
     Command(
-        "show", "report", "figures:report",
-        "write a report for people without the tool, as HTML that a browser prints",
-        "results/scene.zarr --points duty.csv -o report.html",
-        (
-            o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            *o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS,
-        ),
-    ),
-    Command(
-        "show", "explore", "figures:explore", "write a page to explore a store in a browser",
-        "results/scene.zarr -o page.html",
-        (o.STORE, *o.OF_EXPLORE, *o.WEIGHED, *o.JUDGED),
-    ),
-    Command(
         "look after", "help", "begin:help_", "print a page of the documentation, or list them",
         "first-hour", (o.TOPIC,),
     ),

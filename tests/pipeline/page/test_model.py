@@ -12,12 +12,12 @@ from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import answer
 from pipeline.analysis.transition import CROSSES, SEVERAL
-from pipeline.figures.page.content import BETWEEN, EXTRAPOLATED, content
+from pipeline.page.content import BETWEEN, EXTRAPOLATED, content
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
 from tests.helpers.sweeps import with_fields
-from tests.pipeline.figures.page import sweeps
-from tests.pipeline.figures.page.sweeps import same
+from tests.pipeline.page import sweeps
+from tests.pipeline.page.sweeps import same
 from tribo import Corrections, InputError
 
 BOUNDARY = """

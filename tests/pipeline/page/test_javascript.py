@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.browser import absent
 
-ROOT = Path(__file__).parents[4]
+ROOT = Path(__file__).parents[3]
 TOOLS = ROOT / ".venv/javascript/node_modules/.bin"
 HERE = Path(__file__).parent / "javascript"
 CHECKS = {

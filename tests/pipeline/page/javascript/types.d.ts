@@ -50,7 +50,7 @@ type AxisName = "velocity" | "load";
 /** Least and greatest place that a transition may have. */
 type Ends = [number, number];
 
-/** Result of pipeline.figures.page.content.content. */
+/** Result of pipeline.page.content.content. */
 type Content = {
   title: string;
   name: string;
@@ -104,7 +104,7 @@ type Model = {
   words: string[];
 };
 
-/** Result of pipeline.figures.page.content.content_of_samples, by load and velocity or probability. */
+/** Result of pipeline.page.content.content_of_samples, by load and velocity or probability. */
 type Samples = {
   name: string;
   measured: Measurement[];

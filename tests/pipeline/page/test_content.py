@@ -12,10 +12,10 @@ from PIL import Image
 import pipeline
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
-from pipeline.figures.page.content import content
-from pipeline.figures.page.pictures import packed_point
+from pipeline.page.content import content
+from pipeline.page.pictures import packed_point
 from tests.helpers import synthetic
-from tests.pipeline.figures.page import sweeps
+from tests.pipeline.page import sweeps
 
 
 def unpacked(text, dtype):

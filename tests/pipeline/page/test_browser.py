@@ -21,8 +21,8 @@ from pipeline.analysis.transition import ABOVE, MILD
 from pipeline.sweep.variants import Column, Variants
 from tests.helpers import samples, synthetic
 from tests.helpers.browser import chromium
-from tests.pipeline.figures.page import sweeps
-from tests.pipeline.figures.page.sweeps import column, same
+from tests.pipeline.page import sweeps
+from tests.pipeline.page.sweeps import column, same
 
 
 @pytest.fixture(scope="module")

@@ -39,8 +39,8 @@ from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.tables import html_of
 from pipeline.analysis.transition import outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, in_reach
-from pipeline.figures.page.controls import controls
-from pipeline.figures.page.pictures import FIELDS, POINT, coloured, packed_fields
+from pipeline.page.controls import controls
+from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.accuracy import error_in_words

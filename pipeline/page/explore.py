@@ -23,8 +23,8 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
-from pipeline.figures.page.content import MOST_FIELDS, content, content_of_samples
-from pipeline.figures.page.controls import Control, scene_choice, surface_choice
+from pipeline.page.content import MOST_FIELDS, content, content_of_samples
+from pipeline.page.controls import Control, scene_choice, surface_choice
 from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")

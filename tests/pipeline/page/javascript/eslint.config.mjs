@@ -1,7 +1,7 @@
 // The scripts of a page share one scope, so what a name refers to is left to the type checker.
 export default [
   {
-    files: ["pipeline/figures/page/*.js"],
+    files: ["pipeline/page/*.js"],
     languageOptions: { ecmaVersion: 2022, sourceType: "script" },
     linterOptions: { reportUnusedDisableDirectives: "error" },
     rules: {

@@ -111,7 +111,7 @@ def report(
         points = OperatingPoints.read(points)
     ds = dataset.dataset_of(ds)
     title = dataset.stored_sweep(ds).about.title
-    template = resources.files("pipeline.figures.page").joinpath("report.html").read_text("utf-8")
+    template = resources.files(__package__).joinpath("report.html").read_text("utf-8")
     parts = {"title": html.escape(title), "body": body_of(ds, points)}
     return write_text(Template(template).substitute(parts), path)
 
