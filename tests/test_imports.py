@@ -56,7 +56,7 @@ def test_a_scene_loads_only_the_readers_of_what_it_names():
             print(*({readers!r} & set(sys.modules)))
     """
     plain, named = python("-c", code, check=True).stdout.splitlines()[-2:]
-    assert (plain, named) == ("", "pipeline.scene.distributions")
+    assert (plain, named) == ("", "pipeline.uncertain.entries")
 
 
 def test_every_public_name_is_there():

@@ -47,7 +47,7 @@ from tribo import InputError
 from tribo.types import Array, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
-_SAMPLES = "pipeline.uncertain.samples:fields"
+_SAMPLES = "pipeline.uncertain.fields:fields"
 """Maker of the fields of samples, an extra that may be missing."""
 _PARTS = 64  # of an interval of velocities, between which friction is taken as it is there
 _OF_FILM = 0.032

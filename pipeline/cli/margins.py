@@ -31,11 +31,11 @@ from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_wor
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted, working
-from pipeline.cli.unknowns import Samples
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
+from pipeline.uncertain.answer_sensitivity import Samples
 from tribo import InputError
 
 

@@ -84,18 +84,18 @@ COMMANDS = (
         (*o.OF_SCENE, o.OVER, o.PHYSICS, o.FIGURE_OR_TABLE, *o.KEPT),
     ),
     Command(
-        "run", "point", "inference:point", "simulate one point", f"scene.toml {_AT}",
+        "run", "point", "points:point", "simulate one point", f"scene.toml {_AT}",
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY, o.TABLE),
     ),
     Command(
-        "ask", "infer", "inference:infer",
+        "ask", "infer", "points:infer",
         "find the critical temperature from measured transitions, or a wear rate from a contact "
         "width; from a store of samples, all unknown inputs by the transitions and tests",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
         (*o.OF_INFER, o.AT),
     ),
     Command(
-        "ask", "sensitivity", "unknowns:sensitivity",
+        "ask", "sensitivity", "pipeline.uncertain.answer_sensitivity:sensitivity",
         "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
         "results/uncertain.zarr -o sensitivity.png",
         (o.STORE, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED),

@@ -18,8 +18,8 @@ import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli import given
 from pipeline.cli.output import Result, rounded, run_line, tell, working
-from pipeline.cli.unknowns import Samples, samples_in
 from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.answer_sensitivity import Samples, samples_in
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Direct, Goal, Limit, designed, directly
 from tribo import InputError, TriboError
 

@@ -75,7 +75,7 @@ def diagram(
         if realization is not None or ax is not None:
             raise InputError(_OF_SAMPLES)
         # With the libraries that only this needs.
-        from pipeline.figures.uncertainty import draw_probability
+        from pipeline.uncertain.figures import draw_probability
 
         return draw_probability(ds, log)
     ds = at_realization(ds, realization)

@@ -181,7 +181,7 @@ _LOADS, _VELOCITIES = 45, 121  # of the plane of a page of samples
 def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.samples import single_field
+    from pipeline.uncertain.fields import single_field
     from pipeline.uncertain.weigh import basis_of
 
     sweep, field = stored_sweep(ds), single_field(ds)

@@ -337,7 +337,7 @@ def citation() -> Iterator[str]:
 def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
     """Answers of a sweep of samples, as probabilities."""
     # With the libraries that only this needs.
-    from pipeline.uncertain.samples import single_field
+    from pipeline.uncertain.fields import single_field
     from pipeline.uncertain.weigh import basis_of
 
     field = single_field(ds)

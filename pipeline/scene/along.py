@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.scene.compounds import Entry, Optional, Table, flat
-from pipeline.scene.distributions import differing_inputs
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
@@ -23,6 +22,7 @@ from pipeline.scene.over import column_of, scene_with
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Column, placed_rows
+from pipeline.uncertain.entries import differing_inputs
 from tribo import InputError
 
 _PLACE = Table({"load": Entry(LOAD), "velocity": Entry(SPEED)})

@@ -32,6 +32,7 @@ _NAMES = {
     "along": ("sweep.along", "sweep.around"),
     "distributions": ("unknown", "sweep.samples"),
 }
+_PLACES = {"distributions": "pipeline.uncertain.entries"}
 """Modules in the order in which they are asked, and the entries that name them."""
 
 
@@ -41,7 +42,9 @@ def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
     asked = [name for name, paths in _NAMES.items() if any(_has(entries, path) for path in paths)]
     extensions = list[Extend]()
     for name in [*asked, *(["logs"] if _has_log(entries) else [])]:
-        document, extend = import_module(f"pipeline.scene.{name}").begin(document, faults)
+        document, extend = import_module(_PLACES.get(name, f"pipeline.scene.{name}")).begin(
+            document, faults
+        )
         extensions += [extend] if extend else []
     return document, extensions
 

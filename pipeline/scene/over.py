@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.scene.compounds import flat
-from pipeline.scene.distributions import Make, differing_inputs
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, quoted
@@ -20,6 +19,7 @@ from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
+from pipeline.uncertain.entries import Make, differing_inputs
 from tribo import InputError
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")

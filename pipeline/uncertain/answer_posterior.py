@@ -17,9 +17,9 @@ from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import at_in, criterion_in, flags_of, values_in
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, rounded, working
-from pipeline.cli.unknowns import draws_in_words, scatter_in_words
 from pipeline.scene.units import display
 from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.answer_sensitivity import draws_in_words, scatter_in_words
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import Candidate, load_of_target
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts

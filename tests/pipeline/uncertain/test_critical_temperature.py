@@ -1,4 +1,4 @@
-"""A lubricant's limit from measured transitions (pipeline/run/critical_temperature.py)."""
+"""A lubricant's limit from measured transitions (pipeline/uncertain/critical_temperature.py)."""
 
 import re
 
@@ -7,9 +7,9 @@ import pytest
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
-from pipeline.run.critical_temperature import critical_temperatures
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.variants import surfaces
+from pipeline.uncertain.critical_temperature import critical_temperatures
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all

@@ -13,9 +13,9 @@ from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import Judged, Posterior
-from pipeline.uncertain.samples import single_field
 from pipeline.uncertain.sensitivity import Sensitivity
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)

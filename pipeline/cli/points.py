@@ -23,7 +23,6 @@ from pipeline.analysis.tables import TABLES, frame_of, short, upright, writable_
 from pipeline.cli.given import PLACE, conditions_in, flags_of, one_scene_in, selected, values_in
 from pipeline.cli.next_steps import lines_on, point_that_decides
 from pipeline.cli.output import Result, counted, run_line, tell, working
-from pipeline.cli.weighed import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.scene.units import display
 from pipeline.sweep.accuracy import velocity_error
@@ -31,10 +30,11 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
+from pipeline.uncertain.answer_posterior import posterior
 from tribo import InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
-    from pipeline.run.critical_temperature import CriticalTemperatures  # with Dask
+    from pipeline.uncertain.critical_temperature import CriticalTemperatures  # with Dask
 
 
 def point(options: argparse.Namespace) -> Result:
