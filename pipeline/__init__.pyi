@@ -8,7 +8,6 @@ from .analysis.margin import Margin as Margin
 from .analysis.margins import margin as margin
 from .analysis.warned_points import warned as warned
 from .figures.plot import plot as plot
-from .figures.studies import draw_design as draw_design
 from .figures.studies import draw_trade as draw_trade
 from .figures.studies import draw_variations as draw_variations
 from .page.explore import explore as explore
@@ -37,6 +36,7 @@ from .uncertain.critical_temperature import critical_temperatures as critical_te
 from .uncertain.design import Goal as Goal
 from .uncertain.design import design as design
 from .uncertain.ensemble import Ensemble as Ensemble
+from .uncertain.figures import draw_design as draw_design
 from .uncertain.figures import draw_posterior as draw_posterior
 from .uncertain.figures import draw_sensitivity as draw_sensitivity
 from .uncertain.next_tests import candidates as candidates

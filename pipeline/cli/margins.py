@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,6 @@ from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
-from pipeline.uncertain.answer_sensitivity import Samples
 from tribo import InputError
 
 
@@ -54,7 +53,7 @@ def margin(options: argparse.Namespace) -> Result:
         text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
     else:
         document, text = _on_points(options, table, points)
-    document |= _on_samples([one.field for one in found], text)
+    document |= _tell_basis([one.field for one in found], text)
     known = [one for one in found if one.margin]
     text += [] if is_one else _on_errors(known)
     commands, open_ = _next(ds, options, known)
@@ -155,14 +154,11 @@ def _on_errors(known: list[Judged]) -> list[str]:
     ]
 
 
-def _on_samples(some: Sequence[Field], text: list[str | pd.DataFrame]) -> dict[str, Any]:
-    """What an answer of samples rests on, as plain data, and added to the text."""
-    for field in some[:1]:
-        if ensemble := getattr(field, "ensemble", None):
-            samples = Samples(ensemble, getattr(field, "posterior", None))
-            text += samples.notes()
-            return samples.as_dict()
-    return {}
+def _tell_basis(some: Sequence[Field], text: list[str | pd.DataFrame]) -> Mapping[str, Any]:
+    """Add what the answers of some fields rest on to the text; return it as plain data."""
+    data, lines = some[0].basis if some else ({}, ())
+    text += lines
+    return data
 
 
 def _is_incomplete(here: Margin) -> bool:
@@ -185,7 +181,7 @@ def boundary(options: argparse.Namespace) -> Result:
     for part in frames.on_boundary(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
     if is_emulated(ds):
-        document |= _on_samples(fields(ds), text)
+        document |= _tell_basis(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)
         cold = turns_left_out(ds, crossings)

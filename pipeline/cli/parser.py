@@ -88,27 +88,6 @@ COMMANDS = (
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY, o.TABLE),
     ),
     Command(
-        "ask", "infer", "points:infer",
-        "find the critical temperature from measured transitions, or a wear rate from a contact "
-        "width; from a store of samples, all unknown inputs by the transitions and tests",
-        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
-        (*o.OF_INFER, o.AT),
-    ),
-    Command(
-        "ask", "sensitivity", "pipeline.uncertain.answer_sensitivity:sensitivity",
-        "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
-        "results/uncertain.zarr -o sensitivity.png",
-        (o.STORE, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED),
-    ),
-    Command(
-        "ask", "design", "studies:design",
-        "find the value of an unknown input that makes severe wear unlikely enough",
-        f"results/uncertain.zarr {_AT} --risk 1% --over disk.roughness.correlation_length",
-        (
-            o.STORE, *o.OF_DESIGN, *o.PLACE, *o.POINTS, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED,
-        ),
-    ),
-    Command(
         "ask", "trade", "studies:trade", "measure speed against accuracy",
         "scene.toml -o trade.png", o.OF_TRADE,
     ),

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline import extras
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import (
@@ -180,15 +181,13 @@ _LOADS, _VELOCITIES = 45, 121  # of the plane of a page of samples
 
 def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
-    # With the libraries that only this needs.
-    from pipeline.uncertain.fields import single_field
-    from pipeline.uncertain.weigh import basis_of
-
-    sweep, field = stored_sweep(ds), single_field(ds)
+    samples = extras.module("uncertain", "fields")
+    sweep, field = stored_sweep(ds), samples.single_field(ds)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
     loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
     loads = loads if len(ensemble.loads) > 1 else ensemble.loads
-    velocities = np.linspace(*ensemble.velocities, _VELOCITIES)
+    slowest, fastest = ensemble.velocities
+    velocities = np.linspace(slowest, fastest, _VELOCITIES)
     plane = field.plane(loads.tolist(), velocities, scatter)
     rising = np.maximum.accumulate(plane, axis=1)
     lines = [np.interp(DECIDED, row, velocities) for row in rising]
@@ -196,7 +195,7 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
         "title": sweep.about.title,
         "name": sweep.about.name,
         "evidence": f", given {weighed.evidence}" if weighed else "",
-        "basis": [*basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
+        "basis": [*samples.basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
         "measured": [_told(test) for test in laboratory_tests(ds)],
         "loads": loads.tolist(),
         "velocities": velocities.tolist(),

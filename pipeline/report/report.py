@@ -9,13 +9,14 @@ from datetime import UTC, datetime
 from importlib import resources
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
+from pipeline import extras
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.entries import scene_entries
@@ -47,9 +48,6 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.surface import surface_words
 from tribo import InputError
-
-if TYPE_CHECKING:
-    from pipeline.uncertain.ensemble import Ensemble
 
 Part: TypeAlias = str | pd.DataFrame | Figure
 """A paragraph, a table or a picture of a section."""
@@ -336,24 +334,21 @@ def citation() -> Iterator[str]:
 
 def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
     """Answers of a sweep of samples, as probabilities."""
-    # With the libraries that only this needs.
-    from pipeline.uncertain.fields import single_field
-    from pipeline.uncertain.weigh import basis_of
-
-    field = single_field(ds)
+    samples = extras.module("uncertain", "fields")
+    field = samples.single_field(ds)
     ensemble, weighed = field.ensemble, field.posterior
     lines = boundary(ds)
     basis = f", given {weighed.evidence}" if weighed else ", before any test"
     return {
         "Question and answer": _question_of_samples(ensemble, lines, basis),
-        f"Not known exactly{basis}": basis_of(ensemble, weighed),
+        f"Not known exactly{basis}": samples.basis_of(ensemble, weighed),
         "Transition diagram": _drawn(ds),
         "Boundary in numbers": on_boundary(lines),
         "Operating points": _operating_points(ds, points) if points else (),
     }
 
 
-def _question_of_samples(ensemble: Ensemble, lines: xr.Dataset, basis: str) -> Iterator[Part]:
+def _question_of_samples(ensemble: Any, lines: xr.Dataset, basis: str) -> Iterator[Part]:
     """Question that samples answer, and the answer in a sentence."""
     slowest, fastest = ensemble.velocities
     yield (

@@ -15,13 +15,11 @@ import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import at_in, criterion_in, flags_of, values_in
-from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, rounded, working
 from pipeline.scene.units import display
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.answer_sensitivity import draws_in_words, scatter_in_words
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
-from pipeline.uncertain.next_tests import Candidate, load_of_target
+from pipeline.uncertain.next_tests import Candidate, load_of_target, ranking_command
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
 from tribo import InputError
 
@@ -62,7 +60,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     document["differences"] = [one._asdict() for one in compared]
     text += map(_in_words, compared)
     if options.next is None:
-        command = next_tests(stores, options.scatter, at)
+        command = ranking_command(stores, options.scatter, at)
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
@@ -77,11 +75,11 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
 def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     """Lines on each input, before and after, and on each test."""
     samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
-    yield f"{weighed.evidence}, {scatter_in_words(weighed)}; {samples} samples"
+    yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
     if len(weighed.ensembles) > 1:
         yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
     yield from dict.fromkeys(f"  {one}" for sweep in weighed.ensembles for one in sweep.fixed)
-    yield draws_in_words(weighed)
+    yield weighed.draws_words
     yield frame_of(("input", "before", "after", "90 % within"), weighed.in_words())
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")

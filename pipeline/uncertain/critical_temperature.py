@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from distributed import Client
 
 from pipeline.run.boundary_search import results_of
+from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
 from pipeline.run.tally import Progress
 from pipeline.run.work import ExecutionError

@@ -6,7 +6,7 @@ A sample is read as if its values stood in the file; a distribution is checked a
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -15,13 +15,14 @@ import scipy  # its special functions take 0.2 s to load
 
 from pipeline.scene.compounds import Shape, flat
 from pipeline.scene.document import Document
-from pipeline.scene.extensions import Extend, Reading
+from pipeline.scene.extensions import Extend, Make, Reading
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
+from pipeline.scene.over import differing_inputs
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.limits import MOST_INPUTS
-from pipeline.sweep.model import PART_OF, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import (
     REACH,
@@ -43,8 +44,6 @@ from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
 
-Make = Callable[[Mapping[str, Any]], Sweep]
-"""Makes the sweep with other values of some entries, by their paths; raises their first fault."""
 _FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
@@ -52,7 +51,6 @@ _FIXED = (
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
 _SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a wear rate
 _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
-_EVERYWHERE = {"name", "title", "notes", "variants"}
 _SIMULATED = {field.name for field in fields(Scene)}
 _THERMAL = "thermal_conductivity", "density", "specific_heat"
 _DECISIVE = _SIMULATED | {"conditions"}
@@ -227,14 +225,6 @@ def _drawn(draw: Draw, count: int, sweep: Sweep, make: Make) -> Variants:
             ) from error
         parts.append(tuple(differing_inputs(sweep, other)))
     return replace(table, parts=tuple(parts))
-
-
-def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
-    """Fields, and their values, in which another sweep differs from one."""
-    for name in PART_OF:
-        old, new = sweep.get(name), other.get(name)
-        if name not in _EVERYWHERE and old is not new and old != new:
-            yield name, new
 
 
 def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,11 +18,15 @@ from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Turns
+from pipeline.cli.output import counted
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import STEPS, draws_of
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.ensemble import keep_fits as keep_fits
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws
 from pipeline.uncertain.posterior import Posterior
+from pipeline.uncertain.weigh import basis_of as basis_of
 from pipeline.uncertain.weigh import posterior_at
 from tribo import InputError
 from tribo.types import Array
@@ -90,6 +94,44 @@ class SampleField:
             f"± {middle:.2g} % in velocity ({low:.2g} to {high:.2g} %), inferred from the tests"
         )
         return InferredScatter(self.draws.scatters, self.draws.by_scatter, worded)
+
+    @property
+    def given_draws(self) -> Draws | None:
+        """Draws that the tests leave; None for those of the inputs as the scene has them."""
+        return self.posterior.draws if self.posterior else None
+
+    @property
+    def basis(self) -> tuple[dict[str, Any], list[str]]:
+        """See `Field`."""
+        ensemble = self.ensemble
+        document = {
+            "given_measured": self.posterior is not None,
+            "misfit": self.posterior.misfit if self.posterior else "",
+            "samples": len(ensemble.inputs),
+            "samples_left_out": ensemble.missing,
+            "unknown": [one.as_dict() for one in ensemble.unknown],
+            "fixed": {one.unknown.path: one.value for one in ensemble.fixed},
+            "left_out_held": ensemble.left_out.held,
+            "left_out_contacts": ensemble.left_out.contacts,
+        }
+        return document, [*self._notes()]
+
+    def _notes(self) -> Iterator[str]:
+        ensemble, weighed = self.ensemble, self.posterior
+        if weighed and weighed.misfit:
+            yield f"warning: {weighed.misfit}"
+        basis = "as the scene assumes them"
+        if weighed:
+            basis = f"given {weighed.evidence}, {weighed.scatter_words}"
+        yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
+        yield from (f"  {one}" for one in ensemble.fixed)
+        if weighed:
+            yield weighed.draws_words
+        if ensemble.velocity_error is None:
+            yield "  the error of the samples' fidelity is not known, and not counted"
+        if ensemble.missing:
+            yield f"  {ensemble.missing} samples are left out: not done at every load"
+        yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
         """See `Field`; an `InputError` where tests have weighed the conditions."""
@@ -256,3 +298,19 @@ def _field(scene: xr.Dataset) -> SampleField:
     if weighed:
         draws = replace(draws, scatters=weighed.draws.scatters, by_scatter=weighed.draws.by_scatter)
     return SampleField(ensemble, draws, scene, weighed, rig, taken_entries(scene), shown)
+
+
+def _describe_left_out(ensemble: Ensemble) -> str:
+    """How samples that are left out lie in the bands of the others, in words."""
+    left_out, count = ensemble.left_out, len(ensemble.inputs)
+    held = (
+        f"of places left out the 90 % bands hold {100 * left_out.held:.0f} ± "
+        f"{100 * left_out.error:.0f} %"
+    )
+    if not left_out.is_known:
+        contacts = counted(left_out.contacts, "contact", "contacts")
+        return f"{count} samples may not suffice: {held}, by {contacts} where {JUDGED} tell enough"
+    if not left_out.is_right:
+        return f"{count} samples may not suffice: {held}, not 85 to 95 %"
+    suffice = " suffice" if count == ensemble.design.sufficient else ""
+    return f"{count} samples{suffice}: {held}"
