@@ -10,6 +10,7 @@ from .analysis.warned_points import warned as warned
 from .figures.plot import plot as plot
 from .figures.studies import draw_trade as draw_trade
 from .figures.studies import draw_variations as draw_variations
+from .laboratory.scan import surface_statistics as surface_statistics
 from .page.explore import explore as explore
 from .report.report import report as report
 from .run.boundary_search import follow_boundary as follow_boundary
@@ -18,7 +19,6 @@ from .run.vary import vary as vary
 from .run.work import ExecutionError as ExecutionError
 from .scene.faults import SceneFileError as SceneFileError
 from .scene.reference import new_scene as new_scene
-from .scene.scan import surface_statistics as surface_statistics
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import run_point as run_point
 from .scene.scenefile import scene_entry as scene_entry

@@ -10,6 +10,7 @@ from types import ModuleType
 
 EXTRAS: dict[str, tuple[str, ...]] = {
     "gears": (),
+    "laboratory": ("surface_statistics",),
     "page": ("explore",),
     "report": ("report",),
     "uncertain": (

@@ -48,8 +48,8 @@ def test_help_waits_for_no_heavy_library(arguments):
 
 
 def test_a_scene_loads_only_the_readers_of_what_it_names():
-    readers = {f"pipeline.scene.{name}" for name in ("along", "logs", "over")}
-    readers.add("pipeline.uncertain.entries")
+    readers = {f"pipeline.scene.{name}" for name in ("along", "over")}
+    readers |= {"pipeline.laboratory.logs", "pipeline.uncertain.entries"}
     code = f"""if True:
         import sys, pipeline
         for scene in ("irg_transition", "uncertain"):

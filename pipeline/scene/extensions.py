@@ -35,7 +35,7 @@ _NAMES = {
     "over": ("sweep.over",),
     "along": ("sweep.along", "sweep.around"),
     "uncertain": ("unknown", "sweep.samples"),
-    "logs": ("measured", "tested"),
+    "laboratory": ("measured", "tested"),
 }
 """Modules and extras in the order in which they are asked, and the entries that name them."""
 
@@ -59,7 +59,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
 
 def _is_named(entry: Any, path: str) -> bool:
     """True if a scene has an entry; of tests, if a file stands for some."""
-    if path in _NAMES["logs"]:
+    if path in _NAMES["laboratory"]:
         listed = entry if isinstance(entry, list) else []
         return any(isinstance(test, dict) and "file" in test for test in listed)
     return entry is not None

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.scene.surfaces import (
+from pipeline.laboratory.surfaces import (
     Flip,
     MeasuredSurface,
     axis_note,

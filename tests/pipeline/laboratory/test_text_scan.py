@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pytest
 
-from pipeline.scene.surfaces import read_surface
+from pipeline.laboratory.surfaces import read_surface
 from tribo import InputError
 
 HEIGHTS = (

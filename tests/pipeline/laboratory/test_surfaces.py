@@ -6,7 +6,7 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.scene.surfaces import MeasuredSurface, filled, levelled, oriented, read_surface
+from pipeline.laboratory.surfaces import MeasuredSurface, filled, levelled, oriented, read_surface
 from tests.pipeline.scene.conftest import ROUGHNESS
 from tribo import InputError
 

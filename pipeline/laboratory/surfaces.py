@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from pipeline.scene.text_scan import TEXT, read_text
+from pipeline.laboratory.text_scan import TEXT, read_text
 from tribo import InputError, read_heights
 from tribo.errors import reason_of, require_file
 from tribo.types import Array

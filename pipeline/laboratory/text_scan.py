@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.scene.spreadsheet import decoded
+from pipeline.laboratory.spreadsheet import decoded
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array

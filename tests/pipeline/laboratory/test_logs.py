@@ -4,8 +4,8 @@ import pandas as pd
 import pytest
 
 import pipeline
+from pipeline.laboratory.logs import outcome_of, read_log, read_trace
 from pipeline.scene.format import TRANSITION
-from pipeline.scene.logs import outcome_of, read_log, read_trace
 from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny

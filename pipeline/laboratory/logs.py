@@ -12,12 +12,9 @@ from typing import Any
 import numpy as np
 
 from pipeline.scene.compounds import Table
-from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults
-from pipeline.scene.format import LOG, OUTCOMES, TEST, TRANSITION
-from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, numbered, read_sheet
+from pipeline.scene.format import OUTCOMES, TEST
+from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, read_sheet
 from pipeline.scene.units import UnitError, to_si
-from tribo import InputError
 from tribo.types import Array
 
 _MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser buono bon bueno"
@@ -170,55 +167,6 @@ def _hinted(fault: CellFault) -> CellFault:
         problem=f"{problem}; or say what it means, mild or severe, as "
         f'words = {{ {word} = "OUTCOME" }}'
     )
-
-
-def begin(document: Document, faults: Faults) -> tuple[Document, None]:
-    """The document with the rows of log files in the place of the tests that name them."""
-    for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
-        listed, folder = document.entries().get(key), document.file_of(key).parent
-        if not isinstance(listed, list) or not listed:
-            continue
-        rows: list[Any] = []
-        for number, entry in enumerate(listed):
-            if isinstance(entry, dict) and isinstance(entry.get("file"), str):
-                rows += _of_file(entry, f"{key}[{number}]", folder, row_of, faults)
-            else:
-                rows.append(entry)
-        # Without any row all are faulty, which is said already.
-        document = document.replaced(key, rows or None)
-    return document, None
-
-
-def _of_file(
-    entry: dict[str, Any], place: str, folder: Path, row_of: Table, faults: Faults
-) -> list[dict[str, Any]]:
-    """Tests of a file as tables of a scene; faults are named by row and column."""
-    wrong = Faults()
-    entries = LOG.read(entry, place, wrong)
-    faults += wrong
-    if wrong:
-        return []
-    place, path = f"{place}.file", folder / entry["file"]
-    try:
-        log = read_log(path, entries, row_of)
-    except InputError as error:
-        faults.note(place, str(error))
-        return []
-    for problem in log.faults:
-        faults.note(place, f"{path.name}, {problem}")
-    if log.is_unclear:
-        faults.note(place, f"what is understood of it is printed by: irg tests {path}")
-    if log.unused:
-        faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
-    if log.guessed:
-        faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
-    if log.twice:
-        numbers = numbered(log.twice)
-        faults.notes.append(f"{place}: {numbers} the same as rows before, and not counted")
-    if log.left_out:
-        numbers = numbered(log.left_out)
-        faults.notes.append(f"{place}: {numbers} without load and velocity left out")
-    return log.tests
 
 
 _OF_TRACE = ("time", "friction", "load", "velocity", "friction_force")
