@@ -46,7 +46,7 @@ test: .venv/test      ## style, types, import rules and the test suite
 
 javascript:           ## what checks the scripts of the page that irg explore writes; needs npm
 	mkdir -p .venv/javascript
-	cp tests/pipeline/figures/page/javascript/package.json .venv/javascript
+	cp tests/pipeline/page/javascript/package.json .venv/javascript
 	npm install --silent --no-audit --no-fund --prefix .venv/javascript
 
 lowest:               ## install the lowest versions that are declared, and run the test suite

@@ -34,16 +34,38 @@ They stand in ``__init__.pyi``. Each is loaded when it is first used, so that im
 the package costs next to nothing.
 """
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 import lazy_loader
 
 from pipeline import extras
 
-_named, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_named, _, _names = lazy_loader.attach_stub(__name__, __file__)
+__all__ = [name for name in _names if name not in extras.absent()]
+
+
+class _Package(ModuleType):
+    """The package; an import of the folder ``report`` leaves its name to the function."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (isinstance(value, ModuleType) and name in __all__):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
+
+
+def __dir__() -> list[str]:
+    return [*__all__]
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name, or an extra, when it is first used."""
-    return import_module(f"{__name__}.{name}") if name in extras.present() else _named(name)
+    if name in extras.absent():
+        raise AttributeError(f"{__name__} has no {name}: the folder of that extra is not there")
+    if name in extras.present() and name not in __all__:
+        return import_module(f"{__name__}.{name}")
+    return _named(name)

@@ -8,8 +8,17 @@ from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
-EXTRAS = ("gears",)
-"""Folders in `pipeline` that are asked for commands, if they are there."""
+EXTRAS: dict[str, tuple[str, ...]] = {
+    "gears": (),
+    "laboratory": ("surface_statistics",),
+    "page": ("explore",),
+    "report": ("report",),
+    "uncertain": (
+        "Ensemble", "Goal", "candidates", "critical_temperatures", "design", "draw_design",
+        "draw_posterior", "draw_sensitivity", "plan_tests", "posterior", "sensitivity",
+    ),
+}  # fmt: skip
+"""Folders in `pipeline` that are asked for their modules, if they are there; and public names."""
 
 
 @cache
@@ -20,7 +29,25 @@ def present() -> tuple[str, ...]:
     return tuple(name for name, spec in specs.items() if spec is not None and spec.origin)
 
 
+def absent() -> frozenset[str]:
+    """Public names of `pipeline` whose extras are not there."""
+    return frozenset(one for name in EXTRAS.keys() - present() for one in EXTRAS[name])
+
+
 def modules(part: str) -> Iterator[ModuleType]:
-    """Modules of one name, such as ``commands``, of all extras that are there."""
+    """Modules of one name, such as ``commands``, of all extras that have one."""
     for name in present():
-        yield import_module(f"pipeline.{name}.{part}")
+        if find_spec(f"pipeline.{name}.{part}"):
+            yield import_module(f"pipeline.{name}.{part}")
+
+
+def module(extra: str, part: str) -> ModuleType:
+    """A module of one extra; an `InputError` if the folder is not there."""
+    if extra not in present():
+        from tribo import InputError  # with NumPy, which importing the package does not need
+
+        raise InputError(
+            f"this needs the extra {extra}; put back its folder, pipeline/{extra}, or install the "
+            "package again"
+        )
+    return import_module(f"pipeline.{extra}.{part}")

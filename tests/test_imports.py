@@ -6,12 +6,14 @@ import pydoc
 import re
 import rlcompleter
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import pipeline
 import tribo
+from pipeline import extras
 from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[1]
@@ -46,7 +48,8 @@ def test_help_waits_for_no_heavy_library(arguments):
 
 
 def test_a_scene_loads_only_the_readers_of_what_it_names():
-    readers = {f"pipeline.scene.{name}" for name in ("along", "distributions", "logs", "over")}
+    readers = {f"pipeline.scene.{name}" for name in ("along", "over")}
+    readers |= {"pipeline.laboratory.logs", "pipeline.uncertain.entries"}
     code = f"""if True:
         import sys, pipeline
         for scene in ("irg_transition", "uncertain"):
@@ -54,15 +57,18 @@ def test_a_scene_loads_only_the_readers_of_what_it_names():
             print(*({readers!r} & set(sys.modules)))
     """
     plain, named = python("-c", code, check=True).stdout.splitlines()[-2:]
-    assert (plain, named) == ("", "pipeline.scene.distributions")
+    assert (plain, named) == ("", "pipeline.uncertain.entries")
 
 
 def test_every_public_name_is_there():
     for name in pipeline.__all__:
         assert getattr(pipeline, name) is not None
+    for extra in extras.EXTRAS:
+        import_module(f"pipeline.{extra}.commands")
     modules = {path.stem for path in (ROOT / "pipeline").iterdir()}
-    # A module, once imported, would take the place of a function of its name.
-    assert not modules & set(pipeline.__all__)
+    # A folder, once imported, does not take the place of a function of its name.
+    assert modules & set(pipeline.__all__) == {"report"}
+    assert inspect.isfunction(pipeline.report)
     with pytest.raises(AttributeError, match="attribute nonsense"):
         _ = pipeline.nonsense
 

@@ -41,7 +41,7 @@ def run(installed, tmp_path, *command):
 def test_the_shipped_scenes_come_with_the_wheel(installed, tmp_path):
     program = """if True:
         from pipeline.cli import main
-        from pipeline.figures.report import citation
+        from pipeline.report.report import citation
         from pipeline.scene.shipped import WORKFLOWS
 
         print(WORKFLOWS, *citation(), sep="\\n")
@@ -67,7 +67,7 @@ def test_the_wheel_has_nothing_of_the_paper(installed):
 
 
 def test_the_source_archive_holds_what_is_tracked_and_no_stray_file(tmp_path):
-    folders = ("", "tribo", "pipeline", "pipeline/figures/page", "tests", "workflows")
+    folders = ("", "tribo", "pipeline", "pipeline/page", "tests", "workflows")
     left_out = shutil.ignore_patterns(".venv*", ".git", ".*cache", "results", "__pycache__")
     tree = shutil.copytree(ROOT, tmp_path / "tree", ignore=left_out)
     for folder in folders:

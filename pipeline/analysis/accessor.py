@@ -8,6 +8,8 @@ from typing import Any
 
 import xarray as xr
 
+from pipeline import extras
+
 _ANSWERS = (
     "at", "boundary", "margin", "temperatures", "warned", "end_of_point", "plot", "report",
     "explore",
@@ -30,7 +32,7 @@ class Answers:
         self._ds = ds
 
     def __dir__(self) -> list[str]:
-        return [*_ANSWERS]
+        return [name for name in _ANSWERS if name not in extras.absent()]
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
         if name not in _ANSWERS:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import functools
 import math
-import pkgutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
@@ -18,6 +17,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 import xarray as xr
 
+from pipeline import extras
 from pipeline.analysis.curve import Curve, certain
 from pipeline.analysis.dataset import (
     Kind,
@@ -47,8 +47,6 @@ from tribo import InputError
 from tribo.types import Array, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
-_SAMPLES = "pipeline.uncertain.samples:fields"
-"""Maker of the fields of samples, an extra that may be missing."""
 _PARTS = 64  # of an interval of velocities, between which friction is taken as it is there
 _OF_FILM = 0.032
 """Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
@@ -90,6 +88,10 @@ class Field(Protocol):
     @property
     def misfit(self) -> str:
         """Why the tests contradict the model; empty if they do not."""
+
+    @property
+    def basis(self) -> tuple[Mapping[str, Any], Sequence[str]]:
+        """What answers rest on beside computed points: as plain data, and in lines."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
         """The field under the conditions of a row of a table; see `Conditions.of_row`."""
@@ -171,6 +173,7 @@ class PointField:
     shown: Mapping[str, Any] = field(default_factory=dict)
     place: tuple[float, float] | None = None
     misfit: str = ""
+    basis: tuple[Mapping[str, Any], Sequence[str]] = ({}, ())
 
     @property
     def weights(self) -> Array:
@@ -355,7 +358,7 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
     ds = dataset_of(ds)
     kind = sweep_kind(ds)
     if kind is Kind.SAMPLES:
-        made: list[Field] = pkgutil.resolve_name(_SAMPLES)(ds)
+        made: list[Field] = extras.module("uncertain", "fields").fields(ds)
         return made
     if kind is Kind.PLANE:
         return [_field(scene) for scene in scenes(ds)]

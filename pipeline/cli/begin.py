@@ -18,11 +18,11 @@ import pipeline
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.cli.parser import commands, parse
+from pipeline.laboratory.logs import Log, Trace, read_log, read_trace
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.headings import numbered
-from pipeline.scene.logs import Log, Trace, read_log, read_trace
 from pipeline.scene.shipped import WORKFLOWS, page_name, shipped_pages, shipped_scenes
 from tribo import InputError
 

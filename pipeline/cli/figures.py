@@ -1,4 +1,4 @@
-"""The commands that draw a figure of a store, or write a report or a page of it."""
+"""The command that draws a figure of a store."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 
 import pipeline
 from pipeline.cli import given
-from pipeline.cli.output import Result, tell, working
+from pipeline.cli.output import Result, tell
 from pipeline.figures.plot import options_of, watch
 from tribo import InputError
 
@@ -41,23 +41,3 @@ def plot(options: argparse.Namespace) -> Result:
     document |= {"done": state.done, "points": state.total}
     text = f"{options.store}: {state.done} of {state.total} points done, and no run goes on"
     return Result(document, [text])
-
-
-def explore(options: argparse.Namespace) -> Result:
-    """Write a page to explore a store in a browser."""
-    ds = given.dataset_in(options)
-    out = options.output or given.beside(options.store, ".html")
-    chosen = {"most_fields": 0} if options.no_fields else {}
-    with working("writing the page"):
-        page = pipeline.explore(ds, out, **chosen)
-    return Result(page.as_dict(), [str(page)], pipeline.warned(ds))
-
-
-def report(options: argparse.Namespace) -> Result:
-    """Write a report of a store."""
-    ds = given.dataset_in(options)
-    out = options.output or given.beside(options.store, "_report.html")
-    with working("writing the report"):
-        written = pipeline.report(ds, out, given.table_in(options))
-    warned = pipeline.warned(ds)
-    return Result({"file": str(written)}, [str(written)], warned)

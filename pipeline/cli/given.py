@@ -4,29 +4,22 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Sequence
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import scene_sweep
 from pipeline.cli.output import tell
-from pipeline.cli.values import setting
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.selection import KEPT_FIELDS
-from pipeline.sweep.stored import misfits
 from pipeline.tradeoff.choose import at_accuracy, with_own_error
 from tribo import InputError
-
-if TYPE_CHECKING:
-    from pipeline.uncertain.direct import SceneWith
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
@@ -186,21 +179,3 @@ def _tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
             f"note: {given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the "
             f"store was judged by ({stored.digest[:8]})"
         )
-
-
-def scene_with_of(ds: xr.Dataset) -> SceneWith:
-    """Reader of the scene of a store with other entries, if its file is still the same."""
-    stored = scene_sweep(ds)
-    path, *words = stored.about.arguments or [""]
-    given = [word.partition("=")[::2] for word in words]
-    settings = dict(setting(value) for flag, value in given if flag == "--set")
-    preset = next((value for flag, value in given if flag == "--preset"), None)
-    if own_laws(stored.scene):
-        raise InputError("it has laws of its own, and no code runs because a store names it")
-    read = partial(pipeline.load_scene, path, preset)  # also without the user's own laws
-    if not path or [*misfits(stored, read(settings))]:
-        raise InputError(f"{path or 'the scene'} is not the scene of the store any more")
-    left_out = settings.pop("without", [])
-    left_out = [left_out] if isinstance(left_out, str) else left_out
-    alone = {"without": [*left_out, "unknown", "sweep.samples"]}
-    return lambda entries: read(settings | alone | dict(entries))

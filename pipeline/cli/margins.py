@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,6 @@ from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_wor
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
 from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted, working
-from pipeline.cli.unknowns import Samples
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.severity import MELTS, MOLTEN
@@ -48,7 +47,7 @@ def margin(options: argparse.Namespace) -> Result:
         text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
     else:
         document, text = _on_points(options, table, points)
-    document |= _on_samples([one.field for one in found], text)
+    document |= _tell_basis([one.field for one in found], text)
     known = [one for one in found if one.margin]
     text += [] if is_one else _on_errors(known)
     commands, open_ = _next(ds, options, known)
@@ -149,14 +148,11 @@ def _on_errors(known: list[Judged]) -> list[str]:
     ]
 
 
-def _on_samples(some: Sequence[Field], text: list[str | pd.DataFrame]) -> dict[str, Any]:
-    """What an answer of samples rests on, as plain data, and added to the text."""
-    for field in some[:1]:
-        if ensemble := getattr(field, "ensemble", None):
-            samples = Samples(ensemble, getattr(field, "posterior", None))
-            text += samples.notes()
-            return samples.as_dict()
-    return {}
+def _tell_basis(some: Sequence[Field], text: list[str | pd.DataFrame]) -> Mapping[str, Any]:
+    """Add what the answers of some fields rest on to the text; return it as plain data."""
+    data, lines = some[0].basis if some else ({}, ())
+    text += lines
+    return data
 
 
 def _is_incomplete(here: Margin) -> bool:
@@ -180,7 +176,7 @@ def boundary(options: argparse.Namespace) -> Result:
     for part in frames.on_boundary(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
     if kind is Kind.SAMPLES:
-        document |= _on_samples(fields(ds), text)
+        document |= _tell_basis(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)
         cold = turns_left_out(ds, crossings)

@@ -109,19 +109,6 @@ def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str,
     return shlex.join(["irg", "run", *words, *settings])
 
 
-def next_tests(
-    stores: Iterable[Path | str],
-    scatter: float | None,
-    at: Mapping[str, Any],
-    target: str | None = None,
-) -> str:
-    """Command that ranks tests, of samples weighed in the same way, with the same inputs fixed."""
-    words = ["irg", "infer", *map(str, stores), "--next"]
-    words += ["--for", target] if target else []
-    words += [f"--at={path}={value}" for path, value in at.items()]
-    return shlex.join(words if scatter is None else [*words, f"--scatter={scatter:g}"])
-
-
 def point_that_decides(
     sweep: Sweep,
     place: Point,

@@ -41,11 +41,12 @@ class Command(NamedTuple):
     takes: tuple[Option | Group, ...]
 
 
-def _flag(name: str, use: str, *short: str) -> Option:
+def flag(name: str, use: str, *short: str) -> Option:
+    """Option without a value."""
     return Option(*short, name, action="store_true", help=use)
 
 
-def _quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
+def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
     """Option for a quantity with a unit, such as the example that ends its help."""
     read = values.quantity(like, is_signed)
     return Option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
@@ -57,10 +58,10 @@ def output(name: str, use: str, kind: Callable[[str], Path | str] = Path) -> Opt
 
 
 OF_ALL = (
-    _flag("--json", "print one JSON document"),
-    _flag("--quiet", "show no progress and no notes, only errors", "-q"),
+    flag("--json", "print one JSON document"),
+    flag("--quiet", "show no progress and no notes, only errors", "-q"),
 )
-LIST = _flag("--list", "list them")
+LIST = flag("--list", "list them")
 TABLE = output("TABLE.csv", "file of the table, .csv or .md", values.table)
 FIGURE_OR_TABLE = output(
     "FILE.png", "file of a figure; or of the table, .csv or .md",
@@ -74,7 +75,7 @@ SET = Option(
     help="change a numerical choice, such as increments=50, or an entry of the scene, such as "
     "wear.pattern=local or without=motion; may be repeated for other keys",
 )  # fmt: skip
-OWN_LAWS = _flag(
+OWN_LAWS = flag(
     "--own-laws",
     "run the code of laws, surfaces and criteria that are named as module:name; read it first",
 )
@@ -97,7 +98,7 @@ STORE_OR_FOLDER = STORE.but(
     metavar="OUT.zarr", nargs="?", default=Path("results"),
     help="store that irg run has made, or a folder of stores; default: results",
 )  # fmt: skip
-REPAIR = _flag("--repair", "mark damaged points as pending, so that irg run computes them again")
+REPAIR = flag("--repair", "mark damaged points as pending, so that irg run computes them again")
 
 OF_SCAN = (
     Option(
@@ -112,7 +113,7 @@ OF_SCAN = (
         help='sides of a pixel along x and y, like "0.8 um" or "0.8 um,0.9 um", where the file '
         "gives none; after --transpose",
     ),
-    _flag("--transpose", "exchange x and y of the file"),
+    flag("--transpose", "exchange x and y of the file"),
 )  # fmt: skip
 
 SHEET = Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one")
@@ -146,7 +147,7 @@ OF_NEW = (
             LIST.but(help="list the shipped scenes"),
         ),
     ),
-    _flag("--full", "add every unused entry as a comment with its meaning"),
+    flag("--full", "add every unused entry as a comment with its meaning"),
     Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
 )  # fmt: skip
 
@@ -174,15 +175,15 @@ OF_RUN = (
             ),
         ),
     ),
-    _flag("--dashboard", "print the link of Dask's dashboard, which this machine's users can read"),
-    _flag("--retry-failed", "compute failed points again"),
+    flag("--dashboard", "print the link of Dask's dashboard, which this machine's users can read"),
+    flag("--retry-failed", "compute failed points again"),
     BOUNDARY_ONLY,
     ACCURACY,
 )  # fmt: skip
 
 PLACE = (
-    _quantity("--load", "F", "750 N", "normal load"),
-    _quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
+    quantity("--load", "F", "750 N", "normal load"),
+    quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
 POINTS = (
@@ -215,7 +216,7 @@ CRITERION = Option(
     "or mean; or your own, like laws:hottest, with --own-laws",
 )  # fmt: skip
 _THRESHOLD = (
-    _quantity(
+    quantity(
         "--critical-temperature", "T", "145 degC",
         "temperature above which the lubricant fails", is_signed=True,
     ),
@@ -234,7 +235,7 @@ OVER = Option(
     help="entry of the scene and its values, such as 0.08,0.12, or -20%%,+20%% of the value in "
     "the scene; may be repeated",
 )  # fmt: skip
-PHYSICS = _flag(
+PHYSICS = flag(
     "--physics",
     "size each effect beside the two half-spaces: counted, left out, or impossible to size",
 )
@@ -243,67 +244,11 @@ SCATTER = Option(
     help="relative standard deviation of measured velocities, where the scene gives none; "
     "default: 5%%",
 )  # fmt: skip
-GIVEN_MEASURED = _flag(
+GIVEN_MEASURED = flag(
     "--given-measured", "use the posterior: inputs weighed by the scene's transitions and tests"
 )
 WEIGHED = (GIVEN_MEASURED, SCATTER)
 JUDGED = (AT, CONDITIONS, OWN_LAWS)
-OF_INFER = (
-    SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
-    PRESET,
-    SET,
-    CRITERION,
-    OWN_LAWS,
-    *KEPT,
-    Option(
-        "--next", metavar="COUNT", nargs="?", const=1, type=values.count,
-        help="for samples: rank the measurements to make next, or plan COUNT tests at once",
-    ),
-    Option(
-        "--for", metavar="ENTRY", dest="target",
-        help="target of the next test: an unknown input, such as temperature.critical, or a load, "
-        'such as "400 N", for the boundary there; default: the whole boundary',
-    ),
-    SCATTER,
-    _flag(
-        "--discrepancy",
-        "for samples: infer whether the rise needs a further slope over velocity or bulk "
-        "temperature, and how much likelier that makes the tests",
-    ),
-    _quantity(
-        "--contact-width", "W", "348 um",
-        "width measured at --load and --velocity, to find the specific wear rate instead",
-    ),
-    _quantity(
-        "--duration", "T", "8 s",
-        "time of sliding until the width was measured, ramp included; default: the scene's",
-    ),
-    BULK.but(
-        action="append",
-        help='bulk temperature, like "25 degC"; with --next a candidate, may be repeated',
-    ),
-    FIGURE_OR_TABLE.but(
-        metavar="TABLE.csv", help="file of the table, .csv or .md; for samples also of a figure"
-    ),
-    *PLACE,
-    REALIZATION,
-)  # fmt: skip
-
-OF_DESIGN = (
-    Option(
-        "--over", metavar="ENTRY", dest="entries", action="append", required=True,
-        help="unknown input with a range, from and to, whose value is sought; or two of them",
-    ),
-    Option(
-        "--risk", metavar="SHARE", type=values.share,
-        help="highest probability of severe wear; default: 1%%",
-    ),
-    _quantity(
-        "--margin", "T", "20 K",
-        "goal instead of --risk: a distance below the critical temperature, kept with 95 %% "
-        "probability",
-    ),
-)  # fmt: skip
 
 OF_TRADE = (
     *OF_SCENE,
@@ -329,12 +274,8 @@ OF_PLOT = (
             ),
         ),
     ),
-    _quantity("--width", "W", "8.5 cm", "width of the figure; its text keeps its size"),
-    _flag("--no-title", "draw no title, where a caption gives it"),
-    _flag("--log", "logarithmic axes of the diagram"),
+    quantity("--width", "W", "8.5 cm", "width of the figure; its text keeps its size"),
+    flag("--no-title", "draw no title, where a caption gives it"),
+    flag("--log", "logarithmic axes of the diagram"),
     Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),
-)  # fmt: skip
-OF_EXPLORE = (
-    output("PAGE.html", "file of the page; default: beside the store"),
-    _flag("--no-fields", "leave all fields out"),
 )  # fmt: skip

@@ -85,29 +85,8 @@ COMMANDS = (
         (*o.OF_SCENE, o.OVER, o.PHYSICS, o.FIGURE_OR_TABLE, *o.KEPT),
     ),
     Command(
-        "run", "point", "inference:point", "simulate one point", f"scene.toml {_AT}",
+        "run", "point", "points:point", "simulate one point", f"scene.toml {_AT}",
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY, o.TABLE),
-    ),
-    Command(
-        "ask", "infer", "inference:infer",
-        "find the critical temperature from measured transitions, or a wear rate from a contact "
-        "width; from a store of samples, all unknown inputs by the transitions and tests",
-        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
-        (*o.OF_INFER, o.AT),
-    ),
-    Command(
-        "ask", "sensitivity", "unknowns:sensitivity",
-        "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
-        "results/uncertain.zarr -o sensitivity.png",
-        (o.STORE, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED),
-    ),
-    Command(
-        "ask", "design", "studies:design",
-        "find the value of an unknown input that makes severe wear unlikely enough",
-        f"results/uncertain.zarr {_AT} --risk 1% --over disk.roughness.correlation_length",
-        (
-            o.STORE, *o.OF_DESIGN, *o.PLACE, *o.POINTS, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED,
-        ),
     ),
     Command(
         "ask", "trade", "studies:trade", "measure speed against accuracy",
@@ -120,20 +99,6 @@ COMMANDS = (
             o.STORE, *o.OF_PLOT, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
             *o.PLACE, o.REALIZATION, o.OWN_LAWS,
         ),
-    ),
-    Command(
-        "show", "report", "figures:report",
-        "write a report for people without the tool, as HTML that a browser prints",
-        "results/scene.zarr --points duty.csv -o report.html",
-        (
-            o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            *o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS,
-        ),
-    ),
-    Command(
-        "show", "explore", "figures:explore", "write a page to explore a store in a browser",
-        "results/scene.zarr -o page.html",
-        (o.STORE, *o.OF_EXPLORE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
         "look after", "help", "begin:help_", "print a page of the documentation, or list them",

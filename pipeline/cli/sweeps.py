@@ -14,6 +14,7 @@ import numpy as np
 import psutil
 
 import pipeline
+from pipeline import extras
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, selected
@@ -29,7 +30,6 @@ from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import Lubrication
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
-from pipeline.uncertain.ensemble import keep_fits
 from tribo import lubrication_regime
 
 
@@ -59,7 +59,9 @@ def run(options: argparse.Namespace) -> Result:
             tell=tell,
         )
     own = sweep.conditions.own_criterion
-    keep_fits(pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own)))
+    for maker in extras.modules("fields"):
+        judged = pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own))
+        maker.keep_fits(judged)
     document = {
         "store": str(out),
         "points": outcome.total,

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from scipy.ndimage import maximum_filter, minimum_filter
 
+from pipeline import extras
 from pipeline.analysis.boundary import BAND, boundary_under
 from pipeline.analysis.dataset import (
     Kind,
@@ -75,10 +76,8 @@ def diagram(
     if kind is Kind.SAMPLES:
         if realization is not None or ax is not None:
             raise InputError(_OF_SAMPLES)
-        # With the libraries that only this needs.
-        from pipeline.figures.uncertainty import draw_probability
-
-        return draw_probability(ds, log)
+        drawn: Figure = extras.module("uncertain", "figures").draw_probability(ds, log)
+        return drawn
     ds = at_realization(ds, realization)
     if kind is Kind.PLACES:
         if log:

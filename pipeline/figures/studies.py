@@ -1,10 +1,10 @@
-"""Figures of studies: inputs that move the boundary, limits of a design, speed against accuracy."""
+"""Figures of studies: inputs that move the boundary, speed against accuracy."""
 
 from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,10 +16,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.run.vary import Variation, Variations
-from pipeline.sweep.unknown import Unknown
 from pipeline.tradeoff.trade import Choice, Trade
-from pipeline.uncertain.design import Limit
-from pipeline.uncertain.ensemble import Ensemble
 from tribo import PRESETS
 
 _LONGEST = 20  # letters of a value beside a bar
@@ -147,72 +144,6 @@ def _bar(
         )
         is_right = high == 0.0  # where no bar is
         beside(high if is_right else low, text, is_right, fontsize=7, style="italic")
-
-
-_LEAST_RISK = 1e-5  # probability that is drawn
-
-
-@style.in_house_style
-def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: Ensemble) -> Figure:
-    """Draw the probability over an entry with its limit, or limits over another entry.
-
-    Parameters
-    ----------
-    limits : sequence of (mapping, Limit)
-        Values of another entry by its path, if there is one, and the limit there.
-    ensemble : Ensemble
-        Samples of the sweep.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> from dataclasses import replace
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
-    >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
-    >>> goal = pipeline.Goal([(400.0, 2.2)], risk=0.05)
-    >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
-    >>> figure = pipeline.draw_design([({}, limit)], ensemble)
-    """
-    figure, axes = style.canvas(None, (7.2, 4.8))
-    limit = limits[0][1]
-    goal, shown = limit.goal, limit.entry.shown
-    if not limits[0][0]:
-        values = shown.of(np.array(limit.values))
-        percent = 100 * np.maximum(limit.probabilities, _LEAST_RISK)
-        axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
-        axes.axhline(100 * goal.risk, color=GREY, lw=1.0, label=f"goal, {100 * goal.risk:g} %")
-        if limit.value is not None and limit.interval is not None:
-            ends = [shown.of(end) for end in limit.interval]
-            axes.axvline(shown.of(limit.value), color=VERMILION, label="limit")
-            axes.axvspan(*ends, color=VERMILION, alpha=0.15, label="90 % interval of the limit")
-        style.plain_numbers(axes, "y")
-        axes.legend()
-        axes.set_xlabel(_label(limit.entry))
-        less = f"less than {goal.margin:g} K below the critical" if goal.margin else "severe wear"
-        axes.set_ylabel(f"probability of {less} [%]")
-    else:
-        (path,) = limits[0][0]
-        (other,) = (one for one in ensemble.unknown if one.path == path)
-        found = [(at[path], one.value) for at, one in limits if one.value is not None]
-        x, y = np.array(found).reshape(-1, 2).T
-        axes.plot(other.shown.of(x), shown.of(y), "o-", color=VERMILION)
-        axes.set(xlim=[other.shown.of(end) for end in other.parameters], xlabel=_label(other))
-        axes.set(ylim=[shown.of(end) for end in limit.entry.parameters])
-        side = next((one.side for _, one in limits if one.value is not None), "no value")
-        axes.set_ylabel(f"{_label(limit.entry)}, {side}")
-    place = limit.binding
-    axes.set_title(
-        f"{style.as_text(ensemble.title)}\n{place.load:g} N at {place.velocity:g} m/s, "
-        f"{100 * goal.risk:g} % at most",
-        wrap=True,
-    )
-    return figure
-
-
-def _label(entry: Unknown) -> str:
-    unit = "" if entry.shown.name == "1" else f" [{style.as_text(entry.shown.name)}]"
-    return f"{style.entry_label(entry.path)}{unit}"
 
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none

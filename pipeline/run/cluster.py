@@ -17,7 +17,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import dask
-from distributed import Client, LocalCluster, Security, Status
+from distributed import Client as Client
+from distributed import LocalCluster, Security, Status
 from distributed.utils import silence_logging_cmgr
 
 from pipeline.run import forkserver

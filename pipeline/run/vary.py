@@ -16,8 +16,7 @@ from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
-from pipeline.scene.distributions import differing_inputs
-from pipeline.scene.over import notes_on_first_values, with_friction_scaled
+from pipeline.scene.over import differing_inputs, notes_on_first_values, with_friction_scaled
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE

@@ -1,7 +1,8 @@
 """What a scene may name beside one plane: logs, values of entries, rows of a table, unknown inputs.
 
-Each is a module with a function ``begin``, loaded only where a scene names it. The function may add
-to the document before it is read, and returns what makes the table of variants afterwards.
+Each is a module with a function ``begin``, loaded only where a scene names it: of this room, or
+``entries`` of an extra. The function may add to the document before it is read, and returns what
+makes the table of variants afterwards.
 """
 
 from __future__ import annotations
@@ -10,9 +11,13 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any, NamedTuple
 
+from pipeline import extras
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at
 from pipeline.sweep.model import Sweep
+
+Make = Callable[[Mapping[str, Any]], Sweep]
+"""Makes the sweep with other values of some entries, by their paths; raises their first fault."""
 
 
 class Reading(NamedTuple):
@@ -20,8 +25,7 @@ class Reading(NamedTuple):
 
     document: Document
     tables: dict[str, Any]  # of the format
-    # Makes the sweep with other values of some entries, by their paths; raises their first fault.
-    make: Callable[[Mapping[str, Any]], Sweep]
+    make: Make
     faults: Faults
 
 
@@ -30,29 +34,32 @@ Extend = Callable[[Sweep, Reading], Sweep]
 _NAMES = {
     "over": ("sweep.over",),
     "along": ("sweep.along", "sweep.around"),
-    "distributions": ("unknown", "sweep.samples"),
+    "uncertain": ("unknown", "sweep.samples"),
+    "laboratory": ("measured", "tested"),
 }
-"""Modules in the order in which they are asked, and the entries that name them."""
+"""Modules and extras in the order in which they are asked, and the entries that name them."""
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
     """The document with what extensions add to it, and what they do to the sweep."""
-    entries = document.entries()
-    asked = [name for name, paths in _NAMES.items() if any(_has(entries, path) for path in paths)]
-    extensions = list[Extend]()
-    for name in [*asked, *(["logs"] if _has_log(entries) else [])]:
-        document, extend = import_module(f"pipeline.scene.{name}").begin(document, faults)
-        extensions += [extend] if extend else []
+    entries, extensions = document.entries(), list[Extend]()
+    for name, paths in _NAMES.items():
+        for path in [path for path in paths if _is_named(entry_at(entries, path), path)][:1]:
+            with faults.at(path):
+                is_extra = name in extras.EXTRAS
+                module: Any = (
+                    extras.module(name, "entries")
+                    if is_extra
+                    else import_module(f"pipeline.scene.{name}")
+                )
+                document, extend = module.begin(document, faults)
+                extensions += [extend] if extend else []
     return document, extensions
 
 
-def _has(entries: Mapping[str, Any], path: str) -> bool:
-    return entry_at(dict(entries), path) is not None
-
-
-def _has_log(entries: Mapping[str, Any]) -> bool:
-    """True if a file stands for tests."""
-    listed = [
-        tests for key in ("measured", "tested") if isinstance(tests := entries.get(key), list)
-    ]
-    return any(isinstance(test, dict) and "file" in test for tests in listed for test in tests)
+def _is_named(entry: Any, path: str) -> bool:
+    """True if a scene has an entry; of tests, if a file stands for some."""
+    if path in _NAMES["laboratory"]:
+        listed = entry if isinstance(entry, list) else []
+        return any(isinstance(test, dict) and "file" in test for test in listed)
+    return entry is not None

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.laboratory.spreadsheet import Row, may_be_thousands, read_rows
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.kinds import OneOf
-from pipeline.scene.spreadsheet import Row, may_be_thousands, read_rows
 from pipeline.scene.units import TURNS, UnitError, si_unit, to_si
 from tribo import InputError
 

@@ -10,9 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 import tribo
-from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, entry_at, quoted
-from pipeline.scene.surfaces import (
+from pipeline.laboratory.surfaces import (
     axis_note,
     filled,
     levelled,
@@ -21,6 +19,8 @@ from pipeline.scene.surfaces import (
     tilt_doubts,
     tilts,
 )
+from pipeline.scene.document import Document
+from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.units import display
 from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own
 from tribo.types import Array

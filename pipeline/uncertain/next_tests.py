@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import itertools
 import math
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -312,3 +314,16 @@ class _Plan:
             "friction": float(np.median(frictions)),
             "friction_scatter": float(np.mean(scatters)),
         }
+
+
+def ranking_command(
+    stores: Iterable[Path | str],
+    scatter: float | None,
+    at: Mapping[str, Any],
+    target: str | None = None,
+) -> str:
+    """Command that ranks tests, of samples weighed in the same way, with the same inputs fixed."""
+    words = ["irg", "infer", *map(str, stores), "--next"]
+    words += ["--for", target] if target else []
+    words += [f"--at={path}={value}" for path, value in at.items()]
+    return shlex.join(words if scatter is None else [*words, f"--scatter={scatter:g}"])

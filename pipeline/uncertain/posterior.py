@@ -116,6 +116,24 @@ class Posterior:
                 row[name] = {"mean": mean, "sd": sd, "interval": [low, high]}
             yield row
 
+    @property
+    def draws_words(self) -> str:
+        """Number of draws that the numbers rest on, in words."""
+        return f"  effective sample size {self.draws.effective:.0f} of {len(self.draws.weights)}"
+
+    @property
+    def scatter_words(self) -> str:
+        """Scatter of the velocities, as stated and as inferred."""
+        low, middle, high = (100 * value for value in self.inferred_scatter)
+        said = f"scatter of the velocities as stated, {100 * self.scatter:g} %"
+        if not self.judged:
+            return said
+        cut_off = ""
+        if self.cut_off:
+            more = {"above": "larger", "below": "smaller"}[self.cut_off]
+            cut_off = f"; it may be {more}, which is not considered"
+        return f"{said}, and by the tests {middle:.2g} % ({low:.2g} to {high:.2g}{cut_off})"
+
     def in_words(self) -> Iterator[tuple[str, ...]]:
         """Path of each input, its mean and spread before and after, and 90 % of it, in its units.
 

@@ -5,7 +5,7 @@ import numpy as np
 import pipeline
 from tests.helpers import synthetic
 from tests.helpers.browser import chromium
-from tests.pipeline.figures.page import sweeps
+from tests.pipeline.page import sweeps
 
 REDRAW = """
 const times = [];

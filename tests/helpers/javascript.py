@@ -6,11 +6,11 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import pipeline.figures.page
-from pipeline.figures.page.content import content
+import pipeline.page
+from pipeline.page.content import content
 from tests.helpers.browser import absent
 
-_FOLDER = Path(pipeline.figures.page.__file__).parent
+_FOLDER = Path(pipeline.page.__file__).parent
 _SCRIPTS = (
     "lines", "rise", "plot", "state", "conditions", "margin", "operating",
     "tables", "diagram",

@@ -19,10 +19,10 @@ from pipeline.sweep.variants import drawn_rows
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.fields import SampleField
 from pipeline.uncertain.inputs import BULK, prior
 from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
-from pipeline.uncertain.samples import SampleField
 from tests.helpers import synthetic
 from tests.helpers.sweeps import attributes_of
 from tribo import QUANTILES

@@ -15,7 +15,7 @@ import pytest
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
-from pipeline.scene.surfaces import read_surface
+from pipeline.laboratory.surfaces import read_surface
 from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_sweep
@@ -198,7 +198,7 @@ _ASKED = """
 import sys
 from pathlib import Path
 from pipeline.cli import main
-from pipeline.scene.spreadsheet import read_rows
+from pipeline.laboratory.spreadsheet import read_rows
 from tribo import InputError
 codes = [main(["check", path]) for path in sys.argv[4:]] + [main(["status", sys.argv[1]])]
 for book in sys.argv[2:4]:

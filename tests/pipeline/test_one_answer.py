@@ -30,7 +30,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.sweep.severity import rise_limit
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
-from tests.pipeline.figures.page import sweeps
+from tests.pipeline.page import sweeps
 from tribo import Corrections
 
 

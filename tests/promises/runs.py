@@ -23,7 +23,7 @@ import numpy as np
 from scipy import stats
 
 from pipeline.uncertain.answers import draws_of
-from pipeline.uncertain.samples import SampleField
+from pipeline.uncertain.fields import SampleField
 from tests.helpers.campaigns import conclude
 from tests.promises.coverage import van_der_corput
 from tests.promises.rigs import BULKS, CASES, SCATTER, Rig, ensemble_of, weighed

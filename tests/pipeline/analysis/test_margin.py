@@ -12,7 +12,7 @@ from pipeline.analysis.margin_error import error_of_point
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import synthetic
-from tests.pipeline.figures.page import sweeps
+from tests.pipeline.page import sweeps
 from tribo import PRESETS, InputError, WarningKind
 
 LIMIT = synthetic.limit()

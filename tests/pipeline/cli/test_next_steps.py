@@ -12,7 +12,6 @@ from pipeline.cli.next_steps import (
     commands_that_decide,
     lines_on,
     more_of_boundary,
-    next_tests,
 )
 from pipeline.cli.parser import parse
 from pipeline.store.schema import DONE, FAILED, PENDING
@@ -103,12 +102,3 @@ def test_missing_points_come_before_those_of_other_conditions(status, friction, 
         *["irg", "run", "edge.toml", "--preset=draft", "-o", "edge.zarr"],
         *words,
     ]
-
-
-def test_tests_are_ranked_for_all_stores_as_they_were_weighed():
-    stores = ["my rig.zarr", "other.zarr"]
-    at = {"pin.radius": "2 mm"}
-    options = parse(shlex.split(next_tests(stores, 0.08, at, "temperature.critical"))[1:])
-    assert list(map(str, options.scene)) == stores
-    assert options.at == [*at.items()]
-    assert (options.next, options.target, options.scatter) == (1, "temperature.critical", 0.08)

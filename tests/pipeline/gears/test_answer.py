@@ -1,13 +1,8 @@
 """What the command says: tables, documents, figures, scenes that run, and mistakes in a line."""
 
-import json
 import math
-import os
 import re
 import shlex
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pandas as pd
@@ -281,31 +276,3 @@ def test_the_page_leads_from_a_drawing_to_a_verdict(irg, tmp_path, monkeypatch):
     assert critical in page
     assert f"is {limit}" in page
     assert Path("verdicts.csv").read_text().count("mild") == 3
-
-
-def test_without_its_folder_the_rest_works(tmp_path):
-    for package in ("tribo", "pipeline", "workflows"):
-        kept = shutil.ignore_patterns("gears", "__pycache__", "*.png")
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=kept)
-    (tmp_path / "pipeline" / "gears" / "__pycache__").mkdir(parents=True)  # as git leaves it
-    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
-
-    def run(*words):
-        command = [sys.executable, "-m", "pipeline", *words]
-        return subprocess.run(
-            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
-
-    assert "gears" not in (listed := run("--help").stdout)
-    assert "boundary" in listed
-    assert run("gears", "fzg_a").returncode == 2
-    few = ["--set", 'sweep.loads=["600 N"]', "--workers", "1", "-o", "first.zarr"]
-    assert run("run", "first_try", *few).returncode == 0
-    margin = run("margin", "first.zarr", "--load", "600 N", "--velocity", "2.2 m/s", "--json")
-    assert json.loads(margin.stdout)["verdict"] in ("mild", "severe", "not decided")
-    where = "import pipeline; print(pipeline.__file__, hasattr(pipeline, 'gears'))"
-    command = [sys.executable, "-c", where]
-    told = subprocess.run(
-        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
-    )
-    assert told.stdout.split() == [str(tmp_path / "pipeline" / "__init__.py"), "False"]

@@ -1,14 +1,16 @@
 """What a test to plan is worth, on a rise that is known in closed form."""
 
 import math
+import shlex
 
 import numpy as np
 import pytest
 
 import pipeline
+from pipeline.cli.parser import parse
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.next_tests import candidates
+from pipeline.uncertain.next_tests import candidates, ranking_command
 from tests.helpers.samples import CRITICAL, FRICTION, LOADS, RATE, critical_velocity, ensemble
 
 
@@ -35,3 +37,12 @@ def test_what_is_known_of_a_boundary_today_is_the_spread_of_its_draws():
     best = candidates(posterior)[0]
     assert best.before == pytest.approx(known, rel=0.01)
     assert best.narrows == pytest.approx(1 - best.spread / best.before)
+
+
+def test_tests_are_ranked_for_all_stores_as_they_were_weighed():
+    stores = ["my rig.zarr", "other.zarr"]
+    at = {"pin.radius": "2 mm"}
+    options = parse(shlex.split(ranking_command(stores, 0.08, at, "temperature.critical"))[1:])
+    assert list(map(str, options.scene)) == stores
+    assert options.at == [*at.items()]
+    assert (options.next, options.target, options.scatter) == (1, "temperature.critical", 0.08)

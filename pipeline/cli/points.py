@@ -1,0 +1,141 @@
+"""The commands that simulate one point, and that infer unknown inputs from measurements."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import pipeline
+from pipeline.analysis.margin import (
+    NOT_DECIDED,
+    percent,
+    probabilities_alone,
+    verdict_between,
+)
+from pipeline.analysis.margin_error import RiseError, error_of_point
+from pipeline.analysis.model_error import USUAL, ModelError
+from pipeline.analysis.tables import frame_of, upright
+from pipeline.cli.given import conditions_in, one_scene_in, selected
+from pipeline.cli.next_steps import lines_on, point_that_decides
+from pipeline.cli.output import Result, working
+from pipeline.scene.facts import require_bearable_load
+from pipeline.scene.units import display
+from pipeline.sweep.accuracy import velocity_error
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.physics import note_on_turns
+from pipeline.sweep.plan import PointResult
+from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
+from tribo import measures
+
+if TYPE_CHECKING:
+    pass  # with Dask
+
+
+def point(options: argparse.Namespace) -> Result:
+    """Simulate one point."""
+    place = Point(options.load, options.velocity)
+    sweep = one_scene_in(options, points=[place])
+    require_bearable_load(sweep, options.load, "--load")
+    sweep = sweep.on_surface(options.realization)
+    with working("simulating") as progress:
+        result = pipeline.run_point(
+            sweep.changed(steps="end"), options.load, options.velocity, progress=progress
+        )
+    conditions, verdict = sweep.conditions, result.verdict(sweep.conditions)
+    decisive, critical = verdict.decisive_temperature, conditions.critical_temperature
+    rise = decisive - conditions.coldest_bulk_temperature
+    flags = sum({int(warning.kind) for warning in result.warnings})
+    promised = velocity_error(sweep)
+    is_refined = not sweep.about.selection and result.state.pressure.shape != result.shape
+    relative = error_of_point(flags, result.state.time, promised, is_refined)
+    error = relative.times(rise)
+    judged, commands = None, list[str]()
+    distance = None if critical is None else critical - decisive
+    usual = sweep.about.model_scatter
+    model = ModelError(usual=USUAL if usual is None else usual)
+    chances = None
+    if distance is not None:
+        rise_at_one = rise / conditions.rise_factor if conditions.rise_factor else 0.0
+        chances = probabilities_alone(rise_at_one, rise_limit(conditions), model, relative)
+        judged = verdict_between(chances[0], chances[2])
+        by_model = verdict_between(chances[1], chances[1]) == NOT_DECIDED
+        if judged == NOT_DECIDED and not by_model:
+            about = distance, rise, conditions_in(options)
+            commands = point_that_decides(sweep, place, options.realization, *about)
+    document = measures(sweep.scene, result.state) | {
+        "velocity": options.velocity,
+        "friction": conditions.friction,
+        "max_temperature": verdict.max_temperature,
+        "decisive_temperature": decisive,
+        "failed_fraction": verdict.failed_fraction,
+        "failed_fraction_time": verdict.time,
+        "verdict": judged,
+        "temperature_error": error.total,
+        "probability": chances and chances[1],
+        "model_error": model.worded,
+        "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
+        "molten": decisive > MELTS,
+        "not_counted": note_on_turns(sweep, options.load, options.velocity),
+        "wall_time": result.wall_time,
+        "next": commands,
+        **selected(sweep),
+    }
+    values = document | {"load": options.load, "distance": distance}
+    frame = frame_of(tuple(_COLUMNS), [[values[name] for name in _COLUMNS.values()]])
+    text = [*_on_point(sweep, result, document, error), "", upright(frame)]
+    text += lines_on(commands, by_model=not commands) if judged == NOT_DECIDED else ()
+    return Result(document, text, frames=[frame])
+
+
+_COLUMNS = {
+    "load [N]": "load", "velocity [m/s]": "velocity", "friction": "friction", "verdict": "verdict",
+    "decisive temperature [°C]": "decisive_temperature",
+    "temperature error [K]": "temperature_error", "distance [K]": "distance",
+    "highest temperature [°C]": "max_temperature", "hottest at [s]": "failed_fraction_time",
+    "failed share [%]": "failed_fraction", "pin's heat share [%]": "pin_heat_share",
+    "contact width [µm]": "contact_width", "contact area [%]": "contact_fraction",
+    "mean pressure [GPa]": "mean_pressure", "highest pressure [GPa]": "max_pressure",
+    "wear depth [µm]": "wear_depth_max", "wear volume [mm³]": "wear_volume", "time [s]": "time",
+    "sliding distance [m]": "sliding_distance", "computed in [s]": "wall_time",
+}  # fmt: skip
+"""Heads of the table of a point, and names in its document."""
+
+
+def _on_point(
+    sweep: Sweep, result: PointResult, document: Mapping[str, Any], error: RiseError
+) -> Iterator[str]:
+    """Sentences on a point: its verdict, what that rests on, and notes."""
+    load, velocity = result.point[:2]
+    conditions, decisive, judged = sweep.conditions, sweep.conditions.decisive, document["verdict"]
+    wear = judged if judged == NOT_DECIDED else f"{judged} wear"
+    if judged is None:
+        wear = "mild or severe is not known without temperature.critical"
+    yield (
+        f"{load:g} N at {velocity:g} m/s after {document['time']:.3g} s "
+        f"and {document['sliding_distance']:.3g} m: {wear}"
+    )
+    severe = ""
+    if conditions.critical_temperature is not None:
+        critical = display(conditions.critical_temperature, "°C")
+        severe = f"wear is severe with {decisive.severe} {critical}; "
+    yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
+    if (chance := document["probability"]) is not None:
+        yield (
+            f"the next run is severe with {percent(chance)} probability at most where the rise "
+            f"grows as the velocity; the model's own error: {document['model_error']}"
+        )
+    block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
+    if block > 1 and sweep.scene.roughness is not None:
+        yield (
+            f"note: area and pressure are those of elements of {block} × {block} pixels, more of "
+            "which touch"
+        )
+    if velocity < 0:
+        yield "note: the velocity is negative, so the disk slides towards −x"
+    yield from (f"note: {note}" for note in sweep.about.notes)
+    yield from (f"warning: {text}" for _, text in result.warnings)
+    if document["molten"]:
+        yield f"warning: {MOLTEN}"
+    if cold := document["not_counted"]:
+        yield f"warning: {cold}"

@@ -1,0 +1,1 @@
+"""What laboratories write: logs of tests, traces, spreadsheets, scans of surfaces."""

@@ -1,0 +1,63 @@
+"""Logs of a laboratory in the place of tests of a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pipeline.laboratory.logs import read_log
+from pipeline.scene.compounds import Table
+from pipeline.scene.document import Document
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import LOG, TEST, TRANSITION
+from pipeline.scene.headings import numbered
+from tribo import InputError
+
+
+def begin(document: Document, faults: Faults) -> tuple[Document, None]:
+    """The document with the rows of log files in the place of the tests that name them."""
+    for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
+        listed, folder = document.entries().get(key), document.file_of(key).parent
+        if not isinstance(listed, list) or not listed:
+            continue
+        rows: list[Any] = []
+        for number, entry in enumerate(listed):
+            if isinstance(entry, dict) and isinstance(entry.get("file"), str):
+                rows += _read_tests(entry, f"{key}[{number}]", folder, row_of, faults)
+            else:
+                rows.append(entry)
+        # Without any row all are faulty, which is said already.
+        document = document.replaced(key, rows or None)
+    return document, None
+
+
+def _read_tests(
+    entry: dict[str, Any], place: str, folder: Path, row_of: Table, faults: Faults
+) -> list[dict[str, Any]]:
+    """Tests of a file as tables of a scene; faults are named by row and column."""
+    wrong = Faults()
+    entries = LOG.read(entry, place, wrong)
+    faults += wrong
+    if wrong:
+        return []
+    place, path = f"{place}.file", folder / entry["file"]
+    try:
+        log = read_log(path, entries, row_of)
+    except InputError as error:
+        faults.note(place, str(error))
+        return []
+    for problem in log.faults:
+        faults.note(place, f"{path.name}, {problem}")
+    if log.is_unclear:
+        faults.note(place, f"what is understood of it is printed by: irg tests {path}")
+    if log.unused:
+        faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
+    if log.guessed:
+        faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
+    if log.twice:
+        numbers = numbered(log.twice)
+        faults.notes.append(f"{place}: {numbers} the same as rows before, and not counted")
+    if log.left_out:
+        numbers = numbered(log.left_out)
+        faults.notes.append(f"{place}: {numbers} without load and velocity left out")
+    return log.tests

@@ -1,0 +1,259 @@
+"""Tests of a laboratory's log in place of tables of the scene, and the transition in a trace."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.scene.compounds import Table
+from pipeline.scene.format import OUTCOMES, TEST
+from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, read_sheet
+from pipeline.scene.units import UnitError, to_si
+from tribo.types import Array
+
+_MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser buono bon bueno"
+_SEVERE = (
+    "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
+    "grippato grippaggio grippage grippé gripado notok niok"
+)
+_NEGATION = re.compile(
+    r"^\s*(not|no|non|nicht|keine?r?|sans|pas( de)?|senza|sin|ohne|without)[\s_-]+"
+)
+_NEAR = re.compile(r" \(did you mean [^)]*\)")  # of a word, which may mean the contrary
+_MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re.IGNORECASE)
+_TRANSITIONS = re.compile(
+    r"transition|critical|kritisch|übergang|scuff|fress|seiz|fail|limit|grenz", re.IGNORECASE
+)
+_LUBRICANT = re.compile(
+    r"^((test )?(oil|öl|oel)|lubricants?|lube|schmierstoff|huile|olio|aceite|fluid|grease|fett"
+    r"|(oil|lubricant|öl)[ _]?(name|code|id|type|sorte)?|ölsorte|ölname)$",
+    re.IGNORECASE,
+)
+_SHOWN = 6  # lubricants that are named
+_YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
+
+
+def outcome_of(word: str, heading: str) -> str | None:
+    """Outcome that a word below a heading means, None if it is not known."""
+    mild, severe, asked = set(_MILD.split()), set(_SEVERE.split()), heading.lower()
+    if re.search(r"scuff|fress|seiz|sever", asked):
+        mild, severe = mild | set(_NO.split()), severe | set(_YES.split())
+    elif re.search(r"pass|bestanden", asked):
+        mild, severe = mild | set(_YES.split()), severe | set(_NO.split())
+    said = _NEGATION.sub("", word.lower())
+    plain = re.sub(r"[\W_]+", "", said).replace("freß", "fress")
+    found = "mild" if plain in mild else "severe" if plain in severe else None
+    if said == word.lower() or found is None:
+        return found
+    is_plain = plain not in f"{_YES} {_NO}".split()  # "not 1" may be anything
+    return {"mild": "severe", "severe": "mild"}[found] if is_plain else None
+
+
+@dataclass(slots=True)
+class Log:
+    """Tests of a log, and how it is understood."""
+
+    path: Path
+    sheet: Sheet  # its rows of tests, and the columns for the entries of one
+    words: dict[str, str]  # outcome for each word of the log that is not one itself
+    left_out: list[int]  # numbers of rows without load and velocity
+    tests: list[dict[str, Any]]  # as tables of a scene
+    faults: list[str]
+    is_unclear: bool  # as a whole, and not in cells alone
+    twice: list[int]  # numbers of rows that are the same as one before, and not counted
+    in_si: list[dict[str, Any]]  # the tests, in SI
+    has_several_outcomes: bool  # columns, of which none is called outcome
+
+    @property
+    def unused(self) -> list[str]:
+        """Titles of the columns that are not used."""
+        return [self.sheet.headings[place].text for place in self.sheet.others]
+
+    @property
+    def is_only_wear(self) -> bool:
+        """Rows tell a measured wear, and no heading says that they are transitions."""
+        heads = [heading.text for heading in self.sheet.headings]
+        named = any(map(_TRANSITIONS.search, [*heads, self.path.stem]))
+        return any(map(_MEASURED_WEAR.search, heads)) and not named
+
+    @property
+    def guessed(self) -> list[str]:
+        """Headings and words that were recognised, though not exact names."""
+        headings = {name: self.sheet.heading(name) for name in self.sheet.places}
+        said = [f'"{one.text}" as {name}' for name, one in headings.items() if one.name != name]
+        return said + [f'"{word}" as {outcome}' for word, outcome in self.words.items()]
+
+
+def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table = TEST) -> Log:
+    """Read the tests of a log by its columns, words and decimal mark, as a scene gives them."""
+    given = entries or {}
+    named, words = given.get("columns") or {}, dict[str, str]()
+    sheet = read_sheet(
+        path, row_of.keys, row_of.needed, named, given.get("decimal"),
+        sheet_name=given.get("sheet"),
+    )  # fmt: skip
+    faults, places = [*sheet.faults], sheet.places
+    if faults and sheet.headings and not named:
+        faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
+    twice = _take_rows(sheet, given.get("where") or {}, faults)
+    needed = [places[name] for name in ("load", "velocity") if name in places]
+    tested = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
+    left_out = [row.number for row in sheet.rows if row not in tested]
+    sheet.rows = tested
+    if not tested and not faults:
+        faults = [f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"']
+    faults += sheet.of_rows
+    if "outcome" in places:
+        own, title = given.get("words") or {}, sheet.heading("outcome").title
+        for word in dict.fromkeys(row.cells[places["outcome"]] for row in tested):
+            if word not in OUTCOMES and (outcome := own.get(word) or outcome_of(word, title)):
+                words[word] = outcome
+    tests, in_si, wrong = sheet.entries(row_of, words)
+    return Log(
+        path, sheet, words, left_out, tests, [*faults, *listed_faults(map(_hinted, wrong))],
+        is_unclear=bool(faults), twice=twice, in_si=in_si,
+        has_several_outcomes=any("columns may be outcome" in fault for fault in faults),
+    )  # fmt: skip
+
+
+def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> list[int]:
+    """Keep the rows asked for, each once; return the numbers of those that stand there twice.
+
+    Rows of several lubricants are a fault unless one of them is asked for.
+    """
+    heads = [heading.text for heading in sheet.headings]
+    for head, value in where.items():
+        if head not in heads:
+            faults.append(f'where: there is no column "{head}"; give one of {", ".join(heads)}')
+            continue
+        column, wanted = heads.index(head), str(value)
+        found = dict.fromkeys(row.cells[column] for row in sheet.rows)
+        if wanted not in found:
+            listed = ", ".join(filter(None, found))
+            faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
+        sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
+    for column, heading in enumerate(sheet.headings):
+        oils = [*dict.fromkeys(row.cells[column] for row in sheet.rows if row.cells[column])]
+        if len(oils) > 1 and not heading.unit and _LUBRICANT.search(heading.title):
+            faults.append(
+                f'column "{heading.text}" has {", ".join(oils[:_SHOWN])}: the rows are of '
+                f"{len(oils)} lubricants, each with a critical temperature of its own; take one by "
+                f'--where "{heading.text}={oils[0]}", in a scene '
+                f'where = {{ "{heading.text}" = "{oils[0]}" }}'
+            )
+    first = dict[tuple[str, ...], int]()
+    twice = [
+        row.number
+        for row in sheet.rows
+        if first.setdefault((*row.cells,), row.number) != row.number
+    ]
+    sheet.rows = [row for row in sheet.rows if row.number not in twice]
+    return twice
+
+
+def _hinted(fault: CellFault) -> CellFault:
+    """A fault with how to say what an unknown word means."""
+    word, is_unknown, _ = fault.problem.partition(" is unknown")
+    if fault.name != "outcome" or not is_unknown:
+        return fault
+    problem = _NEAR.sub("", fault.problem) if " " in word else fault.problem
+    return fault._replace(
+        problem=f"{problem}; or say what it means, mild or severe, as "
+        f'words = {{ {word} = "OUTCOME" }}'
+    )
+
+
+_OF_TRACE = ("time", "friction", "load", "velocity", "friction_force")
+_LEAST_ROWS = 20
+_STANDARD_DEVIATIONS = 4.0  # of friction before, below which a rise is scatter
+_LEAST_RISE = 0.2  # of friction before; less is running-in or a warmer film
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Friction over time."""
+
+    time: Array  # [s]
+    friction: Array
+    load: Array | None = None  # [N], where it was recorded
+    velocity: Array | None = None  # [m/s]
+
+    @cached_property
+    def row(self) -> int | None:
+        """Row from which on friction is high, by least squares of one step upwards, if any is."""
+        friction, count = self.friction, len(self.friction)
+        if count < _LEAST_ROWS:
+            return None
+        before = np.arange(1, count)
+        sums = np.cumsum(friction)
+        low, high = sums[:-1] / before, (sums[-1] - sums[:-1]) / (count - before)
+        gain = np.where(high > low, before * (count - before) * (high - low) ** 2, 0.0)
+        row = 1 + int(np.argmax(gain))
+        level = float(np.median(friction[:row]))
+        scatter = 1.4826 * float(np.median(np.abs(friction[:row] - level)))
+        step = float(np.median(friction[row:])) - level
+        return row if step > max(_STANDARD_DEVIATIONS * scatter, _LEAST_RISE * level) else None
+
+    def lines(self) -> Iterator[str]:
+        """Say where friction rises, or that it does not."""
+        if self.row is None:
+            middle = float(np.median(self.friction))
+            yield f"no transition: friction stays about {middle:.3g} for {self.time[-1]:.4g} s"
+            return
+        before, after = (float(np.median(part)) for part in np.split(self.friction, [self.row]))
+        load = "" if self.load is None else f", at a load of {self.load[self.row]:.4g} N"
+        yield (
+            f"transition: friction rises from {before:.3g} to {after:.3g} at "
+            f"{self.time[self.row]:.4g} s{load}; confirm it in the trace and on the surface"
+        )
+
+    def toml(self) -> Iterator[str]:
+        """Lines of a scene: a transition, or a test that stayed mild."""
+        end = len(self.time) - 1 if self.row is None else self.row
+        yield "[[tested]]" if self.row is None else "[[measured]]"
+        for name, unit in (("load", "N"), ("velocity", "m/s")):
+            column = getattr(self, name)
+            if column is None:
+                yield f'{name} = "... {unit}"  # not in the trace'
+            else:
+                yield f'{name} = "{column[end]:.4g} {unit}"'
+        yield f"friction = {float(np.median(self.friction[: end or None])):.3g}"
+        if self.row is None:
+            yield 'outcome = "mild"'
+
+
+def read_trace(path: Path) -> Trace | None:
+    """Read a trace of friction over time; None from a file of another kind."""
+
+    def is_trace(found: Collection[str]) -> bool:
+        return {"time", "friction"} <= {*found} or {"time", "friction_force", "load"} <= {*found}
+
+    sheet = read_sheet(path, _OF_TRACE, (), is_log=is_trace)
+    if not is_trace(sheet.places) or len(sheet.rows) < _LEAST_ROWS:
+        return None
+    columns = {}
+    for name, place in sheet.places.items():
+        unit, usual = sheet.headings[place].unit or UNITS[name], UNITS[name]
+        try:
+            factor = to_si(f"1 {unit}", f"1 {usual}") if usual else 1.0
+            columns[name] = factor * np.array(
+                [
+                    to_si(cell, "1 m/s") if "rpm" in cell else float(cell or "nan")
+                    for cell in (row.cells[place] for row in sheet.rows)
+                ]
+            )
+        except (UnitError, ValueError):
+            return None
+    force = columns.pop("friction_force", None)
+    if force is not None and "friction" not in columns:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            columns["friction"] = np.abs(force) / columns["load"]
+    known = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
+    columns = {name: column[known] for name, column in columns.items()}
+    return Trace(**columns) if known.sum() >= _LEAST_ROWS else None

@@ -1,0 +1,19 @@
+"""The page of the command."""
+
+from __future__ import annotations
+
+import argparse
+
+import pipeline
+from pipeline.cli import given
+from pipeline.cli.output import Result, working
+
+
+def explore(options: argparse.Namespace) -> Result:
+    """Write a page to explore a store in a browser."""
+    ds = given.dataset_in(options)
+    out = options.output or given.beside(options.store, ".html")
+    chosen = {"most_fields": 0} if options.no_fields else {}
+    with working("writing the page"):
+        page = pipeline.explore(ds, out, **chosen)
+    return Result(page.as_dict(), [str(page)], pipeline.warned(ds))

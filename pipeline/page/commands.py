@@ -1,0 +1,19 @@
+"""The command of the extra, and its options."""
+
+from __future__ import annotations
+
+from pipeline.cli import options as o
+from pipeline.cli.options import Command, Option
+
+COMMANDS = (
+    Command(
+        "show", "explore", "pipeline.page.answer:explore",
+        "write a page to explore a store in a browser",
+        "results/scene.zarr -o page.html",
+        (
+            o.STORE, o.output("PAGE.html", "file of the page; default: beside the store"),
+            Option("--no-fields", action="store_true", help="leave all fields out"),
+            *o.WEIGHED, *o.JUDGED,
+        ),
+    ),
+)  # fmt: skip

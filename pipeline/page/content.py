@@ -1,0 +1,497 @@
+"""Data of a sweep in a page: the deciding rise on a fine plane, and the points to look at.
+
+Numbers go in as base64 of little-endian arrays, in the order surface, load, velocity.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from pipeline import extras
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.curve import Curve
+from pipeline.analysis.dataset import (
+    asked,
+    corrected_sweep,
+    end_of_point,
+    ordered,
+    plane_of,
+    read_conditions,
+    scene_sweep,
+    stored_sweep,
+    sweep_at_bulks,
+    values_of,
+)
+from pipeline.analysis.decisive import decisive_rise, require_all_sound
+from pipeline.analysis.entries import scene_entries
+from pipeline.analysis.field import LEAST_SLOPE, PointField, point_field
+from pipeline.analysis.frames import frames_of
+from pipeline.analysis.laboratory import agreement, compared, laboratory_tests, model_error
+from pipeline.analysis.margin import DECIDED
+from pipeline.analysis.model_error import USUAL, ModelError
+from pipeline.analysis.tables import html_of
+from pipeline.analysis.transition import outcomes, range_of
+from pipeline.figures.overlays import MILD, SEVERE, in_reach
+from pipeline.page.controls import controls
+from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
+from pipeline.store.schema import DONE
+from pipeline.sweep.about import Measurement
+from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.codec import content_hash
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.severity import above_colder, rise_limit, worst_moment
+from tribo import Criterion
+from tribo.types import Array, Indices, Mask
+
+MOST_FIELDS = 500
+"""Number of points whose fields a page holds unless told otherwise, some 5 MB."""
+
+_NUMBERS = (
+    ("contact_width", "contact width", "µm", 1e6),
+    ("contact_fraction", "contact area", "% of the window", 100.0),
+    ("mean_pressure", "mean pressure", "GPa", 1e-9),
+    ("max_pressure", "highest pressure", "GPa", 1e-9),
+    ("saturated_fraction", "contact at the hardness", "%", 100.0),
+    ("wear_depth_max", "wear depth", "µm", 1e6),
+    ("wear_volume", "worn volume", "mm³", 1e9),
+    ("pin_heat_share", "pin’s share of the heat", "%", 100.0),
+    ("sliding_distance", "sliding distance", "m", 1.0),
+    ("time", "duration", "s", 1.0),
+)
+"""Numbers of a point: variable, label, unit, and its factor."""
+
+
+def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
+    """What a page shows, as plain data, with the fields of the points nearest to the transition."""
+    ds = ordered(plane_of(ds))
+    sweep, conditions = stored_sweep(ds), read_conditions(ds)
+    unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
+    ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
+    done = values_of(ds, "status") == DONE
+    require_all_sound(ds)
+    system = corrected_sweep(ds, conditions)
+    # By load, velocity, bulk ratio, share or quantile, and step.
+    deciding, quantiles = _tables(system, conditions.decisive, ratios, shares)
+    own = ratios.index(0.0), shares.index(conditions.failing_share)
+    load = values_of(ds, "normal_load")[..., None, None, :]
+    worst = worst_moment(deciding, load, ds["load"].values[:, None, None, None, None])
+    decisive = np.where(done[..., None, None], _at_step(deciding, worst), np.nan)
+    # The step at which each point is shown is the one that decides.
+    steps = worst[..., own[0], own[1]]
+    has_fields = set(FIELDS) <= set(ds.data_vars)
+    chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
+    return {
+        **_about(ds, sweep),
+        **_on_points(ds),
+        "conditions": _conditions(ds, conditions),
+        "scene": _conditions(ds, scene_sweep(ds).conditions),
+        "controls": [
+            asdict(control)
+            for control in controls(
+                conditions, sweep.scene.friction_heat, len(ratios) > 1, len(shares) > 1
+            )
+        ],
+        "accuracy": error_in_words(sweep),
+        "deciding": conditions.decisive.temperature,
+        "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
+        "course": _course(sweep_at_bulks(ds, conditions)),
+        "bulk_ratios": ratios,
+        "shares": shares,
+        "rises": packed_array(_at_step(quantiles, steps[..., None, None]), "<f4"),
+        **_planes(decisive, ds, own, conditions),
+        **_on_model(ds),
+        "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
+        | {"stored": int(done.sum()) * has_fields},
+    }
+
+
+def _course(ds: xr.Dataset) -> dict[str, Any]:
+    """Load and highest rise at each step of each point, and which steps are on its own grid."""
+    loads = values_of(ds, "normal_load")
+    steps = loads.shape[-1]
+    of_load = loads.reshape(-1, ds.sizes["load"], ds.sizes["velocity"], steps)[0, :, 0]
+    return {
+        "steps": steps,
+        "loads": packed_array(of_load, "<f4"),
+        "rises": packed_array(values_of(ds, "max_rise"), "<f4"),
+        "own": packed_array(values_of(ds, "own_grid"), "u1"),
+    }
+
+
+def _about(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
+    """What a page shows of the scene, its axes and its tests."""
+    tests = compared(ds)
+    return {
+        "title": sweep.about.title,
+        "name": sweep.about.name,
+        "tests": "" if tests is None else html_of(tests),
+        "agreement": "" if tests is None else agreement(tests),
+        "measured": [_told(test) for test in in_reach(ds, laboratory_tests(ds))[0]],
+        "regions": [MILD, SEVERE],
+        "friction_band": sweep.about.friction_band,
+        "chosen": sweep.plane.chosen is not None,
+        "range": {name: range_of(ds, name) for name in ("load", "velocity")},
+        "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
+        "loads": ds["load"].values.tolist(),
+        "velocities": ds["velocity"].values.tolist(),
+        "quantiles": ds["cooler_share"].values.tolist(),
+        "surfaces": ds.indexes.get("realization", pd.Index([])).tolist() or None,
+        "record": record(ds, sweep),
+    }
+
+
+def _told(test: Measurement) -> dict[str, Any]:
+    """A test, and its place by the names of the axes."""
+    return test.as_dict() | {"load": test.normal_load}
+
+
+def _on_points(ds: xr.Dataset) -> dict[str, Any]:
+    """State, numbers and message of each point."""
+    status = values_of(ds, "status")
+    end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
+    return {
+        "done": int((status == DONE).sum()),
+        "status": packed_array(status, "i1"),
+        "asked": packed_array(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
+        "numbers": [
+            {"label": label, "unit": unit}
+            | {"values": packed_array(factor * values_of(end, name), "<f4")}
+            for name, label, unit, factor in _NUMBERS
+            if name in ds
+        ],
+        "messages": {
+            str(place): str(message)
+            for place, message in enumerate(values_of(ds, "message").ravel())
+            if message
+        },
+    }
+
+
+_LOADS, _VELOCITIES = 45, 121  # of the plane of a page of samples
+
+
+def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
+    """What a page of samples shows, as plain data."""
+    samples = extras.module("uncertain", "fields")
+    sweep, field = stored_sweep(ds), samples.single_field(ds)
+    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
+    loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
+    loads = loads if len(ensemble.loads) > 1 else ensemble.loads
+    slowest, fastest = ensemble.velocities
+    velocities = np.linspace(slowest, fastest, _VELOCITIES)
+    plane = field.plane(loads.tolist(), velocities, scatter)
+    rising = np.maximum.accumulate(plane, axis=1)
+    lines = [np.interp(DECIDED, row, velocities) for row in rising]
+    return {
+        "title": sweep.about.title,
+        "name": sweep.about.name,
+        "evidence": f", given {weighed.evidence}" if weighed else "",
+        "basis": [*samples.basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
+        "measured": [_told(test) for test in laboratory_tests(ds)],
+        "loads": loads.tolist(),
+        "velocities": velocities.tolist(),
+        "probability": packed_array([plane], "<f4"),
+        "picture": coloured(plane[::-1]),
+        "scale": coloured(np.linspace([0.0], [1.0], 64).T),
+        "shares": list(DECIDED),
+        "lines": np.array(lines).tolist(),
+        "table": frames_of(boundary(ds))[0],
+        "samples": ds.sizes["variant"],
+        "done": int((ds["status"] == DONE).sum()),
+        "record": record(ds, sweep),
+    }
+
+
+def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
+    """Failing shares between which the deciding rise is linear; the scene's alone without."""
+    failing_share = conditions.failing_share
+    if not conditions.decisive.takes_share:
+        return [failing_share]
+    shares = np.minimum(np.round(1 - ds["cooler_share"].values, 12), np.nextafter(1.0, 0.0))
+    return [float(share) for share in np.union1d(shares, failing_share)]
+
+
+def _tables(
+    ds: xr.Dataset, criterion: Criterion, ratios: list[float], shares: list[float]
+) -> tuple[Array, Array]:
+    """Deciding rises by share, and quantiles, by load, velocity, bulk ratio, these and step [K]."""
+    names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
+    columns = {name: values_of(ds, name) for name in names if name in ds}
+    quantile = {"quantile": ds["cooler_share"].values}
+    at_ratios = [{**above_colder(columns, ratio), **quantile} for ratio in ratios]
+    criteria = [replace(criterion, share=share) for share in shares]
+    deciding = [np.stack([one.rise(rises) for one in criteria], axis=-2) for rises in at_ratios]
+    quantiles = [np.swapaxes(rises["rise_quantile"], -1, -2) for rises in at_ratios]
+    return np.stack(deciding, axis=-3), np.stack(quantiles, axis=-3)
+
+
+def _at_step(values: Array, steps: Indices) -> Array:
+    """Values at a step of each point, along the last axis."""
+    chosen: Array = np.take_along_axis(values, steps[..., None], axis=-1)[..., 0]
+    return chosen
+
+
+def _planes(
+    rises: Array, ds: xr.Dataset, own: tuple[int, int], conditions: Conditions
+) -> dict[str, Any]:
+    """Tables of the deciding rise on a fine plane, and along load at each velocity of the sweep.
+
+    Rises by load, velocity, bulk ratio and share [K]; `own` are the places of the last two that the
+    scene has, whose error is told. Along velocity the plane goes on beyond the points, far beyond
+    at its outermost nodes.
+    """
+    loads, velocities = ds["load"].values, ds["velocity"].values
+    done = values_of(ds, "status") == DONE
+    missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
+    by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
+    fine_loads, first = between(loads, by_load), int(velocities[0] > 0 and len(velocities) > 1)
+    rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
+    state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
+    is_within = np.isin(state[..., ::by_load, :], (COMPUTED, INTERPOLATED))[..., None, None]
+    within = along(np.where(is_within, rows, np.nan), loads, fine_loads, -4)
+    plane = np.where(np.isfinite(within), within, along(rows, loads, fine_loads, -4))
+    columns = along(rises, loads, fine_loads, -4)
+    at_own = rises[..., own[0], own[1]]
+    return {
+        "fine": {"velocity": nodes.tolist(), "load": fine_loads.tolist()},
+        "parts": {"load": by_load, "velocity": by_velocity},
+        "first": first,
+        "friction_factors": conditions.friction_factor(nodes).tolist(),
+        "plane": packed_array(plane, "<f4"),
+        "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
+        "columns": packed_array(columns.swapaxes(-4, -3), "<f4"),
+        "state": "".join(map(str, state.ravel().tolist())),
+        "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
+        "error": max(
+            error_of_lines(at_own, velocities, by_velocity, conditions.friction_factor),
+            error_of_lines(at_own.swapaxes(-1, -2), loads, by_load),
+        ),
+    }
+
+
+def node_errors(field: PointField, state: Indices, loads: Array, velocities: Array) -> Array:
+    """Relative numerical error of the rise at nodes: by surface, load and velocity.
+
+    It is the same between the same points; beyond them it grows with the way from the last one.
+    """
+    state = state.reshape(-1, *state.shape[-2:])
+    own, others = field.planes[0].velocities, field.planes[0].loads
+    _, rows, alike = np.unique(_slots(others, loads), return_index=True, return_inverse=True)
+    _, columns, same = np.unique(_slots(own, velocities), return_index=True, return_inverse=True)
+    errors = np.full((len(state), len(rows), len(velocities)), np.nan)
+    for number, plane in enumerate(field.planes):
+        one = replace(field, planes=(plane,))
+        for k, row in enumerate(rows.tolist()):
+            goes_on = np.isin(state[number, row], (BETWEEN, EXTRAPOLATED))
+            asked = np.union1d(columns, np.flatnonzero(goes_on))
+            totals = {j: one.error(float(loads[row]), float(velocities[j])).total for j in asked}
+            errors[number, k] = [
+                totals[j if goes_on[j] else columns[same[j]]] for j in range(len(velocities))
+            ]
+    return errors[:, alike]
+
+
+def _slots(points: Array, nodes: Array) -> Indices:
+    """Numbers of the points, and of the intervals between them, in which nodes lie."""
+    slots: Indices = 2 * np.searchsorted(points, nodes) - ~np.isin(nodes, points)
+    return slots
+
+
+def _on_model(ds: xr.Dataset) -> dict[str, Any]:
+    """The distribution of the model's own error, and by what a verdict is decided.
+
+    Cumulative probabilities by the number of tests that count, at distances in units of the scale.
+    """
+    usual = stored_sweep(ds).about.model_scatter
+    usual = USUAL if usual is None else usual
+    distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
+    counts = range(len(laboratory_tests(ds)) + 1)
+    plain = [ModelError((0.0,) * n, 1.0) for n in counts]
+    own = [ModelError((0.0,) * n, usual) for n in counts]
+    words = [one.worded.partition(" % ")[2] for one in own]
+    return {
+        "model": {
+            "distances": distances.tolist(),
+            "below": [one.below(distances * one.scale).round(7).tolist() for one in plain],
+            "base": [one.scale**2 for one in own],
+            "weight": [0.0, *(ModelError((1.0,) * n, 0.0).scale ** 2 / n for n in counts[1:])],
+            "words": [own[0].worded, *words[1:]],
+        },
+        "misfit": point_field(ds).misfit,
+        "decided": [DECIDED[0], DECIDED[-1]],
+    }
+
+
+def record(ds: xr.Dataset, sweep: Sweep) -> dict[str, str]:
+    """Entries of the scene but for its tests, with units, and what computed the sweep."""
+    selection, entries = sweep.about.selection, scene_entries(sweep)
+    return (
+        {k: v for k, v in entries.items() if not k.startswith(("measured", "tested"))}
+        | ({"accuracy": str(selection)} if selection else {})
+        | {"history": str(ds.attrs.get("history", ""))}
+        | {"scene hash": content_hash(sweep.scene)}
+    )
+
+
+def _conditions(ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:
+    """The conditions of the sweep; that of the disk's bulk where it may differ from the pin's."""
+    disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
+    plain = conditions.as_dict()
+    if "bulk_rise_quantile" in ds:
+        plain["disk_temperature"] = bulk if disk is None else disk
+    return plain
+
+
+def _nearest(
+    ds: xr.Dataset, done: Mask, conditions: Conditions, most: int
+) -> list[tuple[int, ...]]:
+    """Choose the points whose fields to show: all, or those nearest to the transition."""
+    places = np.argwhere(done)
+    if len(places) > most:
+        judged = conditions.critical_temperature is not None and conditions.rise_factor > 0
+        limit = rise_limit(conditions) if judged else math.inf
+        rise = np.nan_to_num(decisive_rise(ds, conditions).values[done])
+        distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
+        places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
+    return [tuple(place) for place in places.tolist()]
+
+
+def packed_array(values: Any, dtype: str) -> str:
+    """An array as the base64 of its bytes."""
+    return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
+
+
+_PLACES = np.array([60, 30])  # velocities and loads at least, where there is room for them
+_MOST = 400_000  # values of a table, 2 MB of a page
+_FLAT = 0.05  # least exponent of a rise whose crossings are judged
+_FAR = 1e6  # ratio of the velocity of an outermost node to the nearest one of the sweep
+_STEPS, _WIDEST = 241, 7.0  # of the model's error: distances, and the widest by its hyperbolic sine
+COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
+"""States of nodes. Between loads one row may go on beyond its points where the other has some."""
+
+
+def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
+    """Parts of each interval between velocities, and between loads."""
+    gaps = np.array([velocities, loads]) - 1
+    parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
+    while parts.max() > 1 and others * np.prod(parts * gaps + 1) > _MOST:
+        parts[parts.argmax()] -= 1
+    return int(parts[0]), int(parts[1])
+
+
+def between(places: Array, parts: int) -> Array:
+    """Places of an axis, and those that divide each interval into so many equal parts."""
+    index = np.arange((len(places) - 1) * parts + 1) / parts
+    return np.interp(index, np.arange(len(places)), places)
+
+
+def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
+    """Interpolate values along an axis, those that are not finite left out; see `Curve`.
+
+    Values at places of the axis stay as they are. If continued, they go on beyond the known ones.
+    """
+    if len(x) == 1:
+        return values
+    rows = np.moveaxis(values, axis, 0)
+    columns = rows.reshape(len(x), -1)
+    fine = np.full((len(places), columns.shape[1]), np.nan)
+    is_positive = ~(columns <= 0).any(axis=0) & (x[0] > 0)
+    # Columns that are finite at the same places are one interpolation, in place of thousands.
+    alike, group = np.unique(
+        np.vstack([np.isfinite(columns), is_positive]), axis=1, return_inverse=True
+    )
+    for number in range(alike.shape[1]):
+        of = np.flatnonzero(group == number)
+        for part in [of] if alike[-1, number] else of:
+            curve = Curve(x, columns[:, part])
+            fine[:, part] = curve(places)
+            if continued:
+                fine[:, part] = _gone_on(curve, places, fine[:, part])
+    at = np.searchsorted(places, x)
+    fine[at] = np.where(np.isfinite(columns), columns, fine[at])
+    return np.moveaxis(fine.reshape(len(places), *rows.shape[1:]), 0, axis)
+
+
+def _gone_on(curve: Curve, places: Array, values: Array) -> Array:
+    """Values with those beyond the ends of a curve, by the power laws of `Field`."""
+    if len(curve.x) < 2 or not ((curve.x > 0).all() and (curve.y > 0).all()):
+        return values
+    for beyond, end in ((places < curve.x[0], 0), (places > curve.x[-1], -1)):
+        slope = np.maximum(curve.end_exponent(end), LEAST_SLOPE)
+        ratio = (places[beyond] / curve.x[end]).reshape(-1, *[1] * (curve.y.ndim - 1))
+        values[beyond] = curve.y[end] * ratio**slope
+    return values
+
+
+def rows_along(
+    rises: Array, velocities: Array, parts: int, conditions: Conditions
+) -> tuple[Array, Array]:
+    """Rises along velocity at each load [K], and the nodes that they are at [m/s].
+
+    One node far below the velocities and one far above them have the power laws by which the rise
+    goes on; a velocity of 0 stands far below.
+    """
+    fine, factor = between(velocities, parts), conditions.friction_factor
+    if len(velocities) == 1:
+        return rises, fine
+    positive = fine[fine > 0]
+    nodes = np.concatenate([[positive[0] / _FAR], positive, [positive[-1] * _FAR]])
+    at_one_friction = rises / factor(velocities)[:, None, None]
+    if not conditions.has_friction_curve and velocities[0] > 0:
+        return along(at_one_friction, velocities, nodes, -3, continued=True), nodes
+    within = along(at_one_friction, velocities, fine, -3)[..., fine > 0, :, :]
+    within *= factor(positive)[:, None, None]
+    return along(within, positive, nodes, -3, continued=True), nodes
+
+
+def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
+    """State of each node, by what is done at loads and velocities.
+
+    Parts are those of each interval of loads and of velocities, and places the nodes along velocity
+    by their number from the first velocity on.
+    """
+    count = done.shape[-1]
+    is_any: Mask = np.any(done, axis=-1, keepdims=True)
+    low = parts[1] * np.argmax(done, axis=-1)[..., None]
+    high = parts[1] * (count - 1 - np.argmax(done[..., ::-1], axis=-1)[..., None])
+    index = np.arange((done.shape[-2] - 1) * parts[0] + 1) / parts[0]
+    beside = np.floor(index).astype(int), np.ceil(index).astype(int)
+    (a, b), (c, d) = ([end[..., row, :] for row in beside] for end in (low, high))
+    is_done = np.logical_and(*(is_any[..., row, :] for row in beside))
+    in_both = is_done & (places >= np.maximum(a, b)) & (places <= np.minimum(c, d))
+    in_one = is_done & (places >= np.minimum(a, b)) & (places <= np.maximum(c, d))
+    state = np.select([in_both, in_one], [INTERPOLATED, BETWEEN], EXTRAPOLATED)
+    of_points = np.flatnonzero((places >= 0) & (places % parts[1] == 0))[:count]
+    on_points = np.zeros(state.shape, dtype=bool)
+    on_points[..., :: parts[0], :][..., of_points] = done
+    state[on_points] = COMPUTED
+    return state
+
+
+def error_of_lines(
+    values: Array, places: Array, parts: int, factor: Callable[[Array], Array] = np.ones_like
+) -> float:
+    """Largest relative error of crossings by straight lines of logarithms, at their middles.
+
+    The factor is that of the friction at each place.
+    """
+    if len(places) == 1:
+        return 0.0
+    double = between(places, 2 * parts)
+    fine = along(values / factor(places), places, double, -1) * factor(double)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x, y = np.log(double), np.log(fine)
+        slope = np.diff(y[..., ::2]) / np.diff(x[::2])
+        weight = (x[1::2] - x[:-1:2]) / np.diff(x[::2])
+        off = y[..., 1::2] - (y[..., :-1:2] + weight * np.diff(y[..., ::2]))
+        errors = np.abs(off / slope)[slope > _FLAT]
+    return float(np.max(errors[np.isfinite(errors)], initial=0.0))

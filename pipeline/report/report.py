@@ -1,0 +1,362 @@
+"""A report of a sweep for people without the tool: one file of HTML, which a browser prints."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from importlib import resources
+from pathlib import Path
+from string import Template
+from typing import Any, TypeAlias
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from pipeline import extras
+from pipeline.analysis import dataset
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.entries import scene_entries
+from pipeline.analysis.frames import on_boundary
+from pipeline.analysis.laboratory import compared, on_tests
+from pipeline.analysis.margins import LONG, counts_in_words, margin
+from pipeline.analysis.scenes import parts_of, scenes, value_text
+from pipeline.analysis.tables import (
+    frame_of,
+    html_of,
+    notes_of,
+    short,
+    writable_path,
+    write_text,
+)
+from pipeline.analysis.transition import CROSSES, outcomes
+from pipeline.analysis.warned_points import warned
+from pipeline.figures.diagram import diagram
+from pipeline.figures.style import fit_to_width, svg_of
+from pipeline.scene.along import OperatingPoints
+from pipeline.scene.reference import meanings
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE, FAILED
+from pipeline.store.versions import package_versions
+from pipeline.sweep.about import judged_by, on_plane
+from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.codec import content_hash
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.surface import surface_words
+from tribo import InputError
+
+Part: TypeAlias = str | pd.DataFrame | Figure
+"""A paragraph, a table or a picture of a section."""
+Sections: TypeAlias = dict[str, Iterable[Part]]
+"""Parts of each section by its heading; those that compute do so as they are read."""
+
+_QUESTION = (
+    "At which load and sliding velocity does wear of this lubricated contact turn from mild to "
+    "severe adhesive wear (scuffing)"
+)
+_MOST_VALUES = 12  # of an entry, that are listed
+_MODEL = (
+    "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
+    "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
+    "carries load, and the wear after the transition, are not part of it."
+)
+
+
+def report(
+    ds: xr.Dataset | PathLike,
+    out: str | Path,
+    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
+) -> Path:
+    """Write a report of a sweep, for people without the tool: one file of HTML.
+
+    It holds the question and its answer, the diagram, the boundary in numbers, the margins of
+    operating points, warnings, inputs with their units and sources, numerical choices and their
+    error, versions, and how to cite.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store.
+    out : str or path
+        File to write, .html; a browser prints it on A4 or to PDF.
+    points : path or mapping of str to sequence, optional
+        Operating points whose margins to tell; see `pipeline.margin`.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another one, the file cannot be written, or the operating points or
+        conditions are faulty.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> points = {"load": ["500 N"], "velocity": ["1.6 m/s"]}
+    >>> pipeline.report("results/first_try.zarr", "results/report.html", points).name
+    'report.html'
+    """
+    path = writable_path(out, (".html",))
+    if points is not None and not isinstance(points, OperatingPoints):
+        points = OperatingPoints.read(points)
+    ds = dataset.dataset_of(ds)
+    title = dataset.stored_sweep(ds).about.title
+    template = resources.files(__package__).joinpath("report.html").read_text("utf-8")
+    parts = {"title": html.escape(title), "body": body_of(ds, points)}
+    return write_text(Template(template).substitute(parts), path)
+
+
+def body_of(ds: xr.Dataset, points: OperatingPoints | None) -> str:
+    """Headings, paragraphs, tables and a picture, as HTML."""
+    sweep = dataset.stored_sweep(ds)
+    if dataset.sweep_kind(ds) is dataset.Kind.SAMPLES:
+        answers = sections_of_samples(ds, points)
+    else:
+        answers = _sections_of_points(ds, points)
+    sections: Sections = answers | {
+        "Warnings": _warnings(ds),
+        "Inputs": _inputs(ds, sweep),
+        "Numerical choices and their error": _fidelity(sweep),
+        "Model": [_MODEL],
+        "Versions": _versions(ds, sweep),
+        "Citation": citation(),
+    }
+    parts = [f"<h1>{html.escape(sweep.about.title)}</h1>"]
+    for heading, section in sections.items():
+        if body := [_html(part, heading) for part in _or_reason(section)]:
+            parts += [f"<h2>{heading}</h2>", *body]
+    return "\n".join(parts)
+
+
+def _sections_of_points(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
+    """Answers of a plane by its boundary, of rows with places of their own by their margins."""
+    given = _operating_points(ds, points)
+    if dataset.sweep_kind(ds) is dataset.Kind.PLACES:
+        return {
+            "Question and answer": _question_of_rows(ds),
+            "Margins by row": _drawn(ds),
+            "Operating points": given,
+        }
+    return {
+        "Question and answer": _question(ds),
+        "Transition diagram": _drawn(ds),
+        "Boundary in numbers": _numbers(ds),
+        "Tests": _tests(ds),
+        "Operating points": given if points else [],
+    }
+
+
+def _drawn(ds: xr.Dataset) -> Iterator[Part]:
+    yield fit_to_width(diagram(ds), 0.17, with_title=False)
+
+
+def _or_reason(section: Iterable[Part]) -> list[Part]:
+    """Parts of a section, and the reason for which the sweep has no more."""
+    parts: list[Part] = []
+    try:
+        parts.extend(section)
+    except OwnLawError:
+        raise  # for a report without its answers is none
+    except InputError as error:
+        parts.append(f"Not in this report: {error}")
+    return parts
+
+
+def _html(part: Part, heading: str) -> str:
+    """A table, a sentence or a figure of a section as HTML."""
+    if isinstance(part, pd.DataFrame):
+        return html_of(part)
+    if isinstance(part, str):
+        return f"<p>{html.escape(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
+    return f'<figure role="img" aria-label="{heading}">{svg_of(part)}</figure>'
+
+
+def _question(ds: xr.Dataset) -> Iterator[Part]:
+    """Question that the sweep answers, its answer in a sentence, and the state of the sweep."""
+    plane = dataset.stored_sweep(ds).plane
+    yield f"{_QUESTION}? Examined: {on_plane(plane.loads, plane.velocities)[1]}"
+    total = int(dataset.asked(ds).sum())
+    done, failed = (
+        int((dataset.asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED)
+    )
+    if done < total:
+        yield (
+            f"The sweep is not finished: {done} of {total} points are done, {failed} failed. "
+            "What follows rests on those that are done."
+        )
+    boundaries = boundary(ds)
+    yield judged_by(dataset.read_conditions(scene) for scene in scenes(ds))
+    for entries, part in parts_of(boundaries):
+        yield f"Answer{entries and ' for '}{entries}: {_answer(part)}"
+
+
+def _question_of_rows(ds: xr.Dataset) -> Iterator[Part]:
+    """Question that rows with places of their own answer, and the answer in a sentence."""
+    table = margin(ds)
+    yield (
+        "Is wear of this lubricated contact mild, or is it severe adhesive wear (scuffing)? "
+        f"Examined: {len(table)} places, each with a load, a velocity and entries of its own."
+    )
+    yield judged_by(dataset.read_conditions(scene) for scene in scenes(ds))
+    yield f"Answer: {counts_in_words(table)}"
+
+
+def _answer(boundaries: xr.Dataset) -> str:
+    """Velocities at which wear turns severe at the lowest and the highest load."""
+    axis = "realization" if "realization" in boundaries.dims else ""
+    velocities = boundaries["critical_velocity"]
+    crosses = boundaries["outcome_at_load"] == CROSSES
+    if axis:
+        velocities, crosses = velocities.median(axis), crosses.all(axis)
+    crossings = velocities.where(crosses, drop=True)
+    if not crossings.size:
+        codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
+        words = " or ".join(outcomes("velocity")[code] for code in codes)
+        return f"no transition is known among the points computed: {words}"
+    places = [crossings[0], crossings[-1]] if crossings.size > 1 else [crossings[0]]
+    text = " and ".join(
+        f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places
+    )
+    median = f", the median of {boundaries.sizes[axis]} surfaces" if axis else ""
+    return f"wear is severe {text}{median}"
+
+
+def _numbers(ds: xr.Dataset) -> Iterator[Part]:
+    yield from on_boundary(boundary(ds))
+
+
+def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Part]:
+    """Margins of operating points."""
+    table = margin(ds, points)
+    yield from _on_points(table)
+    yield from points.remarks if points else ()
+    yield (
+        "A factor is the critical velocity or load over that of the point: wear turns severe at so "
+        "many times its velocity, or its load. Where there is none, the sweep has no transition"
+    )
+
+
+def _on_points(table: pd.DataFrame) -> Iterator[Part]:
+    yield short(table, LONG)
+    yield from notes_of(table)
+
+
+def _warnings(ds: xr.Dataset) -> Iterator[Part]:
+    """Warnings by kind, with counts."""
+    yield from [*warned(ds).lines()] or ["No computed point carries a warning"]
+
+
+def _inputs(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
+    """Entries of the scene with their units, and the sources of those of the library."""
+    several = {str(name): values for name, values in ds.coords.items() if "." in str(name)}
+    entries = scene_entries(sweep) | {path: _each(values) for path, values in several.items()}
+    if surface := surface_words(sweep):
+        yield f"Surface of the disk: {surface.replace('disk.roughness.file: ', '')}."
+    rows = (
+        (path, text, _meaning(path))
+        for path, text in entries.items()
+        if not path.startswith(("fidelity", "measured", "tested"))
+    )
+    yield frame_of(("entry", "value", "meaning"), rows)
+    library = sweep.about.sources
+    origin = "other values" if library else "all values"
+    if library:
+        yield frame_of(
+            ("from the library", "value", "source"),
+            library,
+        )
+    yield f"Source: {origin} from the scene {sweep.about.name}.toml."
+
+
+def _each(values: xr.DataArray) -> str:
+    """Values that an entry has in turn, in words; of many the number and the ends."""
+    each = [*dict.fromkeys(np.ravel(values).tolist())]
+    is_long = len(each) > _MOST_VALUES
+    texts = [value_text(values, one) for one in ((min(each), max(each)) if is_long else each)]
+    if is_long:
+        return f"{len(each)} values, from {' to '.join(texts)}"
+    return f"in turn {', '.join(texts)}" if len(texts) > 1 else texts[0]
+
+
+def _tests(ds: xr.Dataset) -> Iterator[Part]:
+    """Tests of the laboratory beside what is computed at their own conditions."""
+    table = compared(ds)
+    if table is None:
+        return
+    yield from on_tests(table)
+
+
+def _meaning(path: str) -> str:
+    """First sentence on an entry, of the reference of the scene."""
+    for body in ("pin", "disk"):
+        path = path.replace(f"{body}.material.", "materials.NAME.")
+    return meanings().get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
+
+
+def _fidelity(sweep: Sweep) -> Iterator[Part]:
+    """Numerical choices, and the error of the boundary that they bring."""
+    yield error_in_words(sweep)
+    entries, prefix = scene_entries(sweep), "fidelity."
+    rows = (
+        (path.removeprefix(prefix), text)
+        for path, text in entries.items()
+        if path.startswith(prefix) and path != "fidelity.preset"
+    )
+    yield frame_of(("choice", "value"), rows)
+
+
+def _versions(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
+    """Programs that computed the store, and the identity of its scene."""
+    yield from str(ds.attrs.get("history", "")).splitlines()
+    yield f"Scene {content_hash(sweep.scene)} (SHA-256 of its inputs)."
+    yield f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
+
+
+def citation() -> Iterator[str]:
+    """References to the program and to the work that it builds on, a line each."""
+    version = package_versions()["tribo"]
+    yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
+    yield (
+        "Bosman and de Rooij: On the transition from mild to severe wear of lubricated, "
+        "concentrated contacts: The IRG (OECD) transition diagram."
+    )
+
+
+def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
+    """Answers of a sweep of samples, as probabilities."""
+    samples = extras.module("uncertain", "fields")
+    field = samples.single_field(ds)
+    ensemble, weighed = field.ensemble, field.posterior
+    lines = boundary(ds)
+    basis = f", given {weighed.evidence}" if weighed else ", before any test"
+    return {
+        "Question and answer": _question_of_samples(ensemble, lines, basis),
+        f"Not known exactly{basis}": samples.basis_of(ensemble, weighed),
+        "Transition diagram": _drawn(ds),
+        "Boundary in numbers": on_boundary(lines),
+        "Operating points": _operating_points(ds, points) if points else (),
+    }
+
+
+def _question_of_samples(ensemble: Any, lines: xr.Dataset, basis: str) -> Iterator[Part]:
+    """Question that samples answer, and the answer in a sentence."""
+    slowest, fastest = ensemble.velocities
+    yield (
+        f"{_QUESTION}, with inputs that are not known exactly? {len(ensemble.inputs)} samples of "
+        "them were simulated"
+    )
+    words = []
+    beyond = {0.0: f"below {slowest:.3g}", math.inf: f"beyond {fastest:.3g}"}
+    for load in dict.fromkeys(lines["load"].values[[0, -1]].tolist()):
+        row = lines["critical_velocity_quantile"].sel(load=load).values.tolist()
+        low, middle, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in row)
+        words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
+    yield f"Answer{basis}: the next run is as likely severe as mild {' and '.join(words)}"

@@ -1,0 +1,173 @@
+"""What the command ``irg infer`` answers: unknown inputs from measurements."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pandas as pd
+
+import pipeline
+from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
+from pipeline.cli.given import PLACE, flags_of, one_scene_in, values_in
+from pipeline.cli.output import Result, counted, run_line, tell, working
+from pipeline.scene.units import display
+from pipeline.sweep.model import Sweep
+from pipeline.uncertain.answer_posterior import posterior
+from pipeline.uncertain.critical_temperature import CriticalTemperatures
+from tribo import InputError, Ramp, specific_wear_rate
+
+
+def infer(options: argparse.Namespace) -> Result:
+    """Infer a critical temperature, a wear rate, or all unknown inputs."""
+    stores = [path for path in options.scene if path.is_dir()]
+    scenes = [path for path in options.scene if path not in stores]
+    if scenes[1:] or (scenes and stores):
+        raise InputError(f"{scenes[-1]} is not a store; give stores of samples alone, or one scene")
+    if scenes:
+        (options.scene,), bulks = scenes, options.bulk_temperature or [None]
+        options.bulk_temperature = bulks[0]
+        # Several bulk temperatures are to choose from: those of a test to plan, of samples.
+        sweep = one_scene_in(options) if len(bulks) == 1 else None
+        if sweep is not None and (options.contact_width is not None or not sweep.variants.draw):
+            return _scene_result(options, sweep)
+        options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
+        stores = [Path("results") / f"{options.scene.stem}.zarr"]
+        if not stores[0].exists():
+            raise InputError(
+                f"the samples of {options.scene} are not computed; run irg run {options.scene}, "
+                "then irg infer with the store that it wrote"
+            )
+    if names := values_in(options, "contact_width", "duration", "preset", "set", *PLACE):
+        raise InputError(
+            f"the samples of {stores[0]} stay as they were computed; leave out {flags_of(names)}"
+        )
+    return posterior(options, stores)
+
+
+def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
+    """Wear rate from a contact width, or critical temperature from transitions or tests."""
+    if given := values_in(options, "next", "target", "scatter", "discrepancy", "at"):
+        raise InputError(
+            f"{flags_of(given)} needs samples of unknown inputs: give [unknown] and "
+            "sweep.samples in the scene"
+        )
+    if options.output is not None:
+        writable_path(options.output, TABLES)
+    sweep = sweep.on_surface(options.realization)
+    if options.contact_width is not None:
+        return _wear_rate(options, sweep)
+    if ignored := values_in(options, "load", "velocity", "duration"):
+        raise InputError(f"{flags_of(ignored)} belongs to --contact-width, which is not given")
+    tested = () if sweep.about.measured else sweep.about.tested
+    if tested:
+        sweep = sweep.changed(measured=tested)
+    with run_line() as progress:
+        inferred = pipeline.critical_temperatures(
+            sweep, tell=tell, out=options.kept, workers=options.workers, progress=progress
+        )
+    frame = _transitions(inferred)
+    if tested:
+        return _bounds_result(inferred, [str(test.outcome) for test in tested], frame)
+    measured = counted(len(frame), "measured transition", "measured transitions")
+    several = f" on {len(inferred.surfaces)} surfaces" if len(inferred.surfaces) > 1 else ""
+    apart = f", {inferred.spread:.1f} K apart (standard deviation)" if inferred.spread else ""
+    text = [
+        f"critical temperature from {measured}{several}: {inferred.criterion.temperature}",
+        short(frame),
+        f"on average {display(inferred.mean, '°C', 4)}{apart}",
+    ]
+    return Result(inferred.as_dict(), text, frames=[frame])
+
+
+def _bounds_result(
+    at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame
+) -> Result:
+    """Bounds of the critical temperature: hotter than mild tests, colder than severe ones."""
+    judged = list(zip(outcomes, at_tests.means, strict=True))
+    low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
+    high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
+    above, below = (end and display(end, "°C", 4) for end in (low, high))
+    if low is None or high is None:
+        said = f"the critical temperature is {'below' if low is None else 'above'} {above or below}"
+    elif low < high:
+        said = f"the critical temperature is between {above} and {below}"
+    else:
+        said = f"the tests contradict each other: mild up to {above}, severe from {below} on"
+    frame.insert(3, "outcome", outcomes)
+    frame = frame.rename(columns={"critical temperature [°C]": "temperature [°C]"})
+    text = [
+        f"temperature of {counted(len(outcomes), 'test', 'tests')}, below the critical "
+        "temperature where wear stayed mild, above it where wear turned severe:",
+        short(frame),
+        said,
+        "for the probability of each value give temperature.critical a range under [unknown], and "
+        "samples under [sweep]: irg help your-tests",
+    ]
+    document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
+    return Result(document, text, frames=[frame])
+
+
+def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
+    """Frame with a row for each measured transition."""
+    seeds = inferred.surfaces if inferred.spreads[0] else ()
+    heads = (
+        *("load [N]", "velocity [m/s]", "friction", "critical temperature [°C]", "spread [K]"),
+        *(f"surface {seed} [°C]" for seed in seeds),
+    )
+    rows = zip(
+        inferred.transitions, inferred.temperatures, inferred.means, inferred.spreads, strict=True
+    )
+    return frame_of(
+        heads,
+        (
+            (test.normal_load, test.velocity, test.friction, mean, spread, *(seeds and values))
+            for test, values, mean, spread in rows
+        ),
+    )
+
+
+def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
+    """Specific wear rate from the width of a contact."""
+    if options.load is None or options.velocity is None:
+        raise InputError("--contact-width is that of a test; give its --load and --velocity, too")
+    sweep = _slid_for(sweep, options.load, options.duration)
+    *_, end = sweep.scene.loading.stations(options.load, sweep.scene.fidelity.increments)
+    with working("seeking the wear rate, one simulation after the other"):
+        rate = specific_wear_rate(
+            sweep.scene, options.contact_width, options.load, options.velocity
+        )
+    value, lowest, highest = (1e9 * end for end in (rate.value, rate.lowest, rate.highest))
+    longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
+    basis = (
+        f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "
+        f"load lowers it by about {100 * longer:.2g} %"
+    )
+    if options.duration is None:
+        basis += ": give --duration, if the test went on"
+    text = [
+        f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "
+        "an element of the width",
+        basis,
+    ]
+    document = asdict(rate) | {"duration": end.time}
+    heads = *(f"{name} [mm³/(N m)]" for name in asdict(rate)), "duration [s]"
+    return Result(document, text, frames=[frame_of(heads, [tuple(document.values())])])
+
+
+def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
+    """The sweep with the load held from when it is reached until the end of a test [s]."""
+    if duration is None:
+        return sweep
+    if not isinstance(sweep.scene.loading, Ramp):
+        raise InputError("--duration holds a ramp; a recorded load ends where the record does")
+    ramp = load / sweep.scene.loading.rate
+    if duration < ramp:
+        raise InputError(
+            f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
+            f"{load:g} N"
+        )
+    return sweep.changed(
+        loading=replace(sweep.scene.loading, hold=duration - ramp, hold_steps=None)
+    )

@@ -1,0 +1,232 @@
+"""The posterior of the unknown inputs, and what to measure next, for ``irg infer``."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+import pipeline
+from pipeline.analysis.tables import frame_of, short
+from pipeline.analysis.warned_points import NO_WARNING
+from pipeline.cli.given import at_in, criterion_in, flags_of, values_in
+from pipeline.cli.output import Result, rounded, working
+from pipeline.scene.units import display
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.inputs import CRITICAL, QUANTILES
+from pipeline.uncertain.next_tests import Candidate, load_of_target, ranking_command
+from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
+from tribo import InputError
+
+_TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
+_SURE = math.log(1000.0)  # from which a power of ten will do
+_AT = "prior", "posterior"
+
+
+def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
+    """Print and draw the inputs as the tests leave them, and the tests to make next."""
+    given = values_in(options, "target", "bulk_temperature")
+    if given and options.next is None:
+        raise InputError(f"{flags_of(given)} belongs to --next, which is not given")
+    if any(isinstance(bulk, dict) for bulk in options.bulk_temperature or ()):
+        raise InputError(
+            "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
+        )
+    if len({Path(store).resolve() for store in stores}) < len(stores):
+        raise InputError(
+            f"{', '.join(map(str, stores))}: a store stands there twice; give each once"
+        )
+    with working("reading samples"):
+        datasets = [pipeline.open_sweep(store) for store in stores]
+        at, criterion, ensembles = at_in(options), criterion_in(options), []
+        for store, ds in zip(stores, datasets, strict=True):
+            try:
+                ensembles.append(pipeline.Ensemble.of(pipeline.at(ds, **criterion, **at)))
+            except InputError as error:
+                raise InputError(f"{store}: {error}") from error
+    with working("weighing the inputs by the tests"):
+        weighed = pipeline.posterior(
+            ensembles, discrepancy=options.discrepancy, **values_in(options, "scatter")
+        )
+    document, text = weighed.as_dict(), list(_on_inputs(weighed))
+    frame = _in_si(weighed)
+    with working("comparing the sweeps"):
+        compared = list(contrasts(weighed))
+    document["differences"] = [one._asdict() for one in compared]
+    text += map(_in_words, compared)
+    if options.next is None:
+        command = ranking_command(stores, options.scatter, at)
+        text.append(f"next: the test that tells most: {command}")
+    else:
+        with working("ranking tests"):
+            more, lines, frame = measurements_to_make(options, weighed)
+        document |= more
+        text += lines
+    draw = partial(pipeline.draw_posterior, weighed)
+    warned = sum(map(pipeline.warned, datasets), NO_WARNING)
+    return Result(document, text, warned, [frame], draw)
+
+
+def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
+    """Lines on each input, before and after, and on each test."""
+    samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
+    yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
+    if len(weighed.ensembles) > 1:
+        yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
+    yield from dict.fromkeys(f"  {one}" for sweep in weighed.ensembles for one in sweep.fixed)
+    yield weighed.draws_words
+    yield frame_of(("input", "before", "after", "90 % within"), weighed.in_words())
+    for a, b, correlation in weighed.hidden():
+        signed = f"{correlation:+.2f}".replace("-", "−")
+        yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
+    if weighed.judged:
+        yield "each test, beside the critical velocity that all tests together leave there:"
+        yield short(_beside_tests(weighed))
+    if weighed.evidence_gain is not None:
+        yield _on_discrepancy(weighed.evidence_gain)
+    if weighed.fits and weighed.judged and any(CRITICAL in one.path for one in weighed.unknown):
+        yield (
+            "the model fits; velocities that are all read too high would look like a better oil, "
+            "and fit as well: check the speed, or test a reference oil"
+        )
+    if not weighed.fits:
+        yield f"warning: {weighed.misfit}; no test is named"
+        if weighed.evidence_gain is None:
+            yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
+    yield from (
+        f"warning: {_place(weighed, judged)}: the other tests leave this a probability of "
+        f"{judged.probability:.1g}; look at the test, or leave it out"
+        for judged in weighed.judged
+        if judged.contradicts
+    )
+
+
+def _beside_tests(weighed: Posterior) -> pd.DataFrame:
+    """Each test beside the critical velocity that 5, 50 and 95 % stay below, given all tests."""
+    ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
+    heads = "sweep", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
+    rows = (
+        (
+            one.sweep + 1 if len(weighed.ensembles) > 1 else None,
+            one.test["normal_load"],
+            one.test.get("bulk_temperature"),
+            one.test["velocity"],
+            one.test.get("outcome", "transition"),
+            *one.critical_velocity,
+        )
+        for one in weighed.judged
+    )
+    return frame_of(heads, rows)
+
+
+def _in_words(one: Contrast) -> str:
+    """Difference of two oils, in a line."""
+    size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
+    mean, sd, low, high = (
+        value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])
+    )
+    signed = f"{mean:+.3g} ± {sd:.2g} {unit} ({low:+.3g} to {high:+.3g})".replace("-", "−")
+    return f"2 over 1: {one.what} {signed}; more with a probability of {one.probability:.2g}"
+
+
+def _on_discrepancy(gain: float) -> str:
+    """What a discrepancy gains in evidence, in a line."""
+    times = f"{math.exp(gain):.2g}" if abs(gain) < _SURE else f"10^{gain / math.log(10):.0f}"
+    meaning = "neither is likelier"
+    if abs(gain) > _TELLS:
+        meaning = "the model lacks these slopes" if gain > 0 else "the model needs no slopes"
+    return f"with the discrepancy the tests are {times} times as likely: {meaning}"
+
+
+def _in_si(weighed: Posterior) -> pd.DataFrame:
+    """Mean and spread of each input before and after, in SI."""
+    heads = "input", "unit", "before mean", "before sd", "after mean", "after sd"
+    rows = (
+        (
+            row["path"],
+            row["unit"],
+            *(row[at].get(moment) for at in _AT for moment in ("mean", "sd")),
+        )
+        for row in weighed.summary()
+    )
+    return frame_of(heads, rows)
+
+
+def _place(weighed: Posterior, judged: Judged) -> str:
+    """Test, in words."""
+    test = judged.test
+    sweep = f"{judged.sweep + 1}: " if len(weighed.ensembles) > 1 else ""
+    bulk = ""
+    if "bulk_temperature" in test:
+        bulk = f" and a bulk of {display(test['bulk_temperature'], '°C')}"
+    found = f"{test['outcome']} at" if test.get("outcome") else "measured"
+    return f"{sweep}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
+
+
+_SHOWN = 12  # candidates
+
+
+def measurements_to_make(
+    options: argparse.Namespace, weighed: Posterior
+) -> tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame]:
+    """Measurements ranked for a target, or tests in their order: plain data, text and a frame."""
+    about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
+    inputs = {one.path: one for one in weighed.unknown if one.kind != "list"}
+    unknown = inputs.get(options.target or "")
+    if options.target and unknown is None:
+        load_of_target(weighed, options.target)
+    if options.next > 1:
+        ranked = tests = pipeline.plan_tests(weighed, options.next, **about)
+        head = f"{options.next} tests to make next, each beside those before it"
+    else:
+        ranked = pipeline.candidates(weighed, **about)
+        tests = tuple(one for one in ranked if one.test)[:1]
+        ranked = ranked[:_SHOWN]
+        head = "measurements to make next, the best first"
+    before = _spread(ranked[0].before, unknown)
+    sentence = f"{head}; {_target(options)} is known to {before} today"
+    frame = _measurements(ranked, unknown)
+    return _plan(options, ranked, tests), [sentence, frame], frame
+
+
+def _measurements(ranked: Sequence[Candidate], unknown: Unknown | None) -> pd.DataFrame:
+    """Measurements, each with the spread of the target that it leaves, in its unit."""
+    if unknown is None or unknown.is_relative:
+        left, rows = "left, ± [%]", [100 * one.spread for one in ranked]
+    else:
+        unit = "" if unknown.unit == "1" else f" [{unknown.spread.name}]"
+        left, rows = f"left, ±{unit}", [float(unknown.spread.of(one.spread)) for one in ranked]
+    narrows = [100 * one.narrows for one in ranked]
+    columns = {"measurement": [one.what for one in ranked], left: rows, "narrows by [%]": narrows}
+    return pd.DataFrame(columns)
+
+
+def _target(options: argparse.Namespace) -> str:
+    return options.target or "the boundary, in velocity"
+
+
+def _spread(spread: float, unknown: Unknown | None) -> str:
+    """Spread of a target, in words: of a velocity a share, of an input in its unit."""
+    if unknown is None or unknown.is_relative:
+        return f"± {rounded(100 * spread)} %"
+    return f"± {rounded(float(unknown.spread.of(spread)))}{unknown.spread.suffix}"
+
+
+def _plan(
+    options: argparse.Namespace, ranked: Sequence[Candidate], tests: Sequence[Candidate]
+) -> dict[str, Any]:
+    """Measurements and planned tests, as plain data."""
+    names = ("what", "test", "spread", "narrows")
+    return {
+        "target": options.target,
+        "next": [{name: getattr(test, name) for name in names} for test in ranked],
+        "planned": [
+            {"tests": number, "what": test.what, "test": test.test, "sd": test.spread}
+            for number, test in enumerate(tests, 1)
+        ],
+    }

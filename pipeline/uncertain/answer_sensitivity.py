@@ -1,0 +1,78 @@
+"""What the command ``irg sensitivity`` answers."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+import pipeline
+from pipeline.analysis.tables import frame_of, short
+from pipeline.cli import given
+from pipeline.cli.output import Result, working
+from pipeline.uncertain.fields import single_field
+from pipeline.uncertain.next_tests import ranking_command
+from pipeline.uncertain.sensitivity import Sensitivity
+
+_GOOD = 0.3  # of the spread of a velocity, which its error may be
+
+
+def sensitivity(options: argparse.Namespace) -> Result:
+    """Print and draw the shares of the inputs in the variance of the boundary."""
+    ds = given.dataset_in(options)
+    with working("weighing the inputs"):
+        samples = single_field(ds)
+    document, notes = samples.basis
+    with working("finding Sobol' indices"):
+        indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
+    most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
+    target = None if most.kind == "list" else most.path
+    frame = _indices(indices)
+    text = [
+        *notes,
+        *_on_indices(indices, frame),
+        f"next: {most.path} moves the boundary most; tests to make: "
+        f"{ranking_command([options.store], options.scatter, given.at_in(options), target)}",
+    ]
+    draw = partial(pipeline.draw_sensitivity, indices, samples.ensemble.title)
+    return Result(document | indices.as_dict(), text, pipeline.warned(ds), [frame], draw)
+
+
+def _indices(indices: Sensitivity) -> pd.DataFrame:
+    """Sobol' indices with the ends of their 90 % intervals, a row for each load and input."""
+    heads = (
+        "load [N]", "input", "first", "first low", "first high", "total", "total low", "total high",
+        "velocity spread [%]", "emulator error [%]",
+    )  # fmt: skip
+    parts = (indices.first, *indices.first_interval, indices.total, *indices.total_interval)
+    values = np.stack(parts, axis=-1).tolist()
+    rows = zip(indices.loads, indices.spread, indices.velocity_error, values, strict=True)
+    order = np.argsort(-indices.first.mean(axis=0))
+    return frame_of(
+        heads,
+        (
+            (load, indices.unknown[number].path, *at_load[number], spread, error)
+            for load, spread, error, at_load in rows
+            for number in order
+        ),
+    )
+
+
+def _on_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+    """The frame, and what its numbers rest on."""
+    yield short(frame)
+    if not np.isfinite(indices.total).all():
+        given_measured = "given the measurements"
+        reason = given_measured if indices.given_measured else "as stated in the scene"
+        yield f"no total index: {reason}, the inputs are correlated"
+    for load, spread, error in zip(
+        indices.loads, indices.spread, indices.velocity_error, strict=True
+    ):
+        if error > _GOOD * spread:
+            yield (
+                f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, beside "
+                f"a spread of {100 * spread:.2g} %; run more samples"
+            )

@@ -1,0 +1,169 @@
+"""The critical temperature of a scene's lubricant, from the transitions that were measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from pipeline.run.boundary_search import results_of
+from pipeline.run.cluster import Client
+from pipeline.run.sweep import run_sweep
+from pipeline.run.tally import Progress
+from pipeline.run.work import ExecutionError
+from pipeline.scene.scenefile import SceneLike, sweep_of
+from pipeline.store.place import PathLike
+from pipeline.store.write import opened, stored
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.severity import contact_temperature
+from pipeline.sweep.variants import Label, Variants, rows, surfaces
+from tribo import Criterion, InputError, Transition
+from tribo.errors import require_positive
+
+_PLACE = ("normal_load", "velocity")
+
+
+@dataclass(frozen=True, slots=True)
+class CriticalTemperatures:
+    """Critical temperatures from measured transitions, each on each random surface."""
+
+    transitions: tuple[Transition, ...]  #: Measured transitions, each with its friction.
+    #: Seeds of the surfaces; None for a surface that is not random.
+    surfaces: tuple[int | None, ...]
+    #: Critical temperature by transition and surface [K].
+    temperatures: tuple[tuple[float, ...], ...]
+    criterion: Criterion  #: Criterion of severe wear by which they are found.
+
+    @property
+    def means(self) -> tuple[float, ...]:
+        """Mean over the surfaces, by transition [K]."""
+        return tuple(float(np.mean(row)) for row in self.temperatures)
+
+    @property
+    def spreads(self) -> tuple[float | None, ...]:
+        """Standard deviation over the surfaces, by transition [K]; None for a single one."""
+        return tuple(_spread(row) for row in self.temperatures)
+
+    @property
+    def mean(self) -> float:
+        """Mean over the transitions [K]."""
+        return float(np.mean(self.means))
+
+    @property
+    def spread(self) -> float | None:
+        """Standard deviation of the transitions' means [K]; None for a single one."""
+        return _spread(self.means)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all values as plain data."""
+        rows = zip(self.transitions, self.temperatures, self.means, self.spreads, strict=True)
+        return {
+            "criterion": self.criterion.name,
+            "share": self.criterion.share,
+            "surfaces": list(self.surfaces),
+            "transitions": [
+                transition._asdict() | {"temperatures": list(row), "mean": mean, "spread": spread}
+                for transition, row, mean, spread in rows
+            ],
+            "mean": self.mean,
+            "spread": self.spread,
+        }
+
+
+def critical_temperatures(
+    sweep: SceneLike,
+    tell: Callable[[str], None] | None = None,
+    own_laws: bool = False,
+    out: PathLike | None = None,
+    workers: int | None = None,
+    client: Client | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> CriticalTemperatures:
+    """Find the temperature that the failing share exceeds at each measured transition.
+
+    A good model gives the same at all of them: the critical temperature of the lubricant, where
+    no rig can measure it (see `tribo.critical_temperature`).
+
+    Parameters
+    ----------
+    sweep : Sweep, str or path
+        Scene, or its path or name, with measured transitions, simulated on each of its
+        realizations if it has any. A transition without a friction, a bulk temperature or a hold
+        of its own has the sweep's.
+    own_laws : bool
+        See `pipeline.load_scene`.
+    out : path, optional
+        Store of the points, which is resumed if it is there, and kept; none is kept if not given.
+    tell, workers, client, progress : optional
+        See `pipeline.run_sweep`. In a script, call this under ``if __name__ == "__main__":``.
+
+    Raises
+    ------
+    InputError
+        If no transition was measured, or for a reason of `tribo.critical_temperature`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> with_one_test = scene.changed(measured=scene.about.measured[:1])
+    >>> inferred = pipeline.critical_temperatures(with_one_test)
+    >>> f"{inferred.mean - 273.15:.0f} °C"
+    '149 °C'
+    """
+    sweep = sweep_of(sweep, own_laws)
+    if not sweep.about.measured:
+        raise InputError(
+            f"the scene {sweep.about.name} has no measured transition; give it a [[measured]] with "
+            "load and velocity"
+        )
+    conditions = sweep.conditions
+    transitions = tuple(
+        Transition(
+            entry.normal_load,
+            entry.velocity,
+            conditions.at_friction(entry.friction).friction_at(entry.velocity),
+        )
+        for entry in sweep.about.measured
+    )
+    seeds = tuple(map(int, sweep.variants.axes.get("realization", ())))
+    on: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
+    for crossing in transitions:
+        require_positive(friction=crossing.friction)
+    asked = _at_transitions(sweep.variant(), transitions, surfaces(seeds))
+    with stored(out) as path:
+        run_sweep(asked, path, workers, client, progress, retry_failed=True, tell=tell)
+        rises, failed = results_of(opened(path), asked)
+    if failed:
+        raise ExecutionError(
+            f"{min(failed)} could not be computed; see irg check of the scene, or give another "
+            "fidelity"
+        )
+    by_row: dict[Label, list[float]] = {number: [] for number in range(len(transitions))}
+    for point, rise in sorted(rises.items(), key=lambda item: item[0].variant):
+        conditions = asked.variant(point.variant).conditions
+        by_row[point.variant[0][1]].append(contact_temperature(rise, conditions))
+    temperatures = tuple(tuple(values) for values in by_row.values())
+    return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
+
+
+def _at_transitions(sweep: Sweep, transitions: Sequence[Transition], seeds: Variants) -> Sweep:
+    """The sweep with a row for each transition, which has a place and conditions of its own."""
+    changes: dict[Label, dict[str, Any]] = {}
+    for number, (test, at) in enumerate(zip(sweep.about.measured, transitions, strict=True)):
+        judged = replace(sweep.conditions.at_friction(at.friction), critical_temperature=None)
+        if test.bulk_temperature is not None:
+            judged = judged.changed(bulk_temperature=test.bulk_temperature)
+        scene = (sweep if test.hold is None else sweep.held(test.hold)).scene
+        changes[number] = {"conditions": judged, "loading": scene.loading}
+    loads, velocities = ([getattr(at, name) for at in transitions] for name in _PLACE)
+    table = rows("test", changes, velocities=velocities, loads=loads) * seeds
+    places = {"loads": sorted(set(loads)), "velocities": sorted(set(velocities))}
+    plane = {name: tuple(values) for name, values in places.items()}
+    return sweep.changed(variants=table, fields=False, chosen=None, **plane)
+
+
+def _spread(values: tuple[float, ...]) -> float | None:
+    return float(np.std(values, ddof=1)) if len(values) > 1 else None

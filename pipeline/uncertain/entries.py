@@ -1,0 +1,311 @@
+"""Inputs that are not known exactly: the table ``[unknown]``, and samples of the whole scene.
+
+A sample is read as if its values stood in the file; a distribution is checked at its ends.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import scipy  # its special functions take 0.2 s to load
+
+from pipeline.scene.compounds import Shape, flat
+from pipeline.scene.document import Document
+from pipeline.scene.extensions import Extend, Make, Reading
+from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
+from pipeline.scene.format import UNKNOWN
+from pipeline.scene.kinds import Rounded
+from pipeline.scene.over import differing_inputs
+from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
+from pipeline.sweep.limits import MOST_INPUTS
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import step_count
+from pipeline.sweep.samples import (
+    REACH,
+    SPECIFIC_WEAR_RATE,
+    Design,
+    Draw,
+    Layer,
+    samples_per_contact,
+)
+from pipeline.sweep.unknown import (
+    Fixed,
+    Form,
+    Unit,
+    Unknown,
+    first_unfit,
+    without,
+)
+from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
+from tribo import InputError, Material, Scene, Wear
+from tribo.simulation import inseparable
+
+_FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
+_FIXED = (
+    "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
+)  # fmt: skip
+_SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
+_SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a wear rate
+_APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
+_SIMULATED = {field.name for field in fields(Scene)}
+_THERMAL = "thermal_conductivity", "density", "specific_heat"
+_DECISIVE = _SIMULATED | {"conditions"}
+
+
+def _written(one: Unknown, value: float) -> str | float:
+    """A value of an input as the file would write it: whole if it is one of whole numbers."""
+    if one.written:
+        return f"{one.written.of(value):.6g} {one.written.name}"
+    is_whole = one.kind == "list" and all(map(float.is_integer, one.parameters))
+    return round(value) if is_whole else value
+
+
+def _entry(one: Unknown, value: float) -> Rounded | float:
+    """A value of an input as an entry of the scene."""
+    written = _written(one, value)
+    return Rounded(written, value) if isinstance(written, str) else written
+
+
+def _fixed_paths(document: Document) -> frozenset[str]:
+    """Paths of unknown inputs whose value is given above their distribution, as by ``--set``."""
+    fixed, above, seen = set[str](), set[str](), set[str]()
+    for layer in document.layers:
+        table = layer.entries.get("unknown")
+        unknown = {path for path, _ in UNKNOWN.leaves(table)} if isinstance(table, dict) else set()
+        fixed |= (unknown - seen) & above
+        seen |= unknown
+        above |= {path for path, _ in flat(layer.entries)}
+    return frozenset(fixed)
+
+
+def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
+    """The document as it is, and what makes the table of samples."""
+    return document, _extend
+
+
+def _extend(sweep: Sweep, reading: Reading) -> Sweep:
+    """The sweep with samples of each of its rows; as it is if none are asked for, or faulty."""
+    tables, faults, fixed = reading.tables, reading.faults, _fixed_paths(reading.document)
+    count, unknown = tables["sweep"]["samples"], tables["unknown"] or {}
+    if count is not None and not set(unknown) - set(fixed):
+        raise InputError(
+            f"sweep.samples: {count} does not fit a scene in which all is known; give [unknown], "
+            "too, or leave it out"
+        )
+    if not unknown:
+        return sweep
+    before, notes = len(faults), faults.notes
+    if sweep.scene.unequal_bulks:
+        raise InputError(
+            "temperature.bulk: two temperatures do not go with [unknown], whose probabilities take "
+            "friction to scale the whole rise: give one for both bodies, or leave out [unknown] "
+            "and use irg vary"
+        )
+    inputs, known = _inputs(tables, fixed, faults)
+    notes.extend(f"unknown: {one}, as it is given beside its distribution" for one in known)
+    if len(inputs) > MOST_INPUTS:
+        faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
+    layers = [_layer(one, sweep, reading.make, faults) for one in inputs]
+    if len(faults) > before:
+        return sweep
+    if count is None:
+        number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
+        notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
+        return sweep
+    design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep)
+    if any(column.is_drawn for column in sweep.variants.columns):
+        raise InputError(
+            "sweep.realizations: sweep.samples excludes them; make the surface an unknown input: "
+            '"disk.roughness.seed" = [0, 1, 2, 3]'
+        )
+    if design.sufficient and count > design.sufficient:
+        count = design.sufficient
+        notes.append(f"sweep.samples: {count} are computed, as more would share their contacts")
+    table = _drawn(Draw(inputs, design, known), count, sweep, reading.make)
+    return sweep.changed(variants=table)
+
+
+def _inputs(
+    tables: Mapping[str, Any], fixed: Collection[str], faults: Faults
+) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
+    """Inputs that are unknown, and those that have the scene's value all the same."""
+    table, inputs = tables["unknown"], []
+    for path, shape in table.items():
+        with faults.at(f"unknown.{quoted(path)}"):
+            inputs.append(_input(path, shape.form, shape.parameters))
+    joint = _with_correlations(inputs, table, faults)
+    known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
+    return without(joint, fixed), known
+
+
+def _with_correlations(
+    unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
+) -> tuple[Unknown, ...]:
+    """Unknown inputs, each with its correlations with those that stand before it in the file."""
+    order = {one.path: number for number, one in enumerate(unknown)}
+    matrix, keys = np.eye(len(unknown)), dict[tuple[int, int], str]()
+    stated = [(path, *pair) for path, shape in table.items() for pair in shape.correlated.items()]
+    for path, other, correlation in stated:
+        key = f"unknown.{quoted(path)}.correlated.{quoted(other)}"
+        if other not in table or other == path:
+            hint = did_you_mean(other, [name for name in table if name != path])
+            faults.note(key, f"this is not another input of [unknown]{hint}")
+        elif not {path, other} <= set(order):
+            continue  # one of them is faulty
+        elif unknown[order[other]].kind == "list":
+            problem = "each value of a list is as likely, whatever else is; give a distribution"
+            faults.note(key, problem)
+        else:
+            earlier, later = sorted((order[path], order[other]))
+            is_new = keys.setdefault((later, earlier), key) == key
+            if is_new:
+                matrix[later, earlier] = matrix[earlier, later] = correlation
+            elif (before := matrix[later, earlier]) != correlation:
+                faults.note(key, f"{correlation:g} is {before:g} elsewhere; give it once")
+    if (i := first_unfit(matrix)) is not None:
+        *_, key = (key for (later, _), key in keys.items() if later == i)
+        problem = "the correlations of this input cannot all be; give smaller ones"
+        faults.note(key, f"{problem}, or leave one out")
+    paths = [one.path for one in unknown]
+    return tuple(
+        replace(
+            one, correlated=tuple(pair for pair in zip(paths[:i], row, strict=False) if pair[1])
+        )
+        for i, (one, row) in enumerate(zip(unknown, matrix.tolist(), strict=True))
+    )
+
+
+def _design(
+    inputs: Sequence[Unknown],
+    layers: list[Layer],
+    seed: int,
+    sweep: Sweep,
+) -> Design:
+    """Rule by which samples are drawn."""
+    moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
+    if len(moving) < 2 or not sweep.scene.friction_heat:
+        raise InputError(
+            "sweep.velocities: samples need friction, and two velocities above 0, between which "
+            "each has one; give them"
+        )
+    ends = moving[0], moving[-1]
+    separable = inseparable(sweep.scene, ends) is None
+    pairs = zip(inputs, layers, strict=True)
+    drawn = [(one, layer) for one, layer in pairs if layer != "conditions"]
+    rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
+    if separable and rate and "wear rate" not in layers:
+        unit = Unit("mm³/(N m)", 1e-9)
+        spread = Unknown(SPECIFIC_WEAR_RATE, "log-normal", (rate, _FACTOR), _OF_RATE, unit)
+        drawn.append((spread, "wear rate"))
+    if not separable:
+        drawn = [(one, "contact" if layer != "heat" else layer) for one, layer in drawn]
+    unknown, kinds = tuple(one for one, _ in drawn), tuple(layer for _, layer in drawn)
+    group = samples_per_contact(kinds, rate > 0, separable)
+    return Design(unknown, kinds, ends, seed, group)
+
+
+def _drawn(draw: Draw, count: int, sweep: Sweep, make: Make) -> Variants:
+    """Table of samples of each row of a sweep; raises if one is not a sound scene."""
+    over = sweep.variants
+    table = over * drawn_rows(draw, count)
+    values, _ = draw.design.draw(count)
+    parts = list[Part]()
+    for name, row in itertools.product(over.names, values.tolist()):
+        pairs = zip(draw.design.inputs, row, strict=True)
+        entries = {one.path: _entry(one, value) for one, value in pairs}
+        try:
+            other = make({**written_of(over, name), **entries})
+        except InputError as error:
+            raise InputError(
+                f"unknown: a sample is not a sound scene: {error}; give narrower distributions"
+            ) from error
+        parts.append(tuple(differing_inputs(sweep, other)))
+    return replace(table, parts=tuple(parts))
+
+
+def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
+    """The distribution of one input; raises `UnitError` or `InputError` if it is faulty."""
+    if path.partition(".")[0] in _FIXED or "." not in path:
+        raise InputError(
+            "this cannot be unknown; give an entry of what is simulated or judged, such as "
+            '"wear.specific_wear_rate" or "temperature.critical"'
+        )
+    first, *others = parameters
+    is_text = isinstance(first, str)
+    if kind != "log-normal" and any(isinstance(other, str) != is_text for other in others):
+        raise UnitError(f"{', '.join(map(quoted, parameters))}: give all with a unit, or none")
+    if not is_text:
+        return Unknown(path, kind, tuple(map(float, parameters)))
+    unit = first.strip().partition(" ")[2].strip()
+    if not unit:
+        problem = f"{quoted(first)} is not a number with its unit; only numbers can be unknown"
+        raise UnitError(f'{problem}: give one such as "2 mm", with a space')
+    in_si = {"log-normal": float, "normal": lambda text: difference_in_si(text, first)}
+    convert = in_si.get(kind, lambda text: to_si(text, first))
+    values = to_si(first, first), *map(convert, others)
+    try:
+        zero, one = (to_si(f"{n} {unit}", first) for n in (0, 1))
+    except UnitError as error:
+        problem = f"{quoted(first)} is on a scale of uneven steps; give it in HV, or as a pressure"
+        raise UnitError(problem) from error
+    written = Unit(_SIGNS.get(unit, unit), one - zero, zero)
+    return Unknown(path, kind, values, si_unit(first), written)
+
+
+def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
+    """Layer of a point that an input enters; it is tried out at its ends."""
+    key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
+    changed: set[str] = set()
+    is_heat_alone = True
+    for value, where, instead in _tried(one):
+        try:
+            other = make({one.path: _entry(one, value)})
+        except InputError as error:
+            faults.note(key, f"{where}{error}{instead}")
+            return "conditions"
+        changed |= {name for name, _ in differing_inputs(sweep, other)} - {"sources"}
+        alike = {name for name, _ in differing_inputs(sweep, _with_heat_of(other, sweep))}
+        is_heat_alone &= not alike & _SIMULATED
+        if step_count(other.scene, highest) != step_count(sweep.scene, highest):
+            faults.note(key, "it changes the number of steps, which must stay; give it")
+    if one.path == _SHARE and sweep.conditions.criterion != "share":
+        changed.clear()  # which no other criterion looks at
+    if not changed:
+        faults.note(key, "it changes nothing in this scene; leave it out")
+    elif not changed & _DECISIVE:
+        names = " and ".join(sorted(name.replace("_", " ") for name in changed))
+        problem = f"no temperature or wear depends on it, only the {names}; leave it out"
+        faults.note(key, problem)
+    if not changed & _SIMULATED:
+        # Each sample has a rise of its own share, and of its own corrections.
+        return "conditions" if one.path in _APPLIED else "heat"
+    if one.path == SPECIFIC_WEAR_RATE:
+        return "wear rate"
+    return "heat" if is_heat_alone else "contact"
+
+
+def _with_heat_of(other: Sweep, sweep: Sweep) -> Sweep:
+    """A sweep with the thermal constants of another."""
+
+    def heated(material: Material, like: Material) -> Material:
+        return replace(material, **{name: getattr(like, name) for name in _THERMAL})
+
+    pin = heated(other.scene.pin.material, sweep.scene.pin.material)
+    disk = heated(other.scene.disk, sweep.scene.disk)
+    return other.changed(pin=replace(other.scene.pin, material=pin), disk=disk)
+
+
+def _tried(one: Unknown) -> Iterator[tuple[float, str, str]]:
+    """Values to try an input at; of one that does not fit, where it is met and what else to do."""
+    if one.kind == "list":
+        yield from ((value, "", "") for value in one.parameters)
+        return
+    yield float(one.quantile(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
+    ends = scipy.special.ndtr(np.array([-REACH, REACH]))
+    for value in one.quantile(ends).tolist():
+        where = f"reaches {_written(one, value)} in the outermost samples: "
+        yield value, where, "; or a narrower distribution, or one with median and factor"

@@ -1,0 +1,315 @@
+"""The field of samples: its members are draws of the unknown inputs, by an emulator."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.special import ndtr
+
+from pipeline.analysis.dataset import taken_entries
+from pipeline.analysis.field import LEAST_SLOPE, Here
+from pipeline.analysis.margin_error import RiseError, error_of_point
+from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.scenes import scenes
+from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Turns
+from pipeline.cli.output import counted
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.samples import JUDGED
+from pipeline.uncertain.answers import STEPS, draws_of
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.ensemble import keep_fits as keep_fits
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws
+from pipeline.uncertain.posterior import Posterior
+from pipeline.uncertain.weigh import basis_of as basis_of
+from pipeline.uncertain.weigh import posterior_at
+from tribo import InputError
+from tribo.types import Array
+
+_FAR = 3.0  # logarithm of the ratio to which a line goes on beyond the velocities of the samples
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InferredScatter:
+    """Scatter of runs as tests leave it, jointly with the inputs."""
+
+    scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
+    by_draw: Array  # probability of each by draw, (n, n_scatter)
+    worded: str
+
+    def below(self, distances: Array) -> Array:
+        """See `pipeline.analysis.model_error.Scatter`; of all draws together."""
+        odds = self.by_draw.mean(axis=0)
+        return np.asarray(
+            sum(p * ndtr(distances / s) for p, s in zip(odds, self.scatters, strict=True))
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SampleField:
+    """See `pipeline.analysis.field.Field`."""
+
+    ensemble: Ensemble
+    draws: Draws
+    source: xr.Dataset
+    posterior: Posterior | None = None
+    rig: Array | None = None  # scatter of friction between tests by draw (n,)
+    entries: Mapping[str, Any] = field(default_factory=dict)
+    shown: Mapping[str, Any] = field(default_factory=dict)
+    place: tuple[float, float] | None = None
+
+    @property
+    def weights(self) -> Array:
+        """See `Field`."""
+        return self.draws.weights
+
+    @property
+    def conditions(self) -> Conditions:
+        """See `Field`."""
+        return self.ensemble.conditions
+
+    @property
+    def misfit(self) -> str:
+        """See `Field`."""
+        return self.draws.misfit
+
+    @property
+    def ends(self) -> Mapping[str, tuple[float, float]]:
+        """See `Field`."""
+        loads = self.ensemble.loads
+        return {"load": (loads[0], loads[-1]), "velocity": self.ensemble.velocities}
+
+    @property
+    def scatter(self) -> Scatter | None:
+        """Scatter of runs that the tests have told; None without tests."""
+        if self.posterior is None or self.draws.scatters is None or self.draws.by_scatter is None:
+            return None
+        low, middle, high = (100 * one for one in self.posterior.inferred_scatter)
+        worded = (
+            f"± {middle:.2g} % in velocity ({low:.2g} to {high:.2g} %), inferred from the tests"
+        )
+        return InferredScatter(self.draws.scatters, self.draws.by_scatter, worded)
+
+    @property
+    def given_draws(self) -> Draws | None:
+        """Draws that the tests leave; None for those of the inputs as the scene has them."""
+        return self.posterior.draws if self.posterior else None
+
+    @property
+    def basis(self) -> tuple[dict[str, Any], list[str]]:
+        """See `Field`."""
+        ensemble = self.ensemble
+        document = {
+            "given_measured": self.posterior is not None,
+            "misfit": self.posterior.misfit if self.posterior else "",
+            "samples": len(ensemble.inputs),
+            "samples_left_out": ensemble.missing,
+            "unknown": [one.as_dict() for one in ensemble.unknown],
+            "fixed": {one.unknown.path: one.value for one in ensemble.fixed},
+            "left_out_held": ensemble.left_out.held,
+            "left_out_contacts": ensemble.left_out.contacts,
+        }
+        return document, [*self._notes()]
+
+    def _notes(self) -> Iterator[str]:
+        ensemble, weighed = self.ensemble, self.posterior
+        if weighed and weighed.misfit:
+            yield f"warning: {weighed.misfit}"
+        basis = "as the scene assumes them"
+        if weighed:
+            basis = f"given {weighed.evidence}, {weighed.scatter_words}"
+        yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
+        yield from (f"  {one}" for one in ensemble.fixed)
+        if weighed:
+            yield weighed.draws_words
+        if ensemble.velocity_error is None:
+            yield "  the error of the samples' fidelity is not known, and not counted"
+        if ensemble.missing:
+            yield f"  {ensemble.missing} samples are left out: not done at every load"
+        yield f"  {_describe_left_out(ensemble)}"
+
+    def judged_by(self, own: Mapping[str, float]) -> SampleField:
+        """See `Field`; an `InputError` where tests have weighed the conditions."""
+        if not own:
+            return self
+        if self.posterior:
+            raise InputError(
+                f"the tests weigh the conditions as they were drawn: leave out {', '.join(own)}"
+            )
+        ensemble = self.ensemble.judged_by(own)
+        return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))
+
+    def temperatures(self, load: float, velocity: float) -> Here:
+        """See `Field`."""
+        ensemble, inputs = self.ensemble, self.draws.inputs
+        excess = ensemble.excess(inputs, load, velocity).with_chance(ensemble.design.seed)
+        friction, bulk, critical = (
+            ensemble.values(path, inputs) for path in (FRICTION, BULK, CRITICAL)
+        )
+        rise = friction * np.exp(excess + ensemble.log_limit(inputs))
+        return Here(bulk + rise, excess > 0, critical, False, False)
+
+    def error(self, load: float, velocity: float) -> RiseError:
+        """See `Field`: that of the preset."""
+        return error_of_point(0, 1.0, self.ensemble.velocity_error)
+
+    def turns(self, axis: str, load: float, velocity: float) -> Turns:
+        """See `Field`."""
+        if axis == "velocity":
+            x, lines = self._lines(load)
+            here, ends = velocity, self.ensemble.velocities
+        else:
+            loads = self.ensemble.loads
+            ends, here = (float(loads[0]), float(loads[-1])), load
+            if len(loads) == 1:
+                unknown = np.full(len(self.weights), math.nan)
+                return Turns(unknown, np.full(len(unknown), MILD), ends, 0)
+            x = np.log(np.geomspace(*ends, STEPS))
+            excess = self.ensemble.excess(self.draws.inputs, np.exp(x), velocity)
+            lines = self._by_chance(excess.with_chance(self.ensemble.design.seed))
+        turns, places = _crossings(x, lines)
+        apart = np.where(turns != 0, np.abs(places - math.log(here)), math.inf)
+        nearest = np.take_along_axis(places, apart.argmin(axis=1)[:, None], axis=1)[:, 0]
+        count = (turns != 0).sum(axis=1)
+        is_severe = lines[:, 0] > 0
+        outcome = np.where(count == 0, np.where(is_severe, SEVERE, MILD), CROSSES)
+        outcome = np.where((count > 1) | ((count == 1) & is_severe), SEVERAL, outcome)
+        none = np.where(is_severe, 0.0, math.inf)
+        return Turns(np.where(count > 0, np.exp(nearest), none), outcome, ends, 0)
+
+    def probability(
+        self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
+    ) -> Array:
+        """See `Field`: of each draw by the places at which its wear turns."""
+        x, lines = self._lines(load)
+        slopes = [
+            (lines[:, 1] - lines[:, 0]) / (x[1] - x[0]),
+            (lines[:, -1] - lines[:, -2]) / (x[-1] - x[-2]),
+        ]
+        low, high = (np.maximum(slope, LEAST_SLOPE) * _FAR for slope in slopes)
+        far = np.column_stack([lines[:, 0] - low, lines, lines[:, -1] + high]) + shift
+        turns, places = _crossings(np.array([x[0] - _FAR, *x, x[-1] + _FAR]), far)
+        rows, columns = np.nonzero(turns)
+        begins = float(self.weights @ (far[:, 0] > 0))
+        signs, at = turns[rows, columns], places[rows, columns]
+        result = np.full(len(velocities), begins)
+        for part, weights in self._parts(scatter):
+            weight = weights[rows] * signs
+            # On a grid, since draws are many.
+            grid = np.linspace(x[0] - _FAR, x[-1] + _FAR, _GRID)
+            step = grid[1] - grid[0]
+            k = np.clip(((at - grid[0]) / step).astype(int), 0, _GRID - 2)
+            share = (at - grid[k]) / step
+            held = np.bincount(k, weight * (1 - share), _GRID)
+            held += np.bincount(k + 1, weight * share, _GRID)
+            (some,) = np.nonzero(held)
+            apart = grid[some] - np.log(velocities)[:, None]
+            far = max(-apart.min(), apart.max(), step)
+            table = np.linspace(-far, far, _GRID)
+            result += (1 - np.interp(apart, table, part.below(table))) @ held[some]
+        return np.asarray(np.clip(result, 0.0, 1.0))
+
+    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
+        """Probability that the next run is severe, by load and velocity."""
+        self._keep(loads)  # at once, in place of one by one
+        return np.array([self.probability(load, velocities, scatter) for load in loads])
+
+    def _parts(self, scatter: Scatter) -> list[tuple[Any, Array]]:
+        """Distributions of the next run, each with the weights of the draws that have it."""
+        if not isinstance(scatter, InferredScatter):
+            return [(scatter, self.weights)]
+        pairs = zip(scatter.scatters.tolist(), scatter.by_draw.T, strict=True)
+        return [(_Normal(sd), self.weights * odds) for sd, odds in pairs]
+
+    @functools.cached_property
+    def _kept(self) -> dict[float, tuple[Array, Array]]:
+        return {}
+
+    def _lines(self, load: float) -> tuple[Array, Array]:
+        """Logarithms of velocities, and the excess of the next run by draw (n, m)."""
+        if load not in self._kept:
+            self._keep([load])
+        return self._kept[load]
+
+    def _keep(self, loads: Sequence[float]) -> None:
+        """Find the lines at some loads, which takes hardly longer than at one of them."""
+        velocities = np.geomspace(*self.ensemble.velocities, STEPS)
+        excess = self.ensemble.excess(self.draws.inputs, loads, velocities)
+        lines = excess.with_chance(self.ensemble.design.seed)
+        if len(self._kept) > _MOST_KEPT:
+            self._kept.clear()
+        for number, load in enumerate(loads):
+            self._kept[load] = np.log(velocities), self._by_chance(lines[:, number])
+
+    def _by_chance(self, lines: Array) -> Array:
+        """Excess by draw with the friction that the next run has by chance."""
+        if self.rig is None:
+            return lines
+        chance = np.random.default_rng(self.ensemble.design.seed + 1).standard_normal(len(lines))
+        return lines + (self.rig * chance)[:, None]
+
+
+_GRID = 4001
+_MOST_KEPT = 64  # loads, of 1.3 MB each
+
+
+@dataclass(frozen=True, slots=True)
+class _Normal:
+    sd: float
+
+    def below(self, distances: Array) -> Array:
+        return np.asarray(ndtr(distances / self.sd))
+
+
+def _crossings(x: Array, lines: Array) -> tuple[Array, Array]:
+    """Signs of turns between values of an axis (+1 to severe wear), and places, each (n, m - 1)."""
+    is_severe = lines > 0
+    turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]
+    rises = lines[:, 1:] - lines[:, :-1]
+    share = -lines[:, :-1] / np.where(turns != 0, rises, 1.0)
+    return turns, x[:-1] + np.clip(share, 0.0, 1.0) * np.diff(x)
+
+
+def single_field(ds: xr.Dataset) -> SampleField:
+    """The field of a sweep of samples of one scene; an `InputError` if it has several."""
+    return _field(ds)
+
+
+def fields(ds: xr.Dataset) -> list[SampleField]:
+    """The field of each scene of a sweep of samples."""
+    return [_field(scene) for scene in scenes(ds)]
+
+
+def _field(scene: xr.Dataset) -> SampleField:
+    ensemble = Ensemble.of(scene)
+    weighed = posterior_at(scene, ensemble)
+    coords = {str(name): label for name, label in scene.coords.items()}
+    shown = {name: label.item() for name, label in coords.items() if not label.ndim}
+    rig = None
+    if weighed and weighed.rigs[0] is not None:
+        rig = weighed.draws.inputs[:, weighed.rigs[0][1]]
+    draws = draws_of(ensemble, weighed.draws if weighed else None)
+    if weighed:
+        draws = replace(draws, scatters=weighed.draws.scatters, by_scatter=weighed.draws.by_scatter)
+    return SampleField(ensemble, draws, scene, weighed, rig, taken_entries(scene), shown)
+
+
+def _describe_left_out(ensemble: Ensemble) -> str:
+    """How samples that are left out lie in the bands of the others, in words."""
+    left_out, count = ensemble.left_out, len(ensemble.inputs)
+    held = (
+        f"of places left out the 90 % bands hold {100 * left_out.held:.0f} ± "
+        f"{100 * left_out.error:.0f} %"
+    )
+    if not left_out.is_known:
+        contacts = counted(left_out.contacts, "contact", "contacts")
+        return f"{count} samples may not suffice: {held}, by {contacts} where {JUDGED} tell enough"
+    if not left_out.is_right:
+        return f"{count} samples may not suffice: {held}, not 85 to 95 %"
+    suffice = " suffice" if count == ensemble.design.sufficient else ""
+    return f"{count} samples{suffice}: {held}"

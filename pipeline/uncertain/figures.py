@@ -1,0 +1,273 @@
+"""Figures of what is not known exactly: probabilities, their causes, inputs, limits of a design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pipeline.analysis.laboratory import laboratory_tests, model_error
+from pipeline.figures import style
+from pipeline.figures.overlays import mark_tests
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.design import Limit
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.fields import single_field
+from pipeline.uncertain.inputs import QUANTILES
+from pipeline.uncertain.posterior import Judged, Posterior
+from pipeline.uncertain.sensitivity import Sensitivity
+
+_COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
+_BINS = 40
+
+
+_LOADS, _VELOCITIES = 45, 121  # of the plane that is drawn
+
+
+@style.in_house_style
+def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
+    """Draw the probability over the plane that the next run is severe."""
+    field = single_field(ds)
+    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
+    figure, axes = style.canvas(None, (7.2, 5.4))
+    x = np.linspace(*ensemble.velocities, _VELOCITIES)
+    y = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
+    p = field.plane(y.tolist(), x, scatter)
+    (low, high), levels = style.PALE, np.linspace(0, 1, 21)
+    filled = axes.contourf(x, y, p, levels, cmap=style.RISK_COLOURS, vmin=low, vmax=high)
+    axes.grid(visible=False)
+    lines = axes.contour(
+        x, y, p, levels=QUANTILES, colors=BLACK, linewidths=(1.0, 1.8, 1.0),
+        linestyles=("dashed", "solid", "dashed"),
+    )  # fmt: skip
+    axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
+    bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
+    bar.set_label("probability that the next run is severe")
+    axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
+    tests = laboratory_tests(ds)
+    (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
+    if columns.size:  # where anything is uncertain at some load, and a little more
+        left, right = x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)]
+        tested = [test.velocity for test in tests if x[0] <= test.velocity <= x[-1]]
+        axes.set_xlim(min(left, *tested, right), max(right, *tested, left))
+    bulk = ensemble.conditions.bulk_temperature
+    (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    inside = [
+        test for test in tests if low <= test.velocity <= high and bottom <= test.normal_load <= top
+    ]
+    mark_tests(axes, inside, bulk, bulk)
+    if left_out := len(tests) - len(inside):
+        beyond = "test lies" if left_out == 1 else "tests lie"
+        axes.plot([], [], ls="none", label=f"{left_out} {beyond} beyond the figure")
+    if log:
+        axes.set(xscale="log", yscale="log")
+        style.plain_numbers(axes)
+    basis = "inputs as assumed, before any measurement"
+    if weighed:
+        basis = f"given {weighed.evidence}"
+        if weighed.misfit:
+            basis += ", which the model does not fit"
+    basis = "; ".join([basis, *map(str, ensemble.fixed)])
+    axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)
+    title = f"the model's own error: {scatter.worded}"
+    style.legend_below(figure, None, ncols=2, title=title, title_fontsize=9.5)
+    return figure
+
+
+@style.in_house_style
+def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
+    """Draw the Sobol' indices of the critical velocity by load.
+
+    Parameters
+    ----------
+    sensitivity : Sensitivity
+        Result of `pipeline.sensitivity`.
+    title : str
+        Title of the scene.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> figure = pipeline.draw_sensitivity(pipeline.sensitivity(ensemble), "A scene")
+    """
+    figure, axes = style.canvas(None, (7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
+    order = np.argsort(sensitivity.first.mean(axis=0))
+    has_total = np.isfinite(sensitivity.total).all()
+    number = len(sensitivity.loads)
+    height = 0.8 / number
+    for i, load in enumerate(sensitivity.loads):
+        positions = np.arange(len(order)) + ((number - 1) / 2 - i) * height
+        values = sensitivity.first[i, order]
+        low, high = sensitivity.first_interval[:, i, order]
+        axes.barh(
+            positions, values, 0.9 * height, color=_COLOURS[i % len(_COLOURS)], alpha=0.85,
+            label=f"{load:g} N, ± {100 * sensitivity.spread[i]:.2g} %",
+            xerr=np.maximum([values - low, high - values], 0.0),
+            error_kw={"ecolor": BLACK, "elinewidth": 0.8, "capsize": 2},
+        )  # fmt: skip
+        if has_total:
+            total = sensitivity.total[i, order]
+            axes.plot(total, positions, ls="none", marker="|", ms=8, mew=1.4, color=BLACK)
+    axes.set_yticks(
+        range(len(order)), [style.entry_label(sensitivity.unknown[k].path) for k in order]
+    )
+    axes.grid(visible=False, axis="y")
+    axes.set_xlim(left=0.0)
+    label = "share of the variance\nof the critical velocity"
+    label += ",\ngiven the measurements" if sensitivity.given_measured else ""
+    bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
+    axes.set_xlabel(f"{label}\n{bars}")
+    figure.suptitle(style.as_text(title), wrap=True)
+    figure.legend(
+        loc="outside lower center", ncols=min(number, 4), title="load, spread of velocity"
+    )
+    return figure
+
+
+@style.in_house_style
+def draw_posterior(posterior: Posterior) -> Figure:
+    """Draw the inputs before and after they were measured by, and measured beside computed.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        Result of `pipeline.posterior`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> figure = pipeline.draw_posterior(pipeline.posterior(ensemble))
+    """
+    unknown = posterior.unknown
+    transitions = [judged for judged in posterior.judged if "outcome" not in judged.test]
+    panels = len(unknown) + bool(transitions)
+    columns = min(3, panels)
+    rows = -(-panels // columns)
+    figure = style.Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
+    axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
+    for number, (quantity, panel) in enumerate(zip(unknown, axes, strict=False)):
+        values = quantity.shown.of(posterior.prior.inputs[:, number])
+        low, high = (posterior.prior.quantile(values, share) for share in (0.001, 0.999))
+        bins = np.linspace(low, high, _BINS)
+        if quantity.kind == "list":
+            listed = np.sort(quantity.shown.of(np.array(quantity.parameters)))
+            middles = (listed[1:] + listed[:-1]) / 2
+            bins = np.array([2 * listed[0] - middles[0], *middles, 2 * listed[-1] - middles[-1]])
+        for draws, colour, label in (
+            (posterior.prior, GREY, "before the measurements"),
+            (posterior.draws, BLUE, "after them"),
+        ):
+            panel.hist(
+                quantity.shown.of(draws.inputs[:, number]), bins.tolist(),
+                weights=draws.weights, density=True, histtype="stepfilled", color=colour,
+                alpha=0.45, ec=colour, label=label,
+            )  # fmt: skip
+        unit = style.as_text(quantity.shown.suffix).replace("^2", "²").replace("^3", "³")
+        label = style.entry_label(quantity.path) + (unit and f"\n[{unit.strip()}]")
+        panel.set_xlabel(label, fontsize=9)
+        panel.ticklabel_format(axis="x", scilimits=(-3, 3), useMathText=True)
+        panel.set_yticks([])
+        panel.grid(visible=False)
+    if transitions:
+        _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
+    for panel in axes[panels:]:
+        panel.set_axis_off()
+    titles = (style.as_text(one.title) for one in posterior.ensembles)
+    figure.suptitle("\n".join(titles), wrap=True)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
+    """Measured velocities beside those computed, with what 90 % of the draws give."""
+    tests = [judged.test for judged in transitions]
+    measured = np.array([test["velocity"] for test in tests])
+    scatter = [test.get("velocity_scatter", inferred * test["velocity"]) for test in tests]
+    low, middle, high = np.array([judged.critical_velocity for judged in transitions]).T
+    ends = np.array([0.9 * min(measured.min(), low.min()), 1.1 * max(measured.max(), high.max())])
+    axes.plot(ends, ends, color=GREY, lw=1.0)
+    axes.errorbar(
+        measured, middle, [middle - low, high - middle], scatter, ls="none",
+        marker="D", ms=4.5, color=VERMILION, elinewidth=1.0,
+    )  # fmt: skip
+    for entry, velocity in zip(tests, middle, strict=True):
+        is_above = velocity > entry["velocity"]  # the line of equal velocities
+        axes.annotate(
+            f"{entry['normal_load']:g} N", (entry["velocity"], velocity),
+            (-6, 5) if is_above else (6, -10), ha="right" if is_above else "left",
+            textcoords="offset points", fontsize=8, color=GREY,
+        )  # fmt: skip
+    axes.set_xlabel("measured velocity, its scatter [m/s]", fontsize=9)
+    axes.set_ylabel("computed, 90 % interval [m/s]", fontsize=9)
+
+
+_LEAST_RISK = 1e-5  # probability that is drawn
+
+
+@style.in_house_style
+def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: Ensemble) -> Figure:
+    """Draw the probability over an entry with its limit, or limits over another entry.
+
+    Parameters
+    ----------
+    limits : sequence of (mapping, Limit)
+        Values of another entry by its path, if there is one, and the limit there.
+    ensemble : Ensemble
+        Samples of the sweep.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> from dataclasses import replace
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
+    >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
+    >>> goal = pipeline.Goal([(400.0, 2.2)], risk=0.05)
+    >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
+    >>> figure = pipeline.draw_design([({}, limit)], ensemble)
+    """
+    figure, axes = style.canvas(None, (7.2, 4.8))
+    limit = limits[0][1]
+    goal, shown = limit.goal, limit.entry.shown
+    if not limits[0][0]:
+        values = shown.of(np.array(limit.values))
+        percent = 100 * np.maximum(limit.probabilities, _LEAST_RISK)
+        axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
+        axes.axhline(100 * goal.risk, color=GREY, lw=1.0, label=f"goal, {100 * goal.risk:g} %")
+        if limit.value is not None and limit.interval is not None:
+            ends = [shown.of(end) for end in limit.interval]
+            axes.axvline(shown.of(limit.value), color=VERMILION, label="limit")
+            axes.axvspan(*ends, color=VERMILION, alpha=0.15, label="90 % interval of the limit")
+        style.plain_numbers(axes, "y")
+        axes.legend()
+        axes.set_xlabel(_label(limit.entry))
+        less = f"less than {goal.margin:g} K below the critical" if goal.margin else "severe wear"
+        axes.set_ylabel(f"probability of {less} [%]")
+    else:
+        (path,) = limits[0][0]
+        (other,) = (one for one in ensemble.unknown if one.path == path)
+        found = [(at[path], one.value) for at, one in limits if one.value is not None]
+        x, y = np.array(found).reshape(-1, 2).T
+        axes.plot(other.shown.of(x), shown.of(y), "o-", color=VERMILION)
+        axes.set(xlim=[other.shown.of(end) for end in other.parameters], xlabel=_label(other))
+        axes.set(ylim=[shown.of(end) for end in limit.entry.parameters])
+        side = next((one.side for _, one in limits if one.value is not None), "no value")
+        axes.set_ylabel(f"{_label(limit.entry)}, {side}")
+    place = limit.binding
+    axes.set_title(
+        f"{style.as_text(ensemble.title)}\n{place.load:g} N at {place.velocity:g} m/s, "
+        f"{100 * goal.risk:g} % at most",
+        wrap=True,
+    )
+    return figure
+
+
+def _label(entry: Unknown) -> str:
+    unit = "" if entry.shown.name == "1" else f" [{style.as_text(entry.shown.name)}]"
+    return f"{style.entry_label(entry.path)}{unit}"

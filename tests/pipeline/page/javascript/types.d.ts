@@ -1,0 +1,151 @@
+// What Python hands to the scripts of a page, and what they hand to each other.
+
+/** Temperatures in kelvin; that of the disk's bulk only where it may differ from the pin's. */
+type Conditions = {
+  friction: number;
+  bulk_temperature: number;
+  disk_temperature?: number;
+  critical_temperature: number | null;
+  failing_share: number;
+  criterion?: string;
+  /** Measured at a place, and does not follow the scene's over velocity. */
+  at_one_friction?: boolean;
+};
+
+type ControlName =
+  | "friction"
+  | "bulk_temperature"
+  | "disk_temperature"
+  | "critical_temperature"
+  | "failing_share";
+
+type Control = {
+  name: ControlName;
+  factor: number;
+  offset: number;
+  least: number | null;
+  most: number | null;
+  fault: string;
+};
+
+type Measurement = {
+  load: number;
+  velocity: number;
+  friction: number | null;
+  bulk_temperature?: number;
+  outcome?: "mild" | "severe";
+};
+
+/** Highest pressure, lowest and highest rise, greatest depth, and the three pictures. */
+type Packed = [number, number, number, number, string, string, string];
+type Fields = {
+  points: { [place: string]: Packed };
+  stored: number;
+  scales: string[];
+  note: string;
+  aspect: number;
+};
+
+type AxisName = "velocity" | "load";
+/** Least and greatest place that a transition may have. */
+type Ends = [number, number];
+
+/** Result of pipeline.page.content.content. */
+type Content = {
+  title: string;
+  name: string;
+  conditions: Conditions;
+  scene: Conditions;
+  controls: Control[];
+  measured: Measurement[];
+  chosen: boolean;
+  loads: number[];
+  velocities: number[];
+  fine: { velocity: number[]; load: number[] };
+  parts: { velocity: number; load: number };
+  first: number;
+  friction_factors: number[];
+  plane: string;
+  columns: string;
+  state: string;
+  errors: string;
+  missing: number[];
+  model: Model;
+  misfit: string;
+  decided: number[];
+  quantiles: number[];
+  bulk_ratios: number[];
+  shares: number[];
+  surfaces: number[] | null;
+  status: string;
+  asked: string;
+  times: string;
+  rises: string;
+  numbers: { label: string; unit: string; values: string }[];
+  course: { steps: number; loads: string; rises: string; own: string };
+  deciding: string;
+  outcomes: { velocity: string[]; load: string[] };
+  range: { velocity: Ends; load: Ends };
+  messages: { [place: string]: string };
+  fields: Fields;
+  friction_band: Ends | null;
+  regions: [string, string];
+};
+
+/**
+ * Distribution of the model's own error by the number of tests that count: cumulative probability at
+ * distances in units of its scale, whose square is a base and a weight times that of each residual.
+ */
+type Model = {
+  distances: number[];
+  below: number[][];
+  base: number[];
+  weight: number[];
+  words: string[];
+};
+
+/** Result of pipeline.page.content.content_of_samples, by load and velocity or probability. */
+type Samples = {
+  name: string;
+  measured: Measurement[];
+  loads: number[];
+  velocities: number[];
+  probability: string;
+  picture: string;
+  shares: number[];
+  lines: number[][];
+};
+
+/** Places at which wear turns, of which the first is to mild wear if it begins hot. */
+type Transition = {
+  places: number[];
+  isHot: boolean;
+  outcome: number;
+  computed: Ends;
+  ends: Ends;
+};
+
+/** Quantiles over several surfaces; of one, the first place at which wear turns severe. */
+type Summary = { low: number; middle: number; high: number; transitions: Transition[] };
+
+/** Temperatures in kelvin, of which each quantile of the contact stays below one. */
+type Verdict = {
+  place: number;
+  decisive: number;
+  failed: number;
+  isSevere: boolean;
+  temperatures: number[];
+};
+
+/** Places of values [px], and values at places. */
+type Frame = {
+  x: (value: number) => number;
+  y: (value: number) => number;
+  left: number;
+  right: number;
+  top: number;
+  bottom: number;
+  velocity: (across: number) => number;
+  load: (down: number) => number;
+};
+type Axis = { low: number; high: number; label: string };

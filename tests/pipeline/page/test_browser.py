@@ -1,0 +1,287 @@
+"""The use of the page in a browser."""
+
+import csv
+import io
+import json
+import re
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+import xarray as xr
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
+
+import pipeline
+from pipeline.analysis.field import fields
+from pipeline.analysis.laboratory import agreement, compared, model_error
+from pipeline.analysis.margin import answer, percent
+from pipeline.analysis.transition import ABOVE, MILD
+from pipeline.sweep.variants import Column, Variants
+from tests.helpers import samples, synthetic
+from tests.helpers.browser import chromium
+from tests.pipeline.page import sweeps
+from tests.pipeline.page.sweeps import column, same
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as driver:
+        yield driver
+
+
+@pytest.fixture
+def page(browser, tmp_path):
+    """Open the page of a sweep; nothing is reported or asked for while a test uses it."""
+
+    def opened(ds, **options):
+        path = pipeline.explore(ds, tmp_path / "page.html", **options).path
+        browser.get_log("performance")
+        browser.get(path.as_uri())
+        return browser
+
+    yield opened
+    assert browser.get_log("browser") == []
+    messages = (json.loads(entry["message"]) for entry in browser.get_log("performance"))
+    sent = [
+        message["message"]["params"]["request"]["url"]
+        for message in messages
+        if message["message"]["method"] == "Network.requestWillBeSent"
+    ]
+    assert not [url for url in sent if url.startswith(("http:", "https:", "ws:", "wss:"))]
+
+
+def rows(link):
+    text = unquote(link.removeprefix("data:text/csv;charset=utf-8,"))
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def critical_velocities(driver):
+    link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
+    return column(rows(link), "critical velocity [m/s]")
+
+
+def test_the_median_goes_on_where_one_surface_has_no_boundary(page):
+    ds = sweeps.searched_surfaces()
+    crossings = pipeline.boundary(ds)
+    assert np.isin(crossings["outcome_at_load"].sel(load=200.0), (MILD, ABOVE)).sum() == 2
+    assert crossings["known_at_load"].sel(load=750.0) == 4
+    drawn = """
+    const { x, y, width, height } = document.querySelector("#diagram path.boundary").getBBox();
+    const [first, last] = arguments;
+    return [[x, diagram.frame.x(first)], [y, diagram.frame.y(750)],
+            [x + width, diagram.frame.x(last)]];
+    """
+    median = crossings["critical_velocity_quantile"].sel(quantile=0.5)
+    first, last = float(median.sel(load=750.0)), float(median.max())
+    *ends, (right, last_median) = page(ds).execute_script(drawn, first, last)
+    for place, expected in ends:
+        assert place == pytest.approx(expected, abs=2.0)  # half of four surfaces, node by node
+    # Between the last load with a median and the next, it is known in part.
+    assert right > last_median - 0.1
+
+
+def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_text(page):
+    conditions = {
+        "friction": 0.1012345678,
+        "bulk_temperature": 311.987654,
+        "critical_temperature": 421.123456,
+        "failing_share": 0.0987654,
+    }
+    message = "<b>contact</b> touches </script> the edge & more"
+    ds = sweeps.one(conditions=conditions, status={})
+    ds["message"][2, 3] = message
+    driver = page(ds)
+    initial = driver.execute_script("return chosen.conditions")
+    assert initial == conditions | {"criterion": "share"}
+    same(critical_velocities(driver), pipeline.boundary(ds)["critical_velocity"])
+    driver.execute_script("choosePoint(2, 3)")
+    assert message in driver.find_element(By.ID, "point").text
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram circle.ring")) == 1
+    assert driver.find_element(By.ID, "sign-warned").is_displayed()
+
+
+def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
+    driver = page(synthetic.sweep())
+    before, unchanged = driver.execute_script("return chosen.conditions"), table(driver)
+    field = typed(driver, "friction", "0.12")
+    expected = synthetic.critical_velocity(750.0, synthetic.limit(friction=0.12))
+    assert table(driver)[-1] == f"750 {expected:.4g} crosses"
+    driver.find_element(By.ID, "friction-range").send_keys(Keys.ARROW_RIGHT)
+    assert field.get_attribute("value") == "0.121"
+    driver.find_element(By.ID, "reset").click()
+    assert field.get_attribute("value") == "0.1"
+    for text in ("20", ""):
+        field = typed(driver, "critical_temperature", text)
+        assert field.get_attribute("aria-invalid") == "true"
+        assert driver.find_element(By.ID, "critical_temperature-fault").text
+    driver.find_element(By.ID, "reset").click()
+    assert field.get_attribute("aria-invalid") == "false"
+    assert table(driver) == unchanged
+    field = driver.find_element(By.ID, "friction")
+    driver.execute_script("arguments[0].select()", field)
+    field.send_keys("0,12")
+    assert not driver.find_element(By.ID, "friction-fault").text
+    assert driver.execute_script("return chosen.conditions") == before | {"friction": 0.12}
+    field.send_keys("x")
+    assert driver.find_element(By.ID, "friction-fault").text == "give a number such as 0.12"
+    assert "keeps to on most scenes" in driver.find_element(By.ID, "accuracy").text
+    typed(driver, "friction", "0.9")
+    said = "No transition at any load: severe throughout."
+    assert driver.find_element(By.ID, "summary").text == said
+
+
+def typed(driver, name, text):
+    field = driver.find_element(By.ID, name)
+    field.clear()
+    field.send_keys(text)
+    return field
+
+
+def table(driver):
+    return [row.text for row in driver.find_elements(By.CSS_SELECTOR, "#velocities tbody tr")]
+
+
+def test_points_are_reached_by_keyboard_and_show_their_fields(page):
+    driver = page(synthetic.sweep(fields=True))
+    (stop,) = driver.find_elements(By.CSS_SELECTOR, "#diagram [tabindex='0']")
+    driver.execute_script("arguments[0].focus()", stop)
+    tip = driver.find_element(By.ID, "tip")
+    assert tip.get_attribute("role") == "status"  # so that it is read aloud
+    i, j = len(synthetic.LOADS) // 2, len(synthetic.VELOCITIES) // 2
+    assert tip.text.startswith(f"{synthetic.LOADS[i]:g} N, {synthetic.VELOCITIES[j]:g} m/s\nwear: ")
+    stop.send_keys(Keys.ARROW_UP, Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    name = f"{synthetic.LOADS[i + 1]:g} N, {synthetic.VELOCITIES[j - 2]:g} m/s"
+    assert tip.text.startswith(f"{name}\nwear: ")
+    stop.send_keys(Keys.ENTER)
+    assert driver.find_element(By.CSS_SELECTOR, "#point h3").text == name
+    assert "max" not in driver.find_element(By.ID, "distribution-caption").text
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#distribution path.curve")) == 1
+    drawn = """
+    const done = arguments[arguments.length - 1];
+    setTimeout(() => done([...document.querySelectorAll("#fields img")].map((each) => {
+      const canvas = document.createElement("canvas");
+      [canvas.width, canvas.height] = [each.naturalWidth, each.naturalHeight];
+      const context = canvas.getContext("2d");
+      context.drawImage(each, 0, 0);
+      const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+      return [canvas.width, canvas.height, new Set(data).size];
+    })), 300);
+    """
+    pictures = driver.execute_async_script(drawn)
+    assert [size[:2] for size in pictures[::2]] == [[48, 36]] * 3
+    assert all(colours > 20 for *_, colours in pictures)
+
+
+def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch):
+    samples.fewer_draws(monkeypatch)
+    measured = ({"normal_load": 400.0, "velocity": 2.0, "friction": None},)
+    ds = samples.dataset(samples.ensemble(tests=measured))
+    ds = ds.assign(status=(("variant", "load"), np.ones((ds.sizes["variant"], ds.sizes["load"]))))
+    (field,) = fields(ds)
+    loads, scatter = field.ensemble.loads, model_error(ds, field)
+    load = float(loads.mean())
+    grid = np.linspace(*field.ensemble.velocities, 200)
+    half = float(np.interp(0.5, field.probability(load, grid, scatter), grid))
+    driver = page(ds)
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram image, #diagram .boundary")) == 2
+    for velocity in (0.8 * half, half):
+        expected = field.probability(load, np.array([velocity]), scatter)[0]
+        place = f"return [probabilityAt({load}, {velocity}), judge({load}, {velocity})][0]"
+        assert driver.execute_script(place) == pytest.approx(expected, abs=0.01)
+        text = driver.find_element(By.ID, "margin").text
+        assert "probability of severe wear" in text
+        (said,) = re.findall(r"50 % at this load (\S+) m/s", text)
+        assert float(said) == pytest.approx(half, rel=0.01)
+    driver.execute_script(
+        f"showTip(axes(400, 300, {{low: 0, high: 9}}, {{low: 0, high: 900}}).frame, {load}, 2)"
+    )
+    assert "severe with a probability of" in driver.find_element(By.ID, "tip").text
+    driver.find_element(By.ID, "at-load").send_keys("1")
+    driver.find_element(By.ID, "at-velocity").send_keys("1")
+    assert "Outside the sweep" in driver.find_element(By.ID, "margin").text
+    link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
+    assert len(rows(link)) == len(loads)
+
+
+def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
+    radii = [1e-3, 2e-3]
+    texts = tuple(f"{1e3 * radius:g} mm" for radius in radii)
+    parts = tuple((("pin.radius", radius),) for radius in radii)
+    table = Variants((Column("pin.radius", tuple(radii), "m", texts=texts),), parts)
+    ds = xr.concat(
+        [synthetic.sweep(rise=sweeps.uneven(seed), variants=table) for seed in range(2)],
+        xr.DataArray(radii, dims="pin.radius", name="pin.radius", attrs={"units": "m"}),
+        combine_attrs="override",
+    )
+    driver = page(ds)
+    for number, radius in enumerate(radii):
+        there = pipeline.at(ds, **{"pin.radius": radius})
+        if number:
+            typed(driver, "friction", "0.12")
+            Select(driver.find_element(By.ID, "scene")).select_by_visible_text("pin.radius 2 mm")
+        conditions = {"friction": 0.12} if number else {}
+        expected = pipeline.boundary(pipeline.at(there, **conditions))["critical_velocity"]
+        same(critical_velocities(driver), expected)
+        assert driver.find_element(By.ID, "title").text.endswith(f"pin.radius {1e3 * radius:g} mm")
+
+
+def test_a_sweep_without_a_critical_temperature_awaits_one(page):
+    conditions = synthetic.CONDITIONS | {"critical_temperature": None}
+    driver = page(synthetic.sweep(conditions=conditions))
+    assert not driver.find_elements(By.CSS_SELECTOR, "#diagram .boundary")
+    assert not driver.find_element(By.ID, "sign-boundary").is_displayed()
+    driver.find_element(By.ID, "critical_temperature").send_keys("145")
+    assert driver.find_elements(By.CSS_SELECTOR, "#diagram .boundary")
+
+
+def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
+    ds = synthetic.sweep()
+    driver = page(ds)
+    typed(driver, "at-load", "425")
+    field = typed(driver, "at-velocity", "1,100")
+    assert "Type a load and a velocity" in driver.find_element(By.ID, "margin").text
+    assert field.get_attribute("aria-invalid") == "true"
+    typed(driver, "at-velocity", "1.1")
+    load, velocity = driver.execute_script("""
+    const [k, j] = sweep.nearest(chosen);
+    return [sweep.fine.load[k], sweep.fine.velocity[j]];
+    """)
+    assert (load, velocity) == pytest.approx((425.0, 1.1), rel=0.05)
+    (own,) = fields(ds)
+    expected = answer(own, load, velocity, model_error(ds, own))
+    text = driver.find_element(By.ID, "margin").text
+    assert f"wear {expected.verdict}" in text
+    assert f"likely by {percent(expected.probability)}" in text
+    assert f"distance to critical {expected.distance:.3g} K" in text
+    assert f"{expected.critical_velocity:.4g} m/s, {expected.velocity_factor:.3g} times" in text
+    assert f"nearest node {load:.4g} N, {velocity:.4g} m/s, interpolated" in text
+    assert expected.model_error in text
+    driver.find_element(By.ID, "at-load").send_keys("0")
+    assert "Outside the sweep" in driver.find_element(By.ID, "margin").text
+
+
+def test_each_test_has_its_own_transition_and_the_verdict_of_the_command(page):
+    driver = page(synthetic.sweep())
+    driver.execute_script("chosen.conditions.friction = 0.14; update();")
+    script = "return content.measured.map(expectedVelocity);"
+    for own, test in zip(driver.execute_script(script), synthetic.MEASURED, strict=True):
+        limit = synthetic.limit(friction=test.friction or 0.1)
+        same(own, synthetic.critical_velocity(test.normal_load, limit), rtol=0.001)
+    rows = [row.text for row in driver.find_elements(By.CSS_SELECTOR, "#measured tbody tr")]
+    expected = compared(synthetic.sweep())
+    assert len(rows) == len(expected)
+    for text, said in zip(rows, expected["computed"], strict=True):
+        assert said in text
+    assert agreement(expected) in driver.find_element(By.ID, "measured-section").text
+
+
+def test_beyond_the_sweep_there_is_no_unit(page):
+    driver = page(sweeps.over_surfaces())
+    for name, text in (("at-load", "200"), ("at-velocity", "3")):
+        typed(driver, name, text + Keys.TAB)
+    text = driver.find_element(By.ID, "margin").text
+    assert "beyond the sweep" in text
+    assert "beyond the sweep m/s" not in text
+    assert "5 surfaces" in driver.find_element(By.TAG_NAME, "footer").text

@@ -1,0 +1,231 @@
+"""Numbers of a page's scripts, run by Node, beside `irg boundary` and `irg margin`."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.dataset import read_conditions
+from pipeline.analysis.field import fields
+from pipeline.analysis.laboratory import model_error
+from pipeline.analysis.margin import answer
+from pipeline.analysis.transition import CROSSES, SEVERAL
+from pipeline.page.content import BETWEEN, EXTRAPOLATED, content
+from tests.helpers import synthetic
+from tests.helpers.javascript import run
+from tests.helpers.sweeps import with_fields
+from tests.pipeline.page import sweeps
+from tests.pipeline.page.sweeps import same
+from tribo import Corrections, InputError
+
+BOUNDARY = """
+return argument.map((given) => {
+  chosen.conditions = { ...content.conditions, ...given };
+  const { velocity, load } = boundaries();
+  return [velocity, load].map((rows) => [
+    rows.map(({ low, middle, high }) => [low, middle, high].map((x) => isFinite(x) ? x : NaN)),
+    rows.map(({ transitions }) => transitions.map(({ outcome }) => outcome)),
+  ]);
+});
+"""
+MARGINS = """
+return argument.map(({ conditions, places }) => {
+  chosen.conditions = { ...content.conditions, ...conditions };
+  return places.map(([load, velocity]) => {
+    const [k, j] = sweep.nearest({ load, velocity });
+    const [f, v] = [sweep.fine.load[k], sweep.fine.velocity[j]];
+    const { rises, error, probabilities, verdict } = marginAt([k, j], chosen.conditions);
+    const way = (axis, node, now) => quantileOf(nearestTurns(
+      surfaces().map((one) => sweep.transition(axis, one, node, chosen.conditions)), now), 0.5);
+    return {
+      place: [f, v], temperature: quantileOf(rises.map(temperature), 0.5), error, probabilities,
+      verdict, velocity: way("velocity", k, v), load: way("load", j, f),
+      states: surfaces().map((one) => Number(sweep.state(one, k, j))), words: modelError().words,
+      isWhole: sweep.fine.load.every((_, i) => sweep.inner().every((_, n) =>
+        (i !== k && n + content.first !== j) ||
+        surfaces().every((one) => sweep.state(one, i, n + content.first) < "3"))),
+    };
+  });
+});
+"""
+
+
+def random_conditions(ds, count=5):
+    """Conditions of all kinds, the first those of the sweep."""
+    draw = np.random.default_rng(ds.sizes["velocity"])
+    yield {}
+    yield {"friction": 0.0}
+    for _ in range(count - 2):
+        bulk = draw.uniform(250.0, 400.0)
+        conditions = {
+            "friction": round(draw.uniform(0.04, 0.25), 4),
+            "bulk_temperature": bulk,
+            "critical_temperature": bulk + draw.uniform(20.0, 250.0),
+        }
+        if "bulk_ratio" in ds.coords:
+            conditions["disk_temperature"] = bulk + 12.0 * math.sin(conditions["friction"] * 300)
+        if read_conditions(ds).criterion == "share":
+            conditions["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
+        yield conditions
+
+
+def under(ds, conditions):
+    """The sweep under conditions as the page has them."""
+    conditions = dict(conditions)
+    if "disk_temperature" in conditions:
+        pin = conditions["bulk_temperature"]
+        conditions["bulk_temperature"] = {"pin": pin, "disk": conditions.pop("disk_temperature")}
+    if "failing_share" in conditions:
+        conditions["share"] = conditions.pop("failing_share")
+    return pipeline.at(ds, **conditions)
+
+
+@pytest.mark.parametrize("kind", sweeps.KINDS)
+def test_the_boundary_is_that_of_the_command(kind):
+    ds = sweeps.KINDS[kind]()
+    asked, crossings = list(random_conditions(ds)), 0
+    for conditions, sides in zip(asked, run(ds, BOUNDARY, asked), strict=True):
+        expected = pipeline.boundary(under(ds, conditions))
+        for side, axis, name in zip(
+            sides, ("load", "velocity"), ("critical_velocity", "critical_load"), strict=True
+        ):
+            quantiles, codes = (np.array(part) for part in side)
+            if "crossing_at_load" in expected:
+                same(quantiles.T, expected[f"{name}_quantile"])
+                same((codes == CROSSES).sum(axis=1), expected[f"crossing_at_{axis}"])
+            else:
+                same(quantiles[:, 1], expected[name])
+                assert codes[:, 0].tolist() == expected[f"outcome_at_{axis}"].values.tolist()
+            crossings += int((codes == CROSSES).sum())
+    assert crossings > 20
+
+
+@pytest.mark.parametrize("kind", ["one surface", "several surfaces", "a hold", "a warm pin"])
+def test_the_verdict_at_a_node_is_that_of_the_command(kind):
+    ds = sweeps.KINDS[kind]()
+    draw = np.random.default_rng(3)
+    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(8)]
+    asked = [
+        {"conditions": conditions, "places": places}
+        for conditions in random_conditions(ds)
+        if conditions.get("friction") != 0
+    ]
+    compared, verdicts = 0, set()
+    for given, told in zip(asked, run(ds, MARGINS, asked), strict=True):
+        there = under(ds, given["conditions"])
+        (field,) = fields(there)
+        scatter = model_error(there, field)
+        for page in told:
+            if {BETWEEN, EXTRAPOLATED} & {*page["states"]}:
+                continue
+            expected = answer(field, *page["place"], scatter)
+            assert page["temperature"] == pytest.approx(expected.decisive_temperature, abs=0.05)
+            rise = expected.decisive_temperature - field.conditions.coldest_bulk_temperature
+            kept = "failing_share", "bulk_ratio"
+            if all(getattr(field.conditions, x) == getattr(read_conditions(ds), x) for x in kept):
+                assert page["error"] * rise == pytest.approx(expected.temperature_error, rel=1e-4)
+                likely = expected.lowest, expected.probability, expected.highest
+                assert page["probabilities"] == pytest.approx(likely, abs=0.02)
+                if abs(expected.highest - 0.05) > 0.02 and abs(expected.lowest - 0.95) > 0.02:
+                    assert page["verdict"] == expected.verdict
+            assert page["words"].split(" % ")[-1] == expected.model_error.split(" % ")[-1]
+            assert page["probabilities"][1] == pytest.approx(expected.probability, abs=0.02)
+            for own, critical in (
+                (page["velocity"], expected.critical_velocity),
+                (page["load"], expected.critical_load),
+            ):
+                if np.isfinite(critical) and page["isWhole"]:
+                    same(own, critical, rtol=0.02)
+            compared += 1
+            verdicts.add(expected.verdict)
+    assert compared > 15
+    assert len(verdicts) == 3
+
+
+def test_beyond_the_points_a_run_is_as_likely_severe_as_the_command_says():
+    ds = sweeps.along_boundary()
+    places = [[float(load), float(v)] for load in ds["load"] for v in ds["velocity"]]
+    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
+    (field,) = fields(ds)
+    scatter, beyond = model_error(ds, field), 0
+    for page in told:
+        if page["states"] != [EXTRAPOLATED] or math.isnan(page["temperature"]):
+            continue
+        try:
+            expected = answer(field, *page["place"], scatter)
+        except InputError:
+            continue
+        assert page["probabilities"][1] == pytest.approx(expected.probability, abs=0.01)
+        beyond += 1
+    assert beyond > 5
+
+
+def banded():
+    """Friction that falls with velocity, so that wear is severe, mild and severe again."""
+    ds = synthetic.sweep()
+    falling = Corrections(friction=((0.5, 2.6), (1.2, 1.0), (6.0, 0.9)))
+    return with_fields(ds, conditions=replace(read_conditions(ds), corrections=falling))
+
+
+def test_bands_of_severe_wear_have_all_their_ends():
+    ds = banded()
+    expected = pipeline.boundary(ds)
+    assert (expected["outcome_at_load"] == SEVERAL).any()
+    script = """
+    return boundaries().velocity.map(({ transitions: [{ places, outcome }] }) => [outcome, places]);
+    """
+    for (outcome, places), row in zip(
+        run(ds, script), expected["turns_at_load"].values, strict=True
+    ):
+        same(places, row[np.isfinite(row)])
+        assert (outcome == SEVERAL) == (len(places) > 1)
+    words = run(ds, "return outcomeText(boundaries().velocity[5], 'm/s');")
+    assert words.startswith("severe up to ")
+    assert " and from " in words
+
+
+GRID = """
+return argument.map((friction) => {
+  const middle = excess(0.5, { ...chosen.conditions, friction });
+  const [x, y] = [sweep.inner(), sweep.fine.load];
+  const places = contour(x, y, [middle], true).split(/[ML]/).filter(Boolean);
+  return [places.map((pair) => pair.split(",").map(Number)), contour(x, y, [middle]).length];
+});
+"""
+
+
+def test_the_line_that_is_drawn_lies_where_wear_turns_on_the_field():
+    ds = sweeps.one(status={})
+    ((places, _),) = run(ds, GRID, [0.1])
+    (field,) = fields(ds)
+    assert len(places) > 40
+    for velocity, load in places[::7]:
+        here = field.temperatures(load, velocity)
+        assert here.values[0] == pytest.approx(here.critical[0], abs=1.0)
+
+
+def test_no_line_is_drawn_beyond_what_was_computed():
+    ds = sweeps.along_boundary()
+    frictions = [0.02, 0.05, 0.1, 0.3]
+    for friction, (places, _) in zip(frictions, run(ds, GRID, frictions), strict=True):
+        outcomes = pipeline.boundary(pipeline.at(ds, friction=friction))["outcome_at_load"].values
+        crossing = ds["load"].values[outcomes == CROSSES]
+        if not crossing.size:
+            assert not places
+        if friction == 0.1:
+            loads = [load for _, load in places]
+            assert (min(loads), max(loads)) == (crossing[0], crossing[-1])
+
+
+@pytest.mark.parametrize("kind", ["one surface", "zero velocity"])
+def test_straight_lines_err_by_no_more_than_the_page_says(kind):
+    ds = sweeps.KINDS[kind]()
+    said = content(ds, 0)["error"]
+    script = "return boundaries().velocity.map(({ middle }) => middle);"
+    expected = pipeline.boundary(ds)["critical_velocity"].values
+    off = np.abs(np.array(run(ds, script), float) / expected - 1)
+    assert np.isfinite(off).sum() > 3
+    assert np.nanmax(off) <= max(said, 1e-6)
+    assert said < 0.01

@@ -1,0 +1,97 @@
+"""What is left without the folder of an extra."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import pipeline
+from pipeline.extras import EXTRAS
+
+ROOT = Path(__file__).parents[2]
+SMALL = ["--set", 'sweep.loads=["600 N"]', "--workers", "1"]
+PLACE = ["--load", "600 N", "--velocity", "2.2 m/s"]
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    """A store that the whole package has made."""
+    path = tmp_path_factory.mktemp("whole") / "first.zarr"
+    command = [sys.executable, "-m", "pipeline", "run", "first_try", *SMALL, "-o", path]
+    subprocess.run(command, cwd=ROOT, capture_output=True, check=True)
+    return path
+
+
+class Copy:
+    """A copy of the packages without some extras, run in a folder of its own."""
+
+    def __init__(self, folder, left_out):
+        ignored = shutil.ignore_patterns(*left_out, "__pycache__", "*.png")
+        for package in ("tribo", "pipeline", "workflows"):
+            shutil.copytree(ROOT / package, folder / package, ignore=ignored)
+        for name in left_out:  # as git leaves them
+            (folder / "pipeline" / name / "__pycache__").mkdir(parents=True)
+        self.folder = folder
+
+    def python(self, *words):
+        return subprocess.run(
+            [sys.executable, *map(str, words)],
+            cwd=self.folder, env=os.environ | {"PYTHONPATH": str(self.folder)},
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+
+    def irg(self, *words):
+        return self.python("-m", "pipeline", *words)
+
+
+def listed(text):
+    """Commands that the help lists."""
+    return set(re.findall(r"^  (\w+)", text, flags=re.MULTILINE))
+
+
+@pytest.mark.parametrize("left_out", [*([name] for name in EXTRAS), [*EXTRAS]], ids="-".join)
+def test_without_its_folder_the_rest_works(left_out, store, tmp_path):
+    copy = Copy(tmp_path, left_out)
+    gone = {
+        one.name for name in left_out for one in import_module(f"pipeline.{name}.commands").COMMANDS
+    }
+    there = listed(copy.irg("--help").stdout)
+    assert {"check", "run", "boundary", "margin", "plot", "trade"} <= there
+    assert not gone & there
+    for name in gone:
+        assert copy.irg(name, store).returncode == 2
+    names = {name for extra in left_out for name in EXTRAS[extra]} | {*left_out}
+    program = f"""if True:
+        import pipeline
+        from pipeline import *
+        ds = pipeline.open_sweep({str(store)!r})
+        present = {{*pipeline.__all__, *dir(pipeline), *dir(ds.irg)}}
+        print(pipeline.__file__, len(pipeline.__all__), sorted({names!r} & present),
+              [name for name in {names!r} if hasattr(pipeline, name)], sep="\\n")
+    """
+    told = copy.python("-c", program).stdout.splitlines()
+    public = len(set(pipeline.__all__) - names)
+    assert told == [str(tmp_path / "pipeline" / "__init__.py"), str(public), "[]", "[]"]
+    margin = json.loads(copy.irg("margin", store, *PLACE, "--json").stdout)
+    assert margin["verdict"] in ("mild", "severe", "not decided")
+    for words in (
+        ["check", "first_try", *SMALL],
+        ["boundary", store],
+        ["plot", store, "-o", "a.png"],
+    ):
+        done = copy.irg(*words)
+        assert done.returncode == 0, done.stderr
+
+
+def test_without_all_extras_a_sweep_runs_and_is_resumed(tmp_path):
+    copy = Copy(tmp_path, [*EXTRAS])
+    for _ in range(2):
+        done = copy.irg("run", "first_try", *SMALL, "-o", "first.zarr")
+        assert done.returncode == 0, done.stderr
+    assert copy.irg("boundary", "first.zarr").returncode == 0

@@ -1,0 +1,64 @@
+"""A lubricant's limit from measured transitions (pipeline/uncertain/critical_temperature.py)."""
+
+import re
+
+import numpy as np
+import pytest
+
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import open_sweep
+from pipeline.sweep.about import Measurement
+from pipeline.sweep.variants import surfaces
+from pipeline.uncertain.critical_temperature import critical_temperatures
+from tests.helpers import tiny
+from tests.helpers.scenes import SCENE
+from tests.pipeline.conftest import commit_all
+from tribo import InputError
+
+
+def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_path):
+    """On a surface the boundary is found with 145 °C, and then asked for it."""
+    velocities = tuple(np.arange(0.5, 4.01, 0.5).tolist())
+    sweep = tiny.sweep(loads=(250.0, 600.0), velocities=velocities, variants=surfaces((1, 2)))
+    commit_all(tmp_path / "a.zarr", sweep)
+    critical = boundary(open_sweep(tmp_path / "a.zarr"))["critical_velocity"]
+    assert critical.notnull().all()
+    measured = tuple(
+        Measurement(load, critical.sel(realization=2, load=load).item())
+        for load in sweep.plane.loads
+    )
+    result = critical_temperatures(sweep.on_surface(2).changed(measured=measured))
+    assert result.surfaces == (2,)
+    # Velocities every 0.5 m/s place the boundary to about 1 %, and so half as much of 120 K.
+    assert result.means == pytest.approx([418.15] * 2, abs=1.0)
+    assert result.spread < 1.0
+    both = critical_temperatures(sweep.changed(measured=measured))
+    assert np.shape(both.temperatures) == (2, 2)
+    assert [row[1] for row in both.temperatures] == list(result.means)
+    assert both.mean == pytest.approx(np.mean(both.temperatures))
+    assert both.spreads[0] == pytest.approx(np.std(both.temperatures[0], ddof=1))
+
+
+def test_without_a_measured_transition_there_is_nothing_to_find():
+    with pytest.raises(InputError, match=r"no measured transition; give it a \[\[measured\]\]"):
+        critical_temperatures(tiny.sweep(measured=()))
+
+
+def test_the_command_finds_temperature_and_wear_rate(tmp_path, irg):
+    scene = tmp_path / "scene.toml"
+    measured = '\n[[measured]]\nload = "600 N"\nvelocity = "1.5 m/s"\nfriction = 0.12\n'
+    scene.write_text(SCENE + measured)
+    document = irg("infer", scene, "--json", "--set", "sweep.realizations=2")
+    assert document["surfaces"] == [0, 1]
+    (transition,) = document["transitions"]
+    assert (transition["friction"], len(transition["temperatures"])) == (0.12, 2)
+    assert document["spread"] is None
+    assert re.search(r"600 +1\.5 +0\.12 ", irg("infer", scene))
+
+    place = ["--load", "600 N", "--velocity", "1.5 m/s"]
+    width = irg("point", scene, *place, "--json", "--set", "history_coarsening=1")["contact_width"]
+    arguments = ["infer", str(scene), "--contact-width", f"{width} m", *place]
+    rate = irg(*arguments, "--json")
+    assert rate["lowest"] < 1.2e-15 < rate["highest"]
+    assert "give its --load and --velocity, too" in irg(*arguments[:4], code=2)
+    assert "--contact-width" in irg("infer", scene, *place, code=2)
