@@ -6,12 +6,14 @@ import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import scene_sweep
+from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import given
 from pipeline.cli.output import Result, rounded, working
@@ -36,13 +38,15 @@ def design(options: argparse.Namespace) -> Result:
     with working("weighing the inputs"):
         samples = single_field(ds)
     basis, notes = samples.basis
+    scatter = model_error(ds, samples)
+    run = {"scatter": scatter, "friction_scatter": 0.0 if samples.rig is None else samples.rig}
     shift, direct = 0.0, None
     for seed in range(2):  # the first time to correct the limit, the second to check it
         with working("seeking the limit") as progress:
-            limits = list(_limits(samples, goal, entries, shift, progress))
+            limits = list(_limits(samples, goal, entries, shift, run, progress))
         found = [pair for pair in limits if pair[1].value is not None] or limits
         at, limit = found[len(found) // 2]
-        direct, reason = _simulated(ds, samples, limit, at, shift, seed)
+        direct, reason = _simulated(ds, samples, limit, at, shift, seed, run)
         if direct is None:
             break
         shift = direct.shift
@@ -57,11 +61,12 @@ def design(options: argparse.Namespace) -> Result:
         points = zip(limit.values, limit.probabilities, strict=True)
         frame = frame_of((f"{path} [{entry.unit}]", "probability"), points)
         answer, text = limit.as_dict(), [_in_words(limit)]
-    document = basis | answer
+    document = basis | answer | {"model_error": scatter.worded}
     document["direct"] = direct and asdict(direct)
     fits = not (samples.posterior and samples.posterior.misfit)
     document["confirmed"] = bool(fits and direct and direct.agrees_with(goal.risk))
-    text += [*(_on_check(goal, limit, at, direct, reason) if fits else ()), *notes]
+    text += [*(_on_check(goal, limit, at, direct, reason) if fits else ())]
+    text += [f"the model's own error: {scatter.worded}", *notes]
     draw = partial(pipeline.draw_design, limits, samples.ensemble)
     out = given.beside(options.store, "_design.png")
     return Result(document, text, pipeline.warned(ds), [frame], draw, out)
@@ -84,6 +89,7 @@ def _limits(
     goal: Goal,
     entries: Sequence[str],
     shift: float,
+    run: Mapping[str, Any],
     progress: Callable[[int, int], None],
 ) -> Iterator[tuple[dict[str, float], Limit]]:
     """Limits of the last entry, at each of some values of another one if there are two."""
@@ -94,7 +100,8 @@ def _limits(
         places = [{path: value} for value in np.linspace(low, high, _LINE).tolist()]
     for number, at in enumerate(places):
         progress(number, len(places))
-        yield at, pipeline.design(samples.ensemble, goal, last, samples.given_draws, at, shift)
+        told = samples.ensemble, goal, last, samples.given_draws, at, shift
+        yield at, pipeline.design(*told, **run)
 
 
 def _simulated(
@@ -104,6 +111,7 @@ def _simulated(
     at: Mapping[str, float],
     shift: float,
     seed: int,
+    run: Mapping[str, Any],
 ) -> tuple[Direct | None, str]:
     """Direct simulations at a limit; or why there are none."""
     if limit.value is None:
@@ -115,7 +123,7 @@ def _simulated(
         with working("simulating draws near the limit") as progress:
             direct = directly(
                 samples.ensemble, *place, values, scene_with, samples.given_draws, progress,
-                shift=shift, seed=seed,
+                shift=shift, seed=seed, **run,
             )  # fmt: skip
     except (TriboError, OSError) as error:
         return None, str(error).splitlines()[0]

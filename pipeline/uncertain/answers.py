@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from pipeline.analysis.field import LEAST_SLOPE
+from pipeline.analysis.model_error import Scatter
 from pipeline.uncertain.emulator import Groups
 from pipeline.uncertain.ensemble import Axis, Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
@@ -23,17 +24,40 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
     return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights, draws.faults)
 
 
-def probability_of(excess: Excess, draws: Draws) -> tuple[float, float]:
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
+_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
+_APART = 0.01  # of the excess, over which the slope of a probability is taken
+_NO_SCATTER = 1e-9  # of ln(velocity)
+
+
+def probability_of(
+    excess: Excess, draws: Draws, scatter: Scatter | None = None, slope: Array | float = 1.0
+) -> tuple[float, float]:
     """Probability that the excess of draws (n,) is above 0, and its standard error.
 
-    What neighbours share is taken as shared by all draws, which errs to the safe side.
+    With a scatter of ln(velocity) it is the probability that the next run is severe; the slope is
+    d ln(rise) over d ln(velocity) by draw (n,). What neighbours share is taken as shared by all
+    draws, which errs to the safe side.
     """
-    by_draw = excess.probability
+    by_draw, density = run_probability(excess, scatter, slope)
     probability = float(np.clip(draws.mean(by_draw), 0.0, 1.0))
     by_draws = math.sqrt(float(np.sum((draws.weights * (by_draw - probability)) ** 2)))
-    density = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
-    by_samples = float(draws.mean(density * excess.shared / excess.error))
+    by_samples = float(draws.mean(density * excess.shared))
     return probability, math.hypot(by_draws, by_samples)
+
+
+def run_probability(
+    excess: Excess, scatter: Scatter | None, slope: Array | float
+) -> tuple[Array, Array]:
+    """Probability that the next run is severe by draw (n,), and its slope over the excess."""
+    if scatter is None or scatter.below(np.array(_NO_SCATTER)) == 1:
+        normal = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
+        return excess.probability, normal / excess.error
+    off = excess.values[:, None] + excess.error[:, None] * _NODES
+    apart = off[..., None] + np.array([-_APART, 0.0, _APART])
+    shares = scatter.below(apart / np.reshape(slope, (-1, 1, 1)))
+    below, by_draw, above = np.einsum("nkj,k->jn", shares, _WEIGHTS)
+    return by_draw, (above - below) / (2 * _APART)
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from pipeline.analysis.field import LEAST_SLOPE
+from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.scene.along import Place
 from pipeline.sweep.unknown import OF_90, Unknown
-from pipeline.uncertain.answers import draws_of, probability_of
+from pipeline.uncertain.answers import draws_of, probability_of, run_probability
 from pipeline.uncertain.direct import SceneWith, as_in_a_scene, log_rise
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
@@ -43,7 +45,8 @@ class Goal:
 
     #: Loads [N] and velocities [m/s] of operating points, at each of which it is to be reached.
     places: Sequence[tuple[float, float]]
-    risk: float  #: Highest probability of severe wear, or of a smaller distance than the margin.
+    #: Highest probability that the next run is severe, or closer to it than the margin.
+    risk: float
     margin: float = 0.0  #: Distance below the critical temperature [K].
 
 
@@ -91,6 +94,8 @@ def design(
     draws: Draws | None = None,
     at: Mapping[str, float] | None = None,
     shift: float = 0.0,
+    scatter: Scatter | None = None,
+    friction_scatter: Array | float = 0.0,
 ) -> Limit:
     """Values of an unknown input, uniform between two, with which a goal is reached.
 
@@ -109,6 +114,11 @@ def design(
     shift : float
         Logarithm of the ratio of rises near the limit to those that the samples tell, as direct
         simulations find it.
+    scatter : Scatter, optional
+        The model's own error, by which ln(velocity) of the next run is off; a `ModelError` of 10 %
+        if not given.
+    friction_scatter : float or ndarray, shape (n,)
+        Standard deviation of ln(friction) between runs, of each draw.
 
     Raises
     ------
@@ -127,7 +137,7 @@ def design(
     >>> limit.side, 418 < limit.value < 438
     ('at least', True)
     """
-    entry = designed(ensemble, over)
+    entry, scatter = designed(ensemble, over), scatter or ModelError()
     places = [Place(*place) for place in goal.places]
     draws = draws_of(ensemble, draws or prior(ensemble.unknown, ensemble.design.seed + 1, _DRAWS))
     low, high = entry.parameters
@@ -135,10 +145,9 @@ def design(
     def worst(value: float) -> tuple[float, float, int]:
         """Highest probability over the places, its error, and the number of the place."""
         inputs = with_values(ensemble, draws.inputs, {**(at or {}), over: value})
-        found = [
-            probability_of(_excess(ensemble, inputs, place, goal.margin, shift), draws)
-            for place in places
-        ]
+        told = goal.margin, shift, friction_scatter
+        lines = [_excess(ensemble, inputs, place, *told) for place in places]
+        found = [probability_of(excess, draws, scatter, slope) for excess, slope in lines]
         number = int(np.argmax([probability for probability, _ in found]))
         return *found[number], number
 
@@ -200,11 +209,30 @@ def with_values(ensemble: Ensemble, inputs: Array, values: Mapping[str, float]) 
     return other
 
 
-def _excess(ensemble: Ensemble, inputs: Array, place: Place, margin: float, shift: float) -> Excess:
-    """Logarithm of the rise, with a shift, over the one that leaves a margin."""
-    excess = ensemble.excess(inputs, *place)
+_APART = 0.05  # of ln(velocity), over which the slope of ln(rise) is taken
+
+
+def _excess(
+    ensemble: Ensemble,
+    inputs: Array,
+    place: Place,
+    margin: float,
+    shift: float,
+    friction_scatter: Array | float,
+) -> tuple[Excess, Array]:
+    """Logarithm of the rise, with a shift, over the one that leaves a margin; and its slope.
+
+    The slope is that over ln(velocity), by draw. Friction between runs adds to the error.
+    """
+    (low, high), velocity = ensemble.velocities, place.velocity
+    ends = max(velocity * math.exp(-_APART), low), min(velocity * math.exp(_APART), high)
+    excess = ensemble.excess(inputs, place.load, [ends[0], velocity, ends[1]])
+    rises, apart = excess.values[:, 2] - excess.values[:, 0], math.log(ends[1] / ends[0])
+    slope = np.maximum(rises / apart, LEAST_SLOPE) if apart > 0 else np.ones(len(inputs))
     limits = ensemble.log_limit(inputs), ensemble.log_limit(inputs, margin=margin)
-    return excess._replace(values=excess.values + shift + limits[0] - limits[1])
+    here = Excess(*(part[:, 1] for part in excess))
+    values = here.values + shift + limits[0] - limits[1]
+    return here._replace(values=values, error=np.hypot(here.error, friction_scatter)), slope
 
 
 def _run(fits: Mask, place: int) -> tuple[int, int]:
@@ -243,16 +271,21 @@ def directly(
     *,
     shift: float = 0.0,
     seed: int = 0,
+    scatter: Scatter | None = None,
+    friction_scatter: Array | float = 0.0,
 ) -> Direct:
     """Find the probability at ``values`` [SI] by simulations where the emulator is not sure."""
+    scatter, between = scatter or ModelError(), friction_scatter
     if draws is None:
         inputs = prior(ensemble.unknown, ensemble.design.seed + 2718 + seed, _FRESH).inputs
     else:
         rng = np.random.default_rng([ensemble.design.seed, 2718, seed])
         weighed = draws_of(ensemble, draws)
-        inputs = weighed.inputs[rng.choice(len(weighed.weights), _FRESH, p=weighed.weights)]
+        chosen = rng.choice(len(weighed.weights), _FRESH, p=weighed.weights)
+        inputs = weighed.inputs[chosen]
+        between = between[chosen] if isinstance(between, np.ndarray) else between
     inputs = with_values(ensemble, inputs, values)
-    excess = _excess(ensemble, inputs, place, goal.margin, shift)
+    excess, slope = _excess(ensemble, inputs, place, goal.margin, shift, 0.0)
     scores = np.abs(excess.values / excess.error)
     near = np.argsort(scores)[: np.clip(np.sum(scores < _NEAR), _FEWEST, _MOST)]
     limits = ensemble.log_limit(inputs, margin=goal.margin)
@@ -262,7 +295,9 @@ def directly(
             progress(number, len(near))
         sweep = scene_with(as_in_a_scene(ensemble, inputs[row]))
         found[row] = log_rise(sweep, *place) - limits[row]
-    chance = float(np.mean(found > 0))
-    error = math.sqrt(max(chance * (1 - chance), 1 / _FRESH) / _FRESH)
+    chances = np.full(len(found), between) + _LEAST
+    by_draw, _ = run_probability(Excess(found, chances, chances), scatter, slope)
+    chance = float(np.mean(by_draw))
+    error = math.sqrt(max(float(np.var(by_draw)), 1 / _FRESH) / _FRESH)
     missed = float(np.mean((found - excess.values)[near]))
     return Direct(chance, error, _FRESH, len(near), shift + missed)

@@ -234,7 +234,7 @@ RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
 def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg, monkeypatch):
     monkeypatch.setattr(design, "_MOST", 12)  # simulations of a check, in place of 400
     monkeypatch.setattr(design, "_DRAWS", 2**10)
-    load(tmp_path, unknown=UNKNOWN + RANGE + "[model]\nscatter = 0\n")
+    load(tmp_path, unknown=UNKNOWN + RANGE)
     store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
     irg("run", tmp_path / "scene.toml", "-o", store, "-q")
     asked = ("design", store, *place, "--over", "disk.roughness.ra", "--json")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.model_error import ModelError
 from pipeline.scene.along import Place
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain import design
@@ -16,6 +17,8 @@ from tribo import InputError
 WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
 UNKNOWN = (WIDE, RATE, FRICTION, LENGTH)
 HERE = Place(400.0, 1.6)
+CERTAIN = {"scatter": ModelError(usual=0.0)}
+"""Runs that do not scatter."""
 
 
 @pytest.fixture(scope="module")
@@ -31,12 +34,32 @@ def hottest(place, share):
 
 @pytest.mark.parametrize("risk", [0.3, 0.01])
 def test_the_limit_is_where_direct_draws_have_the_risk(samples, risk):
-    limit = pipeline.design(samples, Goal((HERE,), risk), WIDE.path)
+    limit = pipeline.design(samples, Goal((HERE,), risk), WIDE.path, **CERTAIN)
     assert limit.side == "at least"
     assert limit.value == pytest.approx(hottest(HERE, 1 - risk), abs=1.5)
     assert limit.interval[0] < limit.value < limit.interval[1]
     assert limit.safe == (limit.value, 473.15)
     assert limit.as_dict()["limit"]["unit"] == "K"
+
+
+@pytest.mark.parametrize(("usual", "between"), [(0.1, 0.0), (0.1, 0.08), (0.0, 0.08)])
+def test_a_run_scatters_about_the_model_and_so_does_its_friction(samples, usual, between):
+    goal, scatter = Goal((HERE,), 0.1), ModelError(usual=usual)
+    run = {"scatter": scatter, "friction_scatter": between}
+    limit = pipeline.design(samples, goal, WIDE.path, **run)
+    chance, direct = np.random.default_rng(5), drawn(UNKNOWN, 99, 2**17)
+    off = usual * chance.standard_t(4, len(direct))
+    friction = direct[:, 2] * np.exp(between * chance.standard_normal(len(direct)))
+    run_rises = (
+        friction
+        * rise(direct, HERE.load, HERE.velocity, UNKNOWN)
+        * (rise(direct[:1], HERE.load, 2.0, UNKNOWN) / rise(direct[:1], HERE.load, 1.0, UNKNOWN))
+        ** (off / np.log(2.0))
+    )
+    assert limit.value == pytest.approx(298.15 + np.quantile(run_rises, 0.9), abs=2.0)
+    usually = pipeline.design(samples, goal, WIDE.path)
+    if between == 0.0:
+        assert limit.value == usually.value
 
 
 def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkeypatch):
@@ -49,15 +72,15 @@ def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkey
 
     monkeypatch.setattr(design, "log_rise", simulated)
     low, goal = replace(samples, rises=0.96 * samples.rises, keeper=None), Goal((HERE,), 0.01)
-    limit = pipeline.design(low, goal, WIDE.path)
-    found = design.directly(low, goal, HERE, {WIDE.path: limit.value}, dict)
+    limit = pipeline.design(low, goal, WIDE.path, **CERTAIN)
+    found = design.directly(low, goal, HERE, {WIDE.path: limit.value}, dict, **CERTAIN)
     assert found.shift == pytest.approx(-np.log(0.96), abs=2e-3)
     assert found.probability > 0.015
     assert not found.agrees_with(0.01)
-    limit = pipeline.design(low, goal, WIDE.path, shift=found.shift)
+    limit = pipeline.design(low, goal, WIDE.path, shift=found.shift, **CERTAIN)
     assert limit.value == pytest.approx(hottest(HERE, 0.99), abs=1.5)
     again = design.directly(
-        low, goal, HERE, {WIDE.path: limit.value}, dict, shift=found.shift, seed=1
+        low, goal, HERE, {WIDE.path: limit.value}, dict, shift=found.shift, seed=1, **CERTAIN
     )
     assert again.shift == pytest.approx(found.shift, abs=1e-3)
     assert again.agrees_with(0.01)
@@ -65,15 +88,15 @@ def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkey
 
 def test_of_several_points_the_worst_one_binds_and_a_margin_asks_for_that_much_more(samples):
     duty = (Place(200.0, 1.0), HERE)
-    limit = pipeline.design(samples, Goal(duty, 0.3), WIDE.path)
+    limit = pipeline.design(samples, Goal(duty, 0.3), WIDE.path, **CERTAIN)
     assert limit.binding == HERE
     assert limit.value == pytest.approx(hottest(HERE, 0.7), abs=1.5)
-    with_margin = pipeline.design(samples, Goal(duty, 0.3, margin=20.0), WIDE.path)
+    with_margin = pipeline.design(samples, Goal(duty, 0.3, margin=20.0), WIDE.path, **CERTAIN)
     assert with_margin.value - limit.value == pytest.approx(20.0, abs=0.2)
 
 
 def test_an_input_that_is_not_enough_says_what_it_reaches(samples):
-    none = pipeline.design(samples, Goal((Place(750.0, 5.0),), 0.01), LENGTH.path)
+    none = pipeline.design(samples, Goal((Place(750.0, 5.0),), 0.01), LENGTH.path, **CERTAIN)
     assert (none.side, none.value, none.safe) == ("none", None, None)
     assert none.best[0] == 3e-6  # where the rise is least
     assert none.best[1] == min(none.probabilities)
@@ -81,7 +104,9 @@ def test_an_input_that_is_not_enough_says_what_it_reaches(samples):
 
 def test_a_second_entry_moves_the_limit_of_the_first(samples):
     low, high = (
-        pipeline.design(samples, Goal((HERE,), 0.05), WIDE.path, at={LENGTH.path: length}).value
+        pipeline.design(
+            samples, Goal((HERE,), 0.05), WIDE.path, at={LENGTH.path: length}, **CERTAIN
+        ).value
         for length in (3e-6, 6e-6)
     )
     # The rise is 6 % higher.
@@ -94,14 +119,16 @@ def test_an_entry_that_no_design_can_move_is_refused(samples):
         pipeline.design(samples, goal, FRICTION.path)
     fixed = replace(samples, unknown=(WIDE, RATE, FRICTION), fixed=(Fixed(LENGTH, 4e-6),))
     with pytest.raises(InputError, match=r"correlation_length is fixed at 4e-06 m; leave that out"):
-        pipeline.design(fixed, goal, LENGTH.path)
+        pipeline.design(fixed, goal, LENGTH.path, **CERTAIN)
 
 
 def test_an_input_that_raises_the_risk_has_a_highest_value(samples):
     direct = drawn(UNKNOWN, 99, 2**15)
     direct[:, 3] = 4.6e-6  # between two of the values that are tried
     warm = 298.15 + np.quantile(direct[:, 2] * rise(direct, *HERE, UNKNOWN), 0.7)
-    limit = pipeline.design(samples, Goal((HERE,), 0.3), LENGTH.path, at={WIDE.path: warm})
+    limit = pipeline.design(
+        samples, Goal((HERE,), 0.3), LENGTH.path, at={WIDE.path: warm}, **CERTAIN
+    )
     assert limit.side == "at most"
     assert limit.value == pytest.approx(4.6e-6, abs=0.05e-6)
     assert limit.safe == (3e-6, limit.value)
