@@ -3,21 +3,21 @@
 
 /** Show the highest temperature while the load grows. @param {number} i @param {number} j */
 function showCourse(i, j) {
-  const { steps, loads, rises, own } = sweep.course;
+  const [{ steps, own }, { loads, rises }] = [content.course, tables.course];
   const isOwn = bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
   element("course").replaceChildren();
   element("course-caption").textContent = "";
   if (steps < 2 || !isOwn) return;
   const load = Array.from(loads.slice(i * steps, (i + 1) * steps));
   const rows = surfaces().map((surface) => {
-    const first = sweep.place(surface, i, j) * steps;
+    const first = placeOf(surface, i, j) * steps;
     const values = Array.from(rises.slice(first, first + steps), (rise) => temperature(rise) - ZERO_CELSIUS);
-    return { values, way: values.map((value, k) => (own[first + k] ? NaN : value)) };
+    return { values, way: values.map((value, k) => (Number(own[first + k]) ? NaN : value)) };
   });
   const every = rows.flatMap(({ values }) => values.filter(Number.isFinite));
   if (every.length < 2) return;
   const width = Math.max(element("course").clientWidth, 260);
-  const x = { low: 0, high: 1.04 * sweep.loads[i], label: "load [N]" };
+  const x = { low: 0, high: 1.04 * content.loads[i], label: "load [N]" };
   const y = { ...ends(every), label: "highest temperature [°C]" };
   const { root, inside, frame } = axes(width, Math.round(Math.min(0.6 * width, 300)), x, y);
   const look = rows.length > 1 ? "faint" : "curve";

@@ -34,7 +34,7 @@ function drawDiagram() {
   const viewBox = Object.values(size).join(" ");
   const layers = [drawnBoundary, drawnMarks, drawnMeasured];
   const drawn = layers.flatMap((layer) => layer(frame));
-  if (isInside(chosen, sweep)) drawn.push(cross(frame, chosen));
+  if (isInside(chosen, content)) drawn.push(cross(frame, chosen));
   inside.append(svg("svg", { ...size, viewBox, class: "view" }, ...drawn)); // cut off at its frame
   const [pointer, choice] = ["pointer", "choice"].map((look) => svg("circle", { class: look, r: 8 }));
   root.append(pointer, choice);
@@ -48,7 +48,7 @@ function drawDiagram() {
 /** Mild and severe regions, bands over surfaces and frictions, and the boundary. @param {Frame} frame */
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
-  const [x, y] = [sweep.inner().map(frame.x), sweep.fine.load.map(frame.y)];
+  const [x, y] = [inner().map(frame.x), content.fine.load.map(frame.y)];
   if (Math.min(x.length, y.length) < 2) return drawnPlace(frame);
   const middle = excess(0.5, chosen.conditions);
   /** @type {[string, ...number[][][]][]} */
@@ -71,8 +71,8 @@ function drawnBoundary(frame) {
 function drawnPlace(frame) {
   const { velocity, load } = boundaries();
   const places = [
-    ...velocity.map(({ middle }, i) => [frame.x(middle), frame.y(sweep.loads[i])]),
-    ...load.map(({ middle }, j) => [frame.x(sweep.velocities[j]), frame.y(middle)]),
+    ...velocity.map(({ middle }, i) => [frame.x(middle), frame.y(content.loads[i])]),
+    ...load.map(({ middle }, j) => [frame.x(content.velocities[j]), frame.y(middle)]),
   ];
   const [place] = places.filter((one) => one.every(Number.isFinite));
   return place ? [svg("circle", { cx: place[0], cy: place[1], r: 4 })] : [];
@@ -86,44 +86,51 @@ function negative(grid) {
 /** ln(rise/limit) at the nodes that a share of the surfaces stays below; NaN where not known. @param {number}
  * share @param {Conditions} conditions */
 function excess(share, conditions) {
-  const planes = surfaces().map((surface) => sweep.known(surface, conditions));
-  return sweep.fine.load.map((_load, k) => {
-    const rows = planes.map((plane) => plane[k]).filter((row) => !row.every(Number.isNaN));
-    return sweep.inner().map((_velocity, j) => {
-      const all = rows.map((row) => Math.log(row[j + content.first] / riseLimit(conditions)));
-      /** @type {Ends[]} */
-      const ways = all.map((one) => (Number.isNaN(one) ? [-Infinity, Infinity] : [one, one]));
-      return Math.max(Math.min(quantileOfEnds(ways, share), 50), -50); // finite without friction
-    });
-  });
+  const [plane, limit, { load, velocity }] = [knownPlane(conditions), riseLimit(conditions), content.fine];
+  const isThere = load.map((_, k) => surfaces().filter((surface) =>
+    velocity.some((_place, j) => !Number.isNaN(plane[indexOf(surface, k, j)]))));
+  return load.map((_, k) => inner().map((_place, j) => {
+    const all = isThere[k].map((surface) => Math.log(plane[indexOf(surface, k, j + content.first)] / limit));
+    /** @type {Ends[]} */
+    const ways = all.map((one) => (Number.isNaN(one) ? [-Infinity, Infinity] : [one, one]));
+    return Math.max(Math.min(quantileOfEnds(ways, share), 50), -50); // finite without friction
+  }));
 }
 
 /** Indices of all points. */
 function everyPoint() {
-  return sweep.loads.flatMap((_load, i) => sweep.velocities.map((_velocity, j) => ({ i, j })));
+  return content.loads.flatMap((_load, i) => content.velocities.map((_velocity, j) => ({ i, j })));
 }
 
 /** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
-  const r = sweep.loads.length * sweep.velocities.length < 1500 ? 3.4 : 2;
-  const kinds = sweep.loads.map((_load, i) => sweep.velocities.map((_velocity, j) => kindOf(i, j)));
+  const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2;
+  const kinds = content.loads.map((_load, i) => content.velocities.map((_velocity, j) => kindOf(i, j)));
   return everyPoint().flatMap(({ i, j }) => {
     const kind = kinds[i][j];
     if (!kind) return [];
-    const [x, y] = [frame.x(sweep.velocities[j]), frame.y(sweep.loads[i])];
+    const [x, y] = [frame.x(content.velocities[j]), frame.y(content.loads[i])];
     const rings = hasWarning(i, j) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
     return [...rings, mark(kind, x, y, r)];
   });
 }
 
+/** A test has another transition than the boundary that is drawn. @param {Measurement} test */
+function hasOwnConditions({ own, node: [, j] }) {
+  const there = { ...chosen.conditions, ...own };
+  const factor = own.at_one_friction ? content.friction_factors[j] : 1;
+  return Math.abs((riseLimit(there) / riseLimit(chosen.conditions)) * factor - 1) > 0.02;
+}
+
 /** Measured transitions and tests, each beside the transition computed at its own conditions. @param {Frame}
  * frame */
 function drawnMeasured(frame) {
-  return content.measured.flatMap((measurement) => {
-    const [x, y] = [frame.x(measurement.velocity), frame.y(measurement.load)];
-    const expected = frame.x(expectedVelocity(measurement));
-    const sign = testMark(x, y, measurement.outcome);
-    if (!hasOwnConditions(measurement) || !Number.isFinite(expected)) return [sign];
+  const judged = judgedTests();
+  return content.measured.flatMap((test, number) => {
+    const [x, y] = [frame.x(test.velocity), frame.y(test.load)];
+    const expected = frame.x(judged[number].expected);
+    const sign = testMark(x, y, test.outcome);
+    if (!hasOwnConditions(test) || !Number.isFinite(expected)) return [sign];
     const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
     return [line, diamond(expected, y, 4.5, "expected"), sign];
   });
@@ -151,7 +158,7 @@ function showLegend() {
     warned: everyPoint().some(({ i, j }) => hasWarning(i, j)),
     ...testSigns(measured),
     own: isJudged() && measured.some(hasOwnConditions),
-    operating: isInside(chosen, sweep),
+    operating: isInside(chosen, content),
   });
 }
 

@@ -29,7 +29,7 @@ from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "scene", "lines", "rise", "plot", "conditions", "margin", "operating",
+    "scene", "numbers", "field", "plot", "conditions", "margin", "operating",
     "points", "course", "diagram", "tables",
 )  # fmt: skip
 

@@ -104,6 +104,11 @@ function bytes(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
 }
 
+/** Numbers of base64. @param {string} text */
+function floats(text) {
+  return new Float32Array(bytes(text));
+}
+
 /** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */
 function path(x, y) {
   let pen = "M";
@@ -145,4 +150,32 @@ function testMark(x, y, outcome) {
 function cross(frame, { load, velocity }) {
   const [x, y] = [frame.x(velocity), frame.y(load)];
   return svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` });
+}
+
+/** Path of the part of a grid where all of several values are positive, or along which one is 0. @param
+ * {number[]} x @param {number[]} y [px] @param {number[][][]} grids values by y and x, or NaN @param
+ * {boolean} isLine */
+function contour(x, y, grids, isLine = false) {
+  const cells = y.slice(1).flatMap((_top, i) => x.slice(1).map((_right, j) =>
+    [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]].map(([k, l]) =>
+      [x[l], y[k], ...grids.map((grid) => grid[k][l])])));
+  return cells.filter((corners) => !corners.flat().some(Number.isNaN)).flatMap((corners) => {
+    const part = grids.reduce((rest, _, n) => clipped(rest, n + 2, isLine), corners);
+    return isLine ? [part.slice(0, 2), part.slice(2)] : [part]; // a saddle has two lines
+  }).map((part) => {
+    const text = part.map(([across, down]) => `${across.toFixed(2)},${down.toFixed(2)}`).join("L");
+    return text && `M${text}${isLine ? "" : "Z"}`;
+  }).join("");
+}
+
+/** The corners of a polygon at which a value is positive, and the places at which it turns; or these alone.
+ * @param {number[][]} corners @param {number} value its index in each @param {boolean} isLine */
+function clipped(corners, value, isLine) {
+  return corners.flatMap((corner, k) => {
+    const next = corners[(k + 1) % corners.length];
+    const [here, there] = [corner[value], next[value]];
+    const kept = here > 0 && !isLine ? [corner] : [];
+    if (here > 0 === there > 0) return kept;
+    return [...kept, corner.map((own, n) => own + (here / (here - there)) * (next[n] - own))];
+  });
 }

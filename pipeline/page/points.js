@@ -25,7 +25,7 @@ function pointAt(event) {
   const { left, top } = root.getBoundingClientRect();
   const [x, y] = [event.clientX - left, event.clientY - top];
   const near = everyPoint()
-    .map(({ i, j }) => [i, j, frame.x(sweep.velocities[j]) - x, frame.y(sweep.loads[i]) - y])
+    .map(({ i, j }) => [i, j, frame.x(content.velocities[j]) - x, frame.y(content.loads[i]) - y])
     .map(([i, j, across, down]) => ({ i, j, away: Math.hypot(across, down) }))
     .reduce((one, other) => (other.away < one.away ? other : one));
   return near.away < REACH && isShown(near.i, near.j) ? near : null;
@@ -34,13 +34,13 @@ function pointAt(event) {
 /** A point has anything to tell, and lies within the frame. @param {number} i @param {number} j */
 function isShown(i, j) {
   const { left, right, x } = diagram.frame;
-  const across = x(sweep.velocities[j]);
+  const across = x(content.velocities[j]);
   return kindOf(i, j) !== "" && across >= left && across <= right;
 }
 
 /** Point with which to begin. */
 function middle() {
-  return { i: sweep.loads.length >> 1, j: sweep.velocities.length >> 1 };
+  return { i: content.loads.length >> 1, j: content.velocities.length >> 1 };
 }
 
 /** Move with the arrow keys, keep a point with Enter or Space. @param {KeyboardEvent} event */
@@ -58,7 +58,7 @@ function pressed(event) {
 /** Next point in a direction that has anything to tell; the same one if there is none. @param {number} i
  * @param {number} j @param {[number, number]} way */
 function next(i, j, [up, right]) {
-  const isInside = () => k >= 0 && k < sweep.loads.length && l >= 0 && l < sweep.velocities.length;
+  const isInside = () => k >= 0 && k < content.loads.length && l >= 0 && l < content.velocities.length;
   let [k, l] = [i + up, j + right];
   while (isInside() && !isShown(k, l)) [k, l] = [k + up, l + right];
   return isInside() ? { i: k, j: l } : { i, j };
@@ -73,7 +73,7 @@ function pointTo(point) {
   const { i, j } = point;
   const rows = description(i, j, false).map(([name, text]) => html("div", {}, `${name}: ${text}`));
   tip.replaceChildren(html("b", {}, nameOf(i, j)), ...rows);
-  placeTip(diagram.frame, sweep.loads[i], sweep.velocities[j]);
+  placeTip(diagram.frame, content.loads[i], content.velocities[j]);
 }
 
 /** Put the tip beside a place. @param {Frame} frame @param {number} load @param {number} velocity */
@@ -89,8 +89,8 @@ function ring(circle, point) {
   const isThere = point !== null && isShown(point.i, point.j);
   circle.setAttribute("display", isThere ? "inline" : "none");
   if (!isThere) return;
-  circle.setAttribute("cx", String(diagram.frame.x(sweep.velocities[point.j])));
-  circle.setAttribute("cy", String(diagram.frame.y(sweep.loads[point.i])));
+  circle.setAttribute("cx", String(diagram.frame.x(content.velocities[point.j])));
+  circle.setAttribute("cy", String(diagram.frame.y(content.loads[point.i])));
 }
 
 /** @param {number} i @param {number} j */
@@ -102,14 +102,26 @@ function choosePoint(i, j) {
 }
 
 
+/** Quantiles of the rise at a point [K]. @param {number} place */
+function quantilesAt(place) {
+  const { quantiles } = content;
+  return quantiles.map((_, q) => weighed(tables.rises, place, chosen.conditions, quantiles.length, [[q, 1]]));
+}
+
+/** Deciding rise of a point that is done [K]. @param {number} surface @param {number} i @param {number} j */
+function riseAt(surface, i, j) {
+  const isDone = content.status[placeOf(surface, i, j)] === POINT_DONE;
+  return isDone ? planeOf(chosen.conditions)[indexOf(surface, i * content.parts.load, nodeOf(j))] : NaN;
+}
+
 /** Verdicts on the surfaces on which a point is done. @param {number} i @param {number} j */
 function verdicts(i, j) {
   const limit = riseLimit(chosen.conditions);
   return surfaces().flatMap((surface) => {
-    const place = sweep.place(surface, i, j);
-    const rise = sweep.rise(surface, i, j, chosen.conditions);
+    const place = placeOf(surface, i, j);
+    const rise = riseAt(surface, i, j);
     if (Number.isNaN(rise)) return [];
-    const row = sweep.quantiles(place, chosen.conditions);
+    const row = quantilesAt(place);
     return /** @type {Verdict[]} */ ([{
       place,
       temperatures: row.map(temperature),
@@ -122,21 +134,21 @@ function verdicts(i, j) {
 
 /** Kind of a point, as the diagram marks it. @param {number} i @param {number} j */
 function kindOf(i, j) {
-  const rises = surfaces().map((surface) => sweep.rise(surface, i, j, chosen.conditions));
-  const places = surfaces().map((surface) => sweep.place(surface, i, j));
+  const rises = surfaces().map((surface) => riseAt(surface, i, j));
+  const places = surfaces().map((surface) => placeOf(surface, i, j));
   const done = rises.filter((rise) => !Number.isNaN(rise));
   if (done.length) {
     if (!isJudged()) return "unjudged";
     const severe = done.filter((rise) => rise > riseLimit(chosen.conditions)).length;
     return severe === 0 ? "mild" : severe < done.length ? "mixed" : "severe";
   }
-  if (places.some((place) => sweep.status[place] === POINT_FAILED)) return "failed";
-  return places.some((place) => sweep.asked[place]) ? "pending" : "";
+  if (places.some((place) => content.status[place] === POINT_FAILED)) return "failed";
+  return places.some((place) => content.asked[place] === "1") ? "pending" : "";
 }
 
 /** Messages of a point on the surfaces that count, each once. @param {number} i @param {number} j */
 function messagesOf(i, j) {
-  const texts = surfaces().map((surface) => content.messages[sweep.place(surface, i, j)]);
+  const texts = surfaces().map((surface) => content.messages[placeOf(surface, i, j)]);
   return [...new Set(texts.filter(Boolean))];
 }
 
@@ -165,10 +177,10 @@ function description(i, j, isFull) {
     }
     const numbers = isFull ? content.numbers : content.numbers.slice(0, 1);
     numbers.forEach(({ label, unit }, k) => {
-      const values = all.map(({ place }) => sweep.numbers[k][place]);
+      const values = all.map(({ place }) => tables.numbers[k][place]);
       if (values.some(Number.isFinite)) rows.push([label, banded(values, unit)]);
     });
-    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => sweep.times[place]), "s")]);
+    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => tables.times[place]), "s")]);
   }
   for (const message of messagesOf(i, j)) rows.push([all.length ? "warning" : "message", message]);
   return rows;
@@ -184,7 +196,7 @@ function wearOf(all, kind) {
 
 /** @param {number} i @param {number} j */
 function nameOf(i, j) {
-  return `${shown(sweep.loads[i], 6)} N, ${shown(sweep.velocities[j], 6)} m/s`;
+  return `${shown(content.loads[i], 6)} N, ${shown(content.velocities[j], 6)} m/s`;
 }
 
 
@@ -233,7 +245,7 @@ function showDistribution(rows) {
 
 /** Show the fields of a point, as Python has drawn them. @param {number} i @param {number} j */
 function showFields(i, j) {
-  const places = surfaces().map((surface) => sweep.place(surface, i, j));
+  const places = surfaces().map((surface) => placeOf(surface, i, j));
   const place = places.find((number) => String(number) in content.fields.points);
   const isOwn = bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
   if (place === undefined || !isOwn) {
@@ -250,7 +262,7 @@ function showFields(i, j) {
     field("contact temperature [°C]", [coldest, hottest], pictures, 1),
     field("wear depth of the pin [µm]", [0, 1e6 * wear], pictures, 2),
   );
-  const number = content.surfaces?.[Math.floor(place / sweep.place(1, 0, 0))];
+  const number = content.surfaces?.[Math.floor(place / placeOf(1, 0, 0))];
   const surface = number === undefined ? "" : ` on surface ${number}`;
   element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
 }

@@ -3,7 +3,7 @@
 
 /** @type {Samples} */
 const samples = JSON.parse(element("content").textContent ?? "");
-const probability = new Float32Array(bytes(samples.probability));
+const probability = floats(samples.probability);
 /** The operating point. */
 const operating = { load: NaN, velocity: NaN };
 
@@ -70,7 +70,7 @@ function judge(load, velocity) {
   Object.assign(operating, { load, velocity });
   const { loads, velocities, shares } = samples;
   drawSamples();
-  if (!isInside(operating, samples)) return showMargin(reasonAgainst(load, velocity, loads, velocities));
+  if (!isInside(operating, samples)) return showMargin(reasonAgainst(operating, samples.outside));
   /** @type {[string, string][]} */
   const rows = [["probability of severe wear", percent(probabilityAt(load, velocity))]];
   columns().forEach((line, k) => {

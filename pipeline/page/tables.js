@@ -4,19 +4,19 @@
 /** Transitions over the surfaces along velocity by load, and along load by velocity. */
 function boundaries() {
   const over = (/** @type {AxisName} */ axis, /** @type {number} */ node) =>
-    summaryOf(surfaces().map((surface) => sweep.transition(axis, surface, node, chosen.conditions)));
+    summaryOf(transitions(axis, node, chosen.conditions));
   return {
-    velocity: sweep.loads.map((_, i) => over("velocity", i * content.parts.load)),
-    load: sweep.velocities.map((_, j) => over("load", sweep.node(j))),
+    velocity: content.loads.map((_, i) => over("velocity", i * content.parts.load)),
+    load: content.velocities.map((_, j) => over("load", nodeOf(j))),
   };
 }
 
-/** Quantiles over several surfaces, or the transition of one. @param {Transition[]} transitions @returns
- * {Summary} */
-function summaryOf(transitions) {
-  const [low, middle, high] = BAND.map((share) => quantileOfEnds(transitions.map(({ ends }) => ends), share));
-  const [{ places, isHot }] = transitions;
-  return { low, middle: transitions.length > 1 ? middle : places[isHot ? 1 : 0] ?? NaN, high, transitions };
+/** Quantiles over several surfaces, or the transition to severe wear of one. @param {Transition[]} all
+ * @returns {Summary} */
+function summaryOf(all) {
+  const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(({ ends }) => ends), share));
+  const first = all[0].severe.map(([begin]) => begin).find((begin) => begin > 0) ?? NaN;
+  return { low, middle: all.length > 1 ? middle : first, high, transitions: all };
 }
 
 /** A table of texts; columns of numbers stand to the right. @param {string[]} heads @param {string[][]} rows
@@ -30,11 +30,20 @@ function table(heads, rows, words = 0) {
   return html("table", {}, html("thead", {}, html("tr", {}, ...top)), html("tbody", {}, ...body));
 }
 
+/** Names and texts as a table without heads. @param {[string, string][]} rows */
+function pairs(rows) {
+  const body = rows.map(([name, text]) => {
+    const look = text === "mild" || text === "severe" ? `verdict-${text}` : "";
+    return html("tr", {}, html("th", { scope: "row" }, name), html("td", { class: look }, text));
+  });
+  return html("table", {}, html("tbody", {}, ...body));
+}
+
 /** Outcome in words, with how far was computed, as pipeline.analysis.transition has it. @param {Transition}
  * transition @param {"velocity" | "load"} along @param {string} unit */
-function outcomeWords({ outcome, computed, places, isHot }, along, unit) {
+function outcomeWords({ outcome, computed, severe }, along, unit) {
   if (outcome === SEVERAL) {
-    const ranges = severeRanges(places, isHot).map(([begin, end]) =>
+    const ranges = severe.map(([begin, end]) =>
       `${begin ? `from ${shown(begin, 3)} ` : "up "}${end < Infinity ? `to ${shown(end, 3)}` : "on"}`);
     return `severe ${ranges.join(" and ")} ${unit}`;
   }
@@ -72,8 +81,8 @@ function showSide(id, head, places, title, unit, rows) {
 /** Show both tables, and the answer in a sentence. */
 function showTables() {
   const { velocity, load } = boundaries();
-  showSide("velocities", "load [N]", sweep.loads, "critical velocity", "m/s", velocity);
-  showSide("loads", "velocity [m/s]", sweep.velocities, "critical load", "N", load);
+  showSide("velocities", "load [N]", content.loads, "critical velocity", "m/s", velocity);
+  showSide("loads", "velocity [m/s]", content.velocities, "critical load", "N", load);
   const missing = sum(surfaces().map((surface) => content.missing[surface]));
   const note = missing ? ` ${missing} points are pending or failed and left out.` : "";
   element("summary").textContent = crossingText(velocity) + note;
@@ -83,7 +92,7 @@ function showTables() {
 function crossingText(rows) {
   if (!isJudged()) return "Give a critical temperature to see where wear turns severe.";
   const places = rows
-    .map(({ middle }, i) => ({ middle, load: sweep.loads[i] }))
+    .map(({ middle }, i) => ({ middle, load: content.loads[i] }))
     .filter(({ middle }) => Number.isFinite(middle))
     .map(({ middle, load }) => `${shown(middle)} m/s at ${shown(load, 6)} N`);
   if (!places.length) {

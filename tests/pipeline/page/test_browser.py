@@ -245,8 +245,8 @@ def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
     assert field.get_attribute("aria-invalid") == "true"
     typed(driver, "at-velocity", "1.1")
     load, velocity = driver.execute_script("""
-    const [k, j] = sweep.nearest(chosen);
-    return [sweep.fine.load[k], sweep.fine.velocity[j]];
+    const [k, j] = nearestNode(chosen);
+    return [content.fine.load[k], content.fine.velocity[j]];
     """)
     assert (load, velocity) == pytest.approx((425.0, 1.1), rel=0.05)
     (own,) = fields(ds)
@@ -265,7 +265,7 @@ def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
 def test_each_test_has_its_own_transition_and_the_verdict_of_the_command(page):
     driver = page(synthetic.sweep())
     driver.execute_script("chosen.conditions.friction = 0.14; update();")
-    script = "return content.measured.map(expectedVelocity);"
+    script = "return judgedTests().map(({ expected }) => expected);"
     for own, test in zip(driver.execute_script(script), synthetic.MEASURED, strict=True):
         limit = synthetic.limit(friction=test.friction or 0.1)
         same(own, synthetic.critical_velocity(test.normal_load, limit), rtol=0.001)

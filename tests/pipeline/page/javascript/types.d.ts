@@ -34,6 +34,11 @@ type Measurement = {
   friction: number | null;
   bulk_temperature?: number;
   outcome?: "mild" | "severe";
+  /** Conditions that it is judged at, in place of the reader's. */
+  own: Partial<Conditions>;
+  warmest: number;
+  node: [number, number];
+  isInside: boolean;
 };
 
 /** Highest pressure, lowest and highest rise, greatest depth, and the three pictures. */
@@ -55,7 +60,6 @@ type Content = {
   title: string;
   name: string;
   conditions: Conditions;
-  scene: Conditions;
   controls: Control[];
   measured: Measurement[];
   chosen: boolean;
@@ -66,7 +70,8 @@ type Content = {
   first: number;
   friction_factors: number[];
   plane: string;
-  columns: string;
+  /** Nodes at which lines along load begin that have their points alone, by surface and velocity. */
+  columns: { [place: number]: number };
   state: string;
   errors: string;
   missing: number[];
@@ -79,6 +84,8 @@ type Content = {
   surfaces: number[] | null;
   status: string;
   asked: string;
+  outside: string;
+  origins: string[];
   times: string;
   rises: string;
   numbers: { label: string; unit: string; values: string }[];
@@ -106,6 +113,7 @@ type Model = {
 
 /** Result of pipeline.page.content.content_of_samples, by load and velocity or probability. */
 type Samples = {
+  outside: string;
   name: string;
   measured: Measurement[];
   loads: number[];
@@ -116,10 +124,10 @@ type Samples = {
   lines: number[][];
 };
 
-/** Places at which wear turns, of which the first is to mild wear if it begins hot. */
+/** Ranges of severe wear, and the places at which wear turns. */
 type Transition = {
+  severe: Ends[];
   places: number[];
-  isHot: boolean;
   outcome: number;
   computed: Ends;
   ends: Ends;
