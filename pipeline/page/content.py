@@ -171,7 +171,6 @@ def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[
             _told(test)
             | {"own": {name: there[name] for name in names if name in there}}
             | {"node": (k, j)}
-            | {"warmest": max(own.bulk_temperature, own.disk_temperature or 0.0)}
             | {"isInside": _is_inside(ds, test)}
         )
     return told
@@ -193,7 +192,8 @@ def _is_inside(ds: xr.Dataset, test: Measurement) -> bool:
 def _outside(loads: Array, velocities: Array) -> str:
     """Why there is no answer beyond a sweep."""
     return (
-        f"Outside the sweep, which has {loads[0]:.4g} to {loads[-1]:.4g} N and "
+        "Type a load and a velocity to see how safe they are: nothing is known outside the sweep, "
+        f"which has {loads[0]:.4g} to {loads[-1]:.4g} N and "
         f"{velocities[0]:.4g} to {velocities[-1]:.4g} m/s."
     )
 
@@ -204,6 +204,7 @@ def _on_points(ds: xr.Dataset) -> dict[str, Any]:
     end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     return {
         "done": int((status == DONE).sum()),
+        "has_warnings": bool(((status == DONE) & (values_of(ds, "message") != "")).any()),
         "status": digits(status),
         "asked": digits(asked(ds).transpose(*POINT, missing_dims="ignore")),
         "numbers": [
@@ -309,20 +310,26 @@ def _planes(
     columns = along(rises, loads, fine_loads, -4)
     columns = columns.swapaxes(-4, -3).reshape(-1, fine_loads.size, *rises.shape[-2:])
     # Where points are missing, a line at a velocity of the sweep has its own points alone.
-    own_columns = np.flatnonzero(~done.swapaxes(-1, -2).all(axis=-1).ravel())
-    columns = columns[own_columns]
+    own_columns = np.argwhere(~done.reshape(-1, loads.size, velocities.size).all(axis=1))
+    columns = columns[own_columns @ [velocities.size, 1]]
     within = np.where(np.isfinite(columns).all(axis=(-1, -2)), INTERPOLATED, EXTRAPOLATED)
     at_own = rises[..., own[0], own[1]]
+    own_nodes = first + by_velocity * np.arange(velocities.size)
+    own_rows, rows_up = by_load * np.arange(loads.size), np.arange(fine_loads.size) / by_load
+    below, above = np.floor(rows_up).astype(int), np.ceil(rows_up).astype(int)
     return {
         "fine": {"velocity": nodes.tolist(), "load": fine_loads.tolist()},
-        "parts": {"load": by_load, "velocity": by_velocity},
         "first": first,
-        "measured": _tests(
-            ds, fine_loads, nodes[: first + by_velocity * (len(velocities) - 1) + 1], first
-        ),
+        "inner": nodes[first : own_nodes[-1] + 1].tolist(),
+        "nodes": {"velocity": own_nodes.tolist(), "load": own_rows.tolist()},
+        "beside": np.stack([own_rows[below], own_rows[above]], axis=-1).tolist(),
+        "measured": _tests(ds, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": conditions.friction_factor(nodes).tolist(),
         "plane": packed_array(np.concatenate([plane.ravel(), columns.ravel()]), "<f4"),
-        "columns": {int(n): state.size + k * fine_loads.size for k, n in enumerate(own_columns)},
+        "columns": {
+            f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size
+            for k, (surface, j) in enumerate(own_columns.tolist())
+        },
         "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
         "state": digits(state) + digits(within),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),

@@ -48,7 +48,7 @@ function drawDiagram() {
 /** Mild and severe regions, bands over surfaces and frictions, and the boundary. @param {Frame} frame */
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
-  const [x, y] = [inner().map(frame.x), content.fine.load.map(frame.y)];
+  const [x, y] = [content.inner.map(frame.x), content.fine.load.map(frame.y)];
   if (Math.min(x.length, y.length) < 2) return drawnPlace(frame);
   const middle = excess(0.5, chosen.conditions);
   /** @type {[string, ...number[][][]][]} */
@@ -86,10 +86,10 @@ function negative(grid) {
 /** ln(rise/limit) at the nodes that a share of the surfaces stays below; NaN where not known. @param {number}
  * share @param {Conditions} conditions */
 function excess(share, conditions) {
-  const [plane, limit, { load, velocity }] = [knownPlane(conditions), riseLimit(conditions), content.fine];
+  const [plane, limit, { load, velocity }] = [knownPlane(conditions), heatOf(conditions).limit, content.fine];
   const isThere = load.map((_, k) => surfaces().filter((surface) =>
     velocity.some((_place, j) => !Number.isNaN(plane[indexOf(surface, k, j)]))));
-  return load.map((_, k) => inner().map((_place, j) => {
+  return load.map((_, k) => content.inner.map((_place, j) => {
     const all = isThere[k].map((surface) => Math.log(plane[indexOf(surface, k, j + content.first)] / limit));
     /** @type {Ends[]} */
     const ways = all.map((one) => (Number.isNaN(one) ? [-Infinity, Infinity] : [one, one]));
@@ -97,7 +97,7 @@ function excess(share, conditions) {
   }));
 }
 
-/** Indices of all points. */
+/** Indices of all points. @returns {Point[]} */
 function everyPoint() {
   return content.loads.flatMap((_load, i) => content.velocities.map((_velocity, j) => ({ i, j })));
 }
@@ -105,12 +105,11 @@ function everyPoint() {
 /** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
   const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2;
-  const kinds = content.loads.map((_load, i) => content.velocities.map((_velocity, j) => kindOf(i, j)));
-  return everyPoint().flatMap(({ i, j }) => {
-    const kind = kinds[i][j];
+  return everyPoint().flatMap((point) => {
+    const kind = kindOf(point);
     if (!kind) return [];
-    const [x, y] = [frame.x(content.velocities[j]), frame.y(content.loads[i])];
-    const rings = hasWarning(i, j) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
+    const [x, y] = [frame.x(content.velocities[point.j]), frame.y(content.loads[point.i])];
+    const rings = hasWarning(point) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
     return [...rings, mark(kind, x, y, r)];
   });
 }
@@ -119,7 +118,7 @@ function drawnMarks(frame) {
 function hasOwnConditions({ own, node: [, j] }) {
   const there = { ...chosen.conditions, ...own };
   const factor = own.at_one_friction ? content.friction_factors[j] : 1;
-  return Math.abs((riseLimit(there) / riseLimit(chosen.conditions)) * factor - 1) > 0.02;
+  return Math.abs((heatOf(there).limit / heatOf(chosen.conditions).limit) * factor - 1) > 0.02;
 }
 
 /** Measured transitions and tests, each beside the transition computed at its own conditions. @param {Frame}
@@ -136,38 +135,17 @@ function drawnMeasured(frame) {
   });
 }
 
-/** Signs of measured transitions and of tests. @param {Measurement[]} tests */
-function testSigns(tests) {
-  const has = (/** @type {string | undefined} */ kind) => tests.some(({ outcome }) => outcome === kind);
-  return { transition: has(undefined), "test-mild": has("mild"), "test-severe": has("severe") };
-}
-
-/** Show the signs of what the diagram holds, in words. */
+/** Show the signs of what the diagram holds, of those that its sweep may have. */
 function showLegend() {
-  const kinds = new Set(everyPoint().map(({ i, j }) => kindOf(i, j)));
-  const count = surfaces().length;
-  const { friction_band: band, measured } = content;
-  const frictions = `transition at friction ${band?.map((end) => shown(end)).join(" to ")}`;
-  showSigns({
-    boundary: isJudged() && (count > 1 ? "transition, median" : "computed transition"),
-    "region-mild": isJudged() && !content.chosen && content.regions[0],
-    "region-severe": isJudged() && !content.chosen && content.regions[1],
-    band: isJudged() && count > 1 && `${100 * BAND[0]} to ${100 * BAND[2]} % of ${count}`,
-    friction: isJudged() && band !== null && frictions,
+  const [kinds, isMany] = [new Set(everyPoint().map(kindOf)), surfaces().length > 1];
+  const signs = {
+    boundary: isJudged() && !isMany, median: isJudged() && isMany, band: isJudged() && isMany,
+    "region-mild": isJudged(), "region-severe": isJudged(), friction: isJudged(),
     ...Object.fromEntries(KINDS.map((kind) => [kind, kinds.has(kind)])),
-    warned: everyPoint().some(({ i, j }) => hasWarning(i, j)),
-    ...testSigns(measured),
-    own: isJudged() && measured.some(hasOwnConditions),
+    own: isJudged() && content.measured.some(hasOwnConditions),
     operating: isInside(chosen, content),
-  });
-}
-
-/** Show those signs of the legend that are there, some with words of their own. @param {Object<string,
- * boolean | string>} signs */
-function showSigns(signs) {
-  for (const [name, words] of Object.entries(signs)) {
-    const sign = element(`sign-${name}`);
-    sign.hidden = words === false;
-    if (typeof words === "string") sign.lastChild?.replaceWith(words);
+  };
+  for (const [name, isThere] of Object.entries(signs)) {
+    document.getElementById(`sign-${name}`)?.toggleAttribute("hidden", !isThere);
   }
 }

@@ -1,20 +1,17 @@
 "use strict";
 /* How likely the next run is severe at a node: the severe ranges about it, by the model's own error. */
 
-/** ln(measured/computed) of the tests that count, each at its own conditions, and the nearest turns. */
+/** Each test at its own conditions: the nearest turn, and ln(measured/computed) if it counts. */
 function judgedTests() {
   return content.measured.map((test) => {
-    const own = { ...chosen.conditions, ...test.own };
-    const [k, j] = test.node;
-    const all = transitions("velocity", k, own);
+    const [own, [k, j]] = [{ ...chosen.conditions, ...test.own }, test.node];
+    const [all, limit] = [transitions("velocity", k, own), heatOf(own).limit];
     const expected = nearestTurn(all, test.velocity);
-    const from = Math.min(...all.map(({ computed }) => computed[0]));
-    const to = Math.max(...all.map(({ computed }) => computed[1]));
-    const hot = surfaces().filter((surface) => planeOf(own)[indexOf(surface, k, j)] > riseLimit(own));
+    const [from, to] = [0, 1].map((end) => all.map(({ computed }) => computed[end]));
+    const critical = Math.min(Math.max(expected, Math.min(...from)), Math.max(...to));
+    const hot = surfaces().filter((surface) => planeOf(own)[indexOf(surface, k, j)] > limit);
     const isRight = test.outcome && (test.outcome === "severe") === hot.length > surfaces().length / 2;
-    const critical = Math.min(Math.max(expected, from), to); // or the end of the line
-    const isJudgeable = test.isInside && (own.critical_temperature ?? 0) > test.warmest;
-    const counts = isJudgeable && !isRight && critical > 0;
+    const counts = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0 && !isRight;
     return { expected, residual: counts ? Math.log(test.velocity / critical) : null };
   });
 }
@@ -40,7 +37,7 @@ function marginAt([k, j], conditions) {
   const share = (/** @type {number} */ place) => below(Math.log(place / velocity[j]));
   const probabilities = [1 / (1 + error), 1, 1 + error].map((factor) => sum(places.map((place) => {
     const row = plane.subarray(place - j, place - j + velocity.length);
-    const severe = rangesAbove(velocity, row, riseLimit(conditions) / factor);
+    const severe = rangesAbove(velocity, row, heatOf(conditions).limit / factor);
     return sum(severe.map(([begin, end]) => share(end) - share(begin))) / places.length;
   })));
   const [lowest, likely, highest] = Number.isNaN(error) ? [0, probabilities[1], 1] : probabilities;

@@ -23,20 +23,14 @@ function listenToOperatingPoint(take) {
 function showMargin(rows) {
   const isHint = typeof rows === "string";
   element("operating").classList.toggle("is-used", !isHint);
-  element("margin").replaceChildren(isHint ? html("p", { class: "hint" }, rows) : pairs(rows));
-}
-
-/** Reason why a place cannot be judged. @param {{load: number, velocity: number}} place @param {string}
- * outside */
-function reasonAgainst({ load, velocity }, outside) {
-  return Number.isNaN(load + velocity) ? "Type a load and a velocity to see how safe they are." : outside;
+  element("margin").replaceChildren(isHint ? html("p", { class: "hint" }, rows) : table([], rows));
 }
 
 /** Verdict and distances at the node nearest to the operating point. @returns {[string, string][] | string}
  * */
 function marginRows() {
   const { conditions } = chosen;
-  if (!isInside(chosen, content)) return reasonAgainst(chosen, content.outside);
+  if (!isInside(chosen, content)) return content.outside;
   const [k, j] = nearestNode(chosen);
   const { rises, error, probabilities, verdict } = marginAt([k, j], conditions);
   if (rises.some(Number.isNaN)) return "Too few points about this place are done.";
@@ -52,7 +46,7 @@ function marginRows() {
   if (critical === null) return rows;
   const [lowest, likely, highest] = probabilities.map(percent);
   const within = lowest === highest ? "" : ` (${lowest.replace(" %", "")} to ${highest})`;
-  const kelvin = error * quantileOf(rises, 0.5) * riseFactor(conditions);
+  const kelvin = error * quantileOf(rises, 0.5) * heatOf(conditions).factor;
   return [
     ["wear", content.misfit || verdict], ["severe wear is likely by", `${likely}${within}`], ...rows,
     ["its error", Number.isNaN(kelvin) ? "not known" : `± ${shown(kelvin, 2)} K`],

@@ -71,21 +71,19 @@ function axes(width, height, x, y) {
   };
   const grid = svg("g", { class: "grid", "aria-hidden": "true" });
   const outline = svg("g", { class: "axis", "aria-hidden": "true" });
+  const add = (/** @type {string} */ line, /** @type {string} */ dash, /** @type {SVGElement} */ text) => {
+    grid.append(svg("path", { d: line }));
+    outline.append(svg("path", { d: dash }), text);
+  };
   for (const value of ticks(x.low, x.high, (right - left) / 70)) {
     const place = frame.x(value);
-    grid.append(svg("path", { d: `M${place},${top}V${bottom}` }));
-    outline.append(
-      svg("path", { d: `M${place},${bottom}v4` }),
-      svg("text", { x: place, y: bottom + 17, "text-anchor": "middle" }, shown(value)),
-    );
+    const text = svg("text", { x: place, y: bottom + 17, "text-anchor": "middle" }, shown(value));
+    add(`M${place},${top}V${bottom}`, `M${place},${bottom}v4`, text);
   }
   for (const value of ticks(y.low, y.high, (bottom - top) / 40)) {
     const place = frame.y(value);
-    grid.append(svg("path", { d: `M${left},${place}H${right}` }));
-    outline.append(
-      svg("path", { d: `M${left},${place}h-4` }),
-      svg("text", { x: left - 7, y: place + 4, "text-anchor": "end" }, shown(value)),
-    );
+    const text = svg("text", { x: left - 7, y: place + 4, "text-anchor": "end" }, shown(value));
+    add(`M${left},${place}H${right}`, `M${left},${place}h-4`, text);
   }
   const middle = (top + bottom) / 2;
   outline.append(
@@ -99,14 +97,21 @@ function axes(width, height, x, y) {
   return { root, inside, frame };
 }
 
-/** Bytes of base64. @param {string} text */
-function bytes(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+/** Show a small chart with its caption, or nothing. @param {string} id @param {boolean} isThere @param
+ * {string} text @param {Axis} x @param {Axis} y @param {(frame: Frame) => SVGElement[]} draw */
+function showChart(id, isThere, text, x, y, draw) {
+  element(id).replaceChildren();
+  element(`${id}-caption`).textContent = isThere ? text : "";
+  if (!isThere) return;
+  const width = Math.max(element(id).clientWidth, 260);
+  const { root, inside, frame } = axes(width, Math.round(Math.min(0.6 * width, 300)), x, y);
+  inside.append(...draw(frame));
+  element(id).append(filled(root, { role: "img", "aria-label": text }, []));
 }
 
 /** Numbers of base64. @param {string} text */
 function floats(text) {
-  return new Float32Array(bytes(text));
+  return new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
 }
 
 /** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */

@@ -62,7 +62,7 @@ function showTip(frame, load, velocity) {
   const text = `severe with a probability of ${percent(probabilityAt(load, velocity))}`;
   const place = html("b", {}, `${shown(load, 3)} N, ${shown(velocity, 3)} m/s`);
   tip.replaceChildren(place, html("div", {}, text));
-  placeTip(frame, load, velocity);
+  placeTip(frame, frame.x(velocity), frame.y(load));
 }
 
 /** Take an operating point, and show its probability. @param {number} load @param {number} velocity */
@@ -70,7 +70,7 @@ function judge(load, velocity) {
   Object.assign(operating, { load, velocity });
   const { loads, velocities, shares } = samples;
   drawSamples();
-  if (!isInside(operating, samples)) return showMargin(reasonAgainst(operating, samples.outside));
+  if (!isInside(operating, samples)) return showMargin(samples.outside);
   /** @type {[string, string][]} */
   const rows = [["probability of severe wear", percent(probabilityAt(load, velocity))]];
   columns().forEach((line, k) => {
@@ -86,7 +86,6 @@ function beginSamples() {
   takeScene(() => ({}));
   listenToOperatingPoint(judge);
   judge(NaN, NaN);
-  showSigns(testSigns(samples.measured));
   offerCsv("velocities", samples.name);
   new ResizeObserver(drawSamples).observe(element("diagram"));
 }

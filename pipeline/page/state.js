@@ -14,8 +14,8 @@ const tables = {
 const planes = new Map();
 const hasShare = content.shares.length > 1;
 const surfaceCount = content.surfaces?.length ?? 1;
-/** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: {i: number, j:
- * number} | null, load: number, velocity: number}} */
+/** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: Point | null,
+ * load: number, velocity: number}} */
 const chosen = {
   conditions: { ...content.conditions }, surface: surfaceCount > 1 ? null : 0,
   point: null, load: NaN, velocity: NaN,
@@ -37,7 +37,13 @@ function kept(key, make) {
 
 /** Temperature of a rise at friction 1 [K]. @param {number} rise */
 function temperature(rise) {
-  return coldestBulk(chosen.conditions) + riseFactor(chosen.conditions) * rise;
+  const { coldest, factor } = heatOf(chosen.conditions);
+  return coldest + factor * rise;
+}
+
+/** Fields and course are those of the present bulk temperatures. */
+function isOwnBulk() {
+  return heatOf(chosen.conditions).ratio === heatOf(content.conditions).ratio;
 }
 
 /** There is a critical temperature to judge by. */

@@ -6,15 +6,15 @@ function boundaries() {
   const over = (/** @type {AxisName} */ axis, /** @type {number} */ node) =>
     summaryOf(transitions(axis, node, chosen.conditions));
   return {
-    velocity: content.loads.map((_, i) => over("velocity", i * content.parts.load)),
-    load: content.velocities.map((_, j) => over("load", nodeOf(j))),
+    velocity: content.nodes.load.map((node) => over("velocity", node)),
+    load: content.nodes.velocity.map((node) => over("load", node)),
   };
 }
 
 /** Quantiles over several surfaces, or the transition to severe wear of one. @param {Transition[]} all
  * @returns {Summary} */
 function summaryOf(all) {
-  const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(({ ends }) => ends), share));
+  const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(endsOf), share));
   const first = all[0].severe.map(([begin]) => begin).find((begin) => begin > 0) ?? NaN;
   return { low, middle: all.length > 1 ? middle : first, high, transitions: all };
 }
@@ -24,19 +24,11 @@ function summaryOf(all) {
 function table(heads, rows, words = 0) {
   const look = (/** @type {number} */ k) => (k < heads.length - words ? "number" : "");
   const cell = (/** @type {string} */ text, /** @type {number} */ k) =>
-    k ? html("td", { class: look(k) }, text) : html("th", { scope: "row", class: look(0) }, text);
+    (k ? html("td", { class: look(k) || `verdict-${text}` }, text)
+      : html("th", { scope: "row", class: look(0) }, text));
   const top = heads.map((head, k) => html("th", { scope: "col", class: look(k) }, head));
   const body = rows.map((row) => html("tr", {}, ...row.map(cell)));
   return html("table", {}, html("thead", {}, html("tr", {}, ...top)), html("tbody", {}, ...body));
-}
-
-/** Names and texts as a table without heads. @param {[string, string][]} rows */
-function pairs(rows) {
-  const body = rows.map(([name, text]) => {
-    const look = text === "mild" || text === "severe" ? `verdict-${text}` : "";
-    return html("tr", {}, html("th", { scope: "row" }, name), html("td", { class: look }, text));
-  });
-  return html("table", {}, html("tbody", {}, ...body));
 }
 
 /** Outcome in words, with how far was computed, as pipeline.analysis.transition has it. @param {Transition}

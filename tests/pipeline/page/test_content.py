@@ -54,9 +54,8 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
     nodes = [len(page["fine"][name]) for name in ("load", "velocity")]
     rises = unpacked(page["plane"], "<f4").reshape(-1, shares)
     plane = rises[: math.prod(nodes)].reshape(*nodes, shares)
-    parts = page["parts"]
-    at_points = plane[:: parts["load"], page["first"] :: parts["velocity"]][:, :velocities]
-    assert at_points.shape[0] == loads
+    at_points = plane[np.ix_(page["nodes"]["load"], page["nodes"]["velocity"])]
+    assert at_points.shape[:2] == (loads, velocities)
     is_done = (held["status"] == 1).values
     for share in (0.0, 0.1, 0.35):
         expected = decisive_rise(held, synthetic.conditions(share)).values

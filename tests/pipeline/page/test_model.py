@@ -43,7 +43,7 @@ return argument.map(({ conditions, places }) => {
       place: [f, v], temperature: quantileOf(rises.map(temperature), 0.5), error, probabilities,
       verdict, velocity: way("velocity", k, v), load: way("load", j, f),
       states: surfaces().map((one) => Number(state(one, k, j))), words: modelError().words,
-      isWhole: content.fine.load.every((_, i) => inner().every((_, n) =>
+      isWhole: content.fine.load.every((_, i) => content.inner.every((_, n) =>
         (i !== k && n + content.first !== j) ||
         surfaces().every((one) => state(one, i, n + content.first) < "3"))),
     };
@@ -189,7 +189,7 @@ def test_bands_of_severe_wear_have_all_their_ends():
 GRID = """
 return argument.map((friction) => {
   const middle = excess(0.5, { ...chosen.conditions, friction });
-  const [x, y] = [inner(), content.fine.load];
+  const [x, y] = [content.inner, content.fine.load];
   const places = contour(x, y, [middle], true).split(/[ML]/).filter(Boolean);
   return [places.map((pair) => pair.split(",").map(Number)), contour(x, y, [middle]).length];
 });

@@ -36,7 +36,6 @@ type Measurement = {
   outcome?: "mild" | "severe";
   /** Conditions that it is judged at, in place of the reader's. */
   own: Partial<Conditions>;
-  warmest: number;
   node: [number, number];
   isInside: boolean;
 };
@@ -66,12 +65,16 @@ type Content = {
   loads: number[];
   velocities: number[];
   fine: { velocity: number[]; load: number[] };
-  parts: { velocity: number; load: number };
   first: number;
+  /** Velocities of the nodes within the sweep. */
+  inner: number[];
+  /** Nodes of the velocities and loads of the sweep, and of the two loads beside each node of load. */
+  nodes: { velocity: number[]; load: number[] };
+  beside: [number, number][];
   friction_factors: number[];
   plane: string;
   /** Nodes at which lines along load begin that have their points alone, by surface and velocity. */
-  columns: { [place: number]: number };
+  columns: { [place: string]: number };
   state: string;
   errors: string;
   missing: number[];
@@ -130,20 +133,14 @@ type Transition = {
   places: number[];
   outcome: number;
   computed: Ends;
-  ends: Ends;
 };
 
 /** Quantiles over several surfaces; of one, the first place at which wear turns severe. */
 type Summary = { low: number; middle: number; high: number; transitions: Transition[] };
 
-/** Temperatures in kelvin, of which each quantile of the contact stays below one. */
-type Verdict = {
-  place: number;
-  decisive: number;
-  failed: number;
-  isSevere: boolean;
-  temperatures: number[];
-};
+/** Indices of a point in loads and velocities. */
+type Point = { i: number; j: number };
+type Place = { load: number; velocity: number };
 
 /** Places of values [px], and values at places. */
 type Frame = {
