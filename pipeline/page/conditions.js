@@ -1,8 +1,7 @@
 "use strict";
 /* The conditions: sliders and fields, and faults of what was typed. */
 
-/** Fault of conditions; empty if there is none. @param {Conditions} conditions @param {Control} control of
- * the one that was changed */
+/** Fault of a changed condition, or none. @param {Conditions} conditions @param {Control} control */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
   if (!Number.isFinite(value)) return "give a number such as 0.12";
@@ -16,7 +15,7 @@ function faultOf(conditions, { name, least, most, fault }) {
 function listenToConditions() {
   element("conditions").addEventListener("submit", (event) => event.preventDefault());
   for (const control of content.controls) {
-    for (const source of sources(control)) {
+    for (const source of [input(control.name), input(`${control.name}-range`)]) {
       source.addEventListener("input", () => change(control, source));
     }
     showControl(control, null);
@@ -31,11 +30,6 @@ function listenToConditions() {
     for (const control of content.controls) showControl(control, null);
     update();
   });
-}
-
-/** Field and slider of a condition. @param {Control} control */
-function sources({ name }) {
-  return [input(name), input(`${name}-range`)];
 }
 
 /** The number that was typed, with a decimal comma or point; NaN if it is none. A field of type number would
@@ -69,8 +63,8 @@ function showFault({ name }, fault) {
 function showControl(control, source) {
   const value = chosen.conditions[control.name] ?? null;
   const text = value === null ? "" : String(Number((value * control.factor + control.offset).toPrecision(9)));
-  const [field, slider] = sources(control);
-  for (const target of [field, slider]) if (target !== source) target.value = text;
+  const targets = [input(control.name), input(`${control.name}-range`)];
+  for (const target of targets) if (target !== source) target.value = text;
   if (!source) showFault(control, "");
 }
 

@@ -13,8 +13,7 @@ function ends(values) {
   return { low: low - room, high: high + room };
 }
 
-/** Axes of a diagram that holds these places and tests. @param {number[]} velocities @param {number[]} loads
- * @param {Measurement[]} tests */
+/** Axes that hold all. @param {number[]} velocities @param {number[]} loads @param {Place[]} tests */
 function planeAxes(velocities, loads, tests) {
   const width = Math.max(element("diagram").clientWidth, 280);
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
@@ -50,6 +49,7 @@ function drawnBoundary(frame) {
   if (!isJudged()) return [];
   const [x, y] = [content.inner.map(frame.x), content.fine.load.map(frame.y)];
   if (Math.min(x.length, y.length) < 2) return drawnPlace(frame);
+  const negative = (/** @type {number[][]} */ grid) => grid.map((row) => row.map((value) => -value));
   const middle = excess(0.5, chosen.conditions);
   /** @type {[string, ...number[][][]][]} */
   const parts = content.chosen ? [] : [["mild", negative(middle)], ["severe", middle]];
@@ -76,11 +76,6 @@ function drawnPlace(frame) {
   ];
   const [place] = places.filter((one) => one.every(Number.isFinite));
   return place ? [svg("circle", { cx: place[0], cy: place[1], r: 4 })] : [];
-}
-
-/** @param {number[][]} grid */
-function negative(grid) {
-  return grid.map((row) => row.map((value) => -value));
 }
 
 /** ln(rise/limit) at the nodes that a share of the surfaces stays below; NaN where not known. @param {number}
@@ -121,8 +116,7 @@ function hasOwnConditions({ own, node: [, j] }) {
   return Math.abs((heatOf(there).limit / heatOf(chosen.conditions).limit) * factor - 1) > 0.02;
 }
 
-/** Measured transitions and tests, each beside the transition computed at its own conditions. @param {Frame}
- * frame */
+/** Tests, each beside the transition computed at its own conditions. @param {Frame} frame */
 function drawnMeasured(frame) {
   const judged = judgedTests();
   return content.measured.flatMap((test, number) => {

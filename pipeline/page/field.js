@@ -46,11 +46,13 @@ function knownPlane(conditions) {
     return new Set(nodes.map((node) => plane[node] > limit)).size > 1;
   };
   return kept(JSON.stringify(conditions), () => {
-    const turns = Array.from({ length: plane.length / across }, (_, row) => isTurning(row));
+    const rows = state.includes(NODE_BETWEEN) ? plane.length / across : 0;
+    const turns = Array.from({ length: rows }, (_, row) => isTurning(row));
     return plane.map((rise, node) => {
-      const [row, k] = [Math.floor(node / across), Math.floor(node / across) % beside.length];
-      const isBridged = state[node] === NODE_BETWEEN && beside[k].every((own) => turns[row - k + own]);
-      return isWithin(node) || isBridged ? rise : NaN;
+      if (isWithin(node)) return rise;
+      const row = Math.floor(node / across);
+      const isBridged = beside[row % beside.length].every((own) => turns[row - row % beside.length + own]);
+      return state[node] === NODE_BETWEEN && isBridged ? rise : NaN;
     });
   });
 }

@@ -1,8 +1,7 @@
 "use strict";
 /* The operating point: its form, and what is said of it. */
 
-/** A place lies within a sweep. @param {{load: number, velocity: number}} place @param {{loads: number[],
- * velocities: number[]}} axes */
+/** A place lies within a sweep. @param {Place} place @param {Axes} axes */
 function isInside({ load, velocity }, { loads, velocities }) {
   return load > 0 && velocity > 0 && load >= loads[0] && load <= loads[loads.length - 1] &&
     velocity >= velocities[0] && velocity <= velocities[velocities.length - 1];
@@ -26,8 +25,7 @@ function showMargin(rows) {
   element("margin").replaceChildren(isHint ? html("p", { class: "hint" }, rows) : table([], rows));
 }
 
-/** Verdict and distances at the node nearest to the operating point. @returns {[string, string][] | string}
- * */
+/** Verdict and distances at the node nearest by. @returns {[string, string][] | string} */
 function marginRows() {
   const { conditions } = chosen;
   if (!isInside(chosen, content)) return content.outside;

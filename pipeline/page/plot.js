@@ -11,8 +11,7 @@ function filled(made, attributes, children) {
   return made;
 }
 
-/** @param {string} name @param {Object<string, string | number>} [attributes] @param {(Node | string)[]}
- * children */
+/** @param {string} name @param {Attributes} [attributes] @param {(Node | string)[]} children */
 function svg(name, attributes = {}, ...children) {
   return filled(/** @type {SVGElement} */ (document.createElementNS(SVG, name)), attributes, children);
 }
@@ -32,8 +31,7 @@ function input(id) {
   return /** @type {HTMLInputElement} */ (element(id));
 }
 
-/** Round values between two ends, about so many. @param {number} low @param {number} high @param {number}
- * count */
+/** Round values between ends, so many. @param {number} low @param {number} high @param {number} count */
 function ticks(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -58,14 +56,12 @@ function shown(value, digits = 4) {
 }
 
 /** Grid, axes and labels in an SVG of some size; drawings go between grid and axes. @param {number} width
- * @param {number} height @param {Axis} x @param {Axis} y @returns {{root: SVGElement, inside: SVGElement,
- * frame: Frame}} */
+ * @param {number} height @param {Axis} x @param {Axis} y */
 function axes(width, height, x, y) {
   const [left, right, top, bottom] = [56, width - 12, 10, height - 42];
   const frame = {
     left, right, top, bottom,
-    x: scale(x, left, right),
-    y: scale(y, bottom, top),
+    x: scale(x, left, right), y: scale(y, bottom, top),
     velocity: scale({ low: left, high: right }, x.low, x.high),
     load: scale({ low: bottom, high: top }, y.low, y.high),
   };
@@ -161,9 +157,12 @@ function cross(frame, { load, velocity }) {
  * {number[]} x @param {number[]} y [px] @param {number[][][]} grids values by y and x, or NaN @param
  * {boolean} isLine */
 function contour(x, y, grids, isLine = false) {
-  const cells = y.slice(1).flatMap((_top, i) => x.slice(1).map((_right, j) =>
-    [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]].map(([k, l]) =>
-      [x[l], y[k], ...grids.map((grid) => grid[k][l])])));
+  const cells = y.slice(1).flatMap((_top, i) => x.slice(1).flatMap((_right, j) => {
+    const corners = [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]];
+    const counts = grids.map((grid) => corners.filter(([k, l]) => grid[k][l] > 0).length);
+    if (counts.some((count) => count === 0 || (isLine && count === 4))) return []; // as most are
+    return [corners.map(([k, l]) => [x[l], y[k], ...grids.map((grid) => grid[k][l])])];
+  }));
   return cells.filter((corners) => !corners.flat().some(Number.isNaN)).flatMap((corners) => {
     const part = grids.reduce((rest, _, n) => clipped(rest, n + 2, isLine), corners);
     return isLine ? [part.slice(0, 2), part.slice(2)] : [part]; // a saddle has two lines

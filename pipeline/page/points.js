@@ -104,23 +104,20 @@ function placesOf({ i, j }) {
 
 /** Deciding rises at friction 1 on the surfaces on which a point is done [K]. @param {Point} point */
 function risesAt(point) {
-  const [plane, { nodes, status }] = [planeOf(chosen.conditions), content];
+  const [plane, { limit }] = [planeOf(chosen.conditions), heatOf(chosen.conditions)];
+  const { nodes, status } = content;
   return placesOf(point).flatMap((place, n) => {
     const node = indexOf(surfaces()[n], nodes.load[point.i], nodes.velocity[point.j]);
-    return status[place] === POINT_DONE ? [{ place, rise: plane[node] }] : [];
+    return status[place] === POINT_DONE ? [{ place, rise: plane[node], isSevere: plane[node] > limit }] : [];
   });
-}
-
-/** Number of rises above the limit. @param {{rise: number}[]} all */
-function severeCount(all) {
-  return all.filter(({ rise }) => rise > heatOf(chosen.conditions).limit).length;
 }
 
 /** Kind of a point, as the diagram marks it. @param {Point} point */
 function kindOf(point) {
   const [all, places] = [risesAt(point), placesOf(point)];
+  const severe = all.filter(({ isSevere }) => isSevere).length;
   if (all.length && !isJudged()) return "unjudged";
-  if (all.length) return severeCount(all) ? (severeCount(all) < all.length ? "mixed" : "severe") : "mild";
+  if (all.length) return severe ? (severe < all.length ? "mixed" : "severe") : "mild";
   if (places.some((place) => content.status[place] === POINT_FAILED)) return "failed";
   return places.some((place) => content.asked[place] === "1") ? "pending" : "";
 }
@@ -129,7 +126,7 @@ function kindOf(point) {
 function wearOf(point) {
   const [all, kind] = [risesAt(point), kindOf(point)];
   if (kind === "unjudged") return "not known without a critical temperature";
-  if (all.length > 1) return `severe on ${severeCount(all)} of ${all.length}`;
+  if (all.length > 1) return `severe on ${all.filter(({ isSevere }) => isSevere).length} of ${all.length}`;
   return all.length || kind === "failed" ? kind : "not computed";
 }
 
@@ -198,8 +195,7 @@ function showPoint() {
   showFields(chosen.point);
 }
 
-/** Show the share of the contact that is hotter than each temperature. @param {number[][]} curves [°C] by
- * surface */
+/** Show the contact's share that is hotter than each temperature. @param {number[][]} curves [°C] */
 function showDistribution(curves) {
   const { critical_temperature: critical, failing_share } = chosen.conditions;
   const share = 100 * failing_share;

@@ -11,8 +11,7 @@ function boundaries() {
   };
 }
 
-/** Quantiles over several surfaces, or the transition to severe wear of one. @param {Transition[]} all
- * @returns {Summary} */
+/** Quantiles over surfaces, or the one transition. @param {Transition[]} all @returns {Summary} */
 function summaryOf(all) {
   const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(endsOf), share));
   const first = all[0].severe.map(([begin]) => begin).find((begin) => begin > 0) ?? NaN;
@@ -24,7 +23,7 @@ function summaryOf(all) {
 function table(heads, rows, words = 0) {
   const look = (/** @type {number} */ k) => (k < heads.length - words ? "number" : "");
   const cell = (/** @type {string} */ text, /** @type {number} */ k) =>
-    (k ? html("td", { class: look(k) || `verdict-${text}` }, text)
+    (k ? html("td", { class: look(k) || `verdict-${text.replaceAll(" ", "-")}` }, text)
       : html("th", { scope: "row", class: look(0) }, text));
   const top = heads.map((head, k) => html("th", { scope: "col", class: look(k) }, head));
   const body = rows.map((row) => html("tr", {}, ...row.map(cell)));
@@ -44,8 +43,7 @@ function outcomeWords({ outcome, computed, severe }, along, unit) {
   return content.outcomes[along][outcome] + reach;
 }
 
-/** Count of crossings, and the reasons of the others. @param {{transitions: Transition[]}} row @param
- * {string} unit */
+/** Crossings, and why there are no others. @param {{transitions: Transition[]}} row @param {string} unit */
 function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];

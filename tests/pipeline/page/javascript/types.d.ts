@@ -140,6 +140,8 @@ type Summary = { low: number; middle: number; high: number; transitions: Transit
 
 /** Indices of a point in loads and velocities. */
 type Point = { i: number; j: number };
+type Axes = { loads: number[]; velocities: number[] };
+type Attributes = { [name: string]: string | number };
 type Place = { load: number; velocity: number };
 
 /** Places of values [px], and values at places. */
