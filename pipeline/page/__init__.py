@@ -1,1 +1,1 @@
-"""A page that shows a sweep in a browser: Python tabulates its rises, the scripts join them."""
+"""A page that shows a sweep in a browser: Python tabulates a plane, the scripts threshold it."""

@@ -1,8 +1,7 @@
 "use strict";
 /* The conditions: sliders and fields, and faults of what was typed. */
 
-/** Fault of conditions; empty if there is none. @param {Conditions} conditions @param {Control} control of
- * the one that was changed */
+/** Fault of a changed condition, or none. @param {Conditions} conditions @param {Control} control */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
   if (!Number.isFinite(value)) return "give a number such as 0.12";
@@ -16,7 +15,7 @@ function faultOf(conditions, { name, least, most, fault }) {
 function listenToConditions() {
   element("conditions").addEventListener("submit", (event) => event.preventDefault());
   for (const control of content.controls) {
-    for (const source of sources(control)) {
+    for (const source of [input(control.name), input(`${control.name}-range`)]) {
       source.addEventListener("input", () => change(control, source));
     }
     showControl(control, null);
@@ -31,11 +30,6 @@ function listenToConditions() {
     for (const control of content.controls) showControl(control, null);
     update();
   });
-}
-
-/** Field and slider of a condition. @param {Control} control */
-function sources({ name }) {
-  return [input(name), input(`${name}-range`)];
 }
 
 /** The number that was typed, with a decimal comma or point; NaN if it is none. A field of type number would
@@ -69,41 +63,17 @@ function showFault({ name }, fault) {
 function showControl(control, source) {
   const value = chosen.conditions[control.name] ?? null;
   const text = value === null ? "" : String(Number((value * control.factor + control.offset).toPrecision(9)));
-  const [field, slider] = sources(control);
-  for (const target of [field, slider]) if (target !== source) target.value = text;
+  const targets = [input(control.name), input(`${control.name}-range`)];
+  for (const target of targets) if (target !== source) target.value = text;
   if (!source) showFault(control, "");
 }
 
-
-/** Bulk temperature of the disk less that of the pin [K]. @param {Conditions} conditions */
-function bulkDifference({ bulk_temperature, disk_temperature = bulk_temperature }) {
-  return disk_temperature - bulk_temperature;
-}
-
-/** Factor of the rise at friction 1: the friction. Without friction unequal bulk temperatures still warm one
- * of the bodies; then it is so small that their ratio to it is the largest one that is kept. @param
- * {Conditions} conditions */
-function riseFactor(conditions) {
-  const largest = Math.max(...content.bulk_ratios, 1);
-  return Math.max(conditions.friction, Math.abs(bulkDifference(conditions)) / largest);
-}
-
-/** Difference of the bulk temperatures over the factor of the rise [K]. @param {Conditions} conditions */
-function bulkRatio(conditions) {
-  const difference = bulkDifference(conditions);
-  return difference === 0 ? 0 : difference / riseFactor(conditions);
-}
-
-/** Bulk temperature of the colder body [K]. @param {Conditions} conditions */
-function coldestBulk(conditions) {
-  return conditions.bulk_temperature + Math.min(0, bulkDifference(conditions));
-}
-
-/** Rise at friction 1 above which wear is severe [K]; infinite without friction. @param {Conditions}
- * conditions */
-function riseLimit(conditions) {
-  const { critical_temperature } = conditions;
-  if (critical_temperature === null) return NaN;
-  const factor = riseFactor(conditions);
-  return factor === 0 ? Infinity : (critical_temperature - coldestBulk(conditions)) / factor;
+/** What conditions make of rises at friction 1: coldest bulk temperature [K], factor of the rise,
+ * difference of the bulks over it [K], and limit above which wear is severe [K]. Without friction unequal
+ * bulks still warm one body; then their ratio is the largest one kept. @param {Conditions} conditions */
+function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, critical_temperature }) {
+  const [difference, coldest] = [disk - pin, Math.min(pin, disk)];
+  const factor = Math.max(friction, Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
+  const room = critical_temperature === null ? NaN : critical_temperature - coldest;
+  return { coldest, factor, ratio: difference && difference / factor, limit: room / factor };
 }

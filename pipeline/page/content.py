@@ -25,7 +25,6 @@ from pipeline.analysis.dataset import (
     ordered,
     plane_of,
     read_conditions,
-    scene_sweep,
     stored_sweep,
     sweep_at_bulks,
     values_of,
@@ -34,7 +33,13 @@ from pipeline.analysis.decisive import decisive_rise, require_all_sound
 from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.field import LEAST_SLOPE, PointField, point_field
 from pipeline.analysis.frames import frames_of
-from pipeline.analysis.laboratory import agreement, compared, laboratory_tests, model_error
+from pipeline.analysis.laboratory import (
+    agreement,
+    compared,
+    laboratory_tests,
+    model_error,
+    own_conditions,
+)
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.tables import html_of
@@ -93,7 +98,6 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         **_about(ds, sweep),
         **_on_points(ds),
         "conditions": _conditions(ds, conditions),
-        "scene": _conditions(ds, scene_sweep(ds).conditions),
         "controls": [
             asdict(control)
             for control in controls(
@@ -123,7 +127,7 @@ def _course(ds: xr.Dataset) -> dict[str, Any]:
         "steps": steps,
         "loads": packed_array(of_load, "<f4"),
         "rises": packed_array(values_of(ds, "max_rise"), "<f4"),
-        "own": packed_array(values_of(ds, "own_grid"), "u1"),
+        "own": digits(values_of(ds, "own_grid")),
     }
 
 
@@ -135,8 +139,9 @@ def _about(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
         "name": sweep.about.name,
         "tests": "" if tests is None else html_of(tests),
         "agreement": "" if tests is None else agreement(tests),
-        "measured": [_told(test) for test in in_reach(ds, laboratory_tests(ds))[0]],
         "regions": [MILD, SEVERE],
+        "outside": _outside(ds["load"].values, ds["velocity"].values),
+        "origins": _ORIGINS,
         "friction_band": sweep.about.friction_band,
         "chosen": sweep.plane.chosen is not None,
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
@@ -154,14 +159,55 @@ def _told(test: Measurement) -> dict[str, Any]:
     return test.as_dict() | {"load": test.normal_load}
 
 
+def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
+    """Tests with the nearest node, and the friction and bulk that each is judged at."""
+    told = []
+    for test in in_reach(ds, laboratory_tests(ds))[0]:
+        own = own_conditions(ds, test)
+        there = _conditions(ds, own) | {"at_one_friction": test.friction is not None}
+        names = ("friction", "bulk_temperature", "disk_temperature", "at_one_friction")
+        k = _nearest_of(loads, test.normal_load)
+        j = first + _nearest_of(velocities[first:], test.velocity)
+        told.append(
+            _told(test)
+            | {"own": {name: there[name] for name in names if name in there}}
+            | {"node": (k, j)}
+            | {"isInside": _is_inside(ds, test)}
+        )
+    return told
+
+
+def _nearest_of(places: Array, place: float) -> int:
+    return int(np.abs(places - place).argmin())
+
+
+def _is_inside(ds: xr.Dataset, test: Measurement) -> bool:
+    """A test lies within the sweep."""
+    places = {"load": test.normal_load, "velocity": test.velocity}
+    return all(
+        place > 0 and ds[name].values[0] <= place <= ds[name].values[-1]
+        for name, place in places.items()
+    )
+
+
+def _outside(loads: Array, velocities: Array) -> str:
+    """Why there is no answer beyond a sweep."""
+    return (
+        "Type a load and a velocity to see how safe they are: nothing is known outside the sweep, "
+        f"which has {loads[0]:.4g} to {loads[-1]:.4g} N and "
+        f"{velocities[0]:.4g} to {velocities[-1]:.4g} m/s."
+    )
+
+
 def _on_points(ds: xr.Dataset) -> dict[str, Any]:
     """State, numbers and message of each point."""
     status = values_of(ds, "status")
     end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     return {
         "done": int((status == DONE).sum()),
-        "status": packed_array(status, "i1"),
-        "asked": packed_array(asked(ds).transpose(*POINT, missing_dims="ignore"), "u1"),
+        "has_warnings": bool(((status == DONE) & (values_of(ds, "message") != "")).any()),
+        "status": digits(status),
+        "asked": digits(asked(ds).transpose(*POINT, missing_dims="ignore")),
         "numbers": [
             {"label": label, "unit": unit}
             | {"values": packed_array(factor * values_of(end, name), "<f4")}
@@ -197,6 +243,7 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
         "evidence": f", given {weighed.evidence}" if weighed else "",
         "basis": [*samples.basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
         "measured": [_told(test) for test in laboratory_tests(ds)],
+        "outside": _outside(loads, velocities),
         "loads": loads.tolist(),
         "velocities": velocities.tolist(),
         "probability": packed_array([plane], "<f4"),
@@ -260,16 +307,30 @@ def _planes(
     within = along(np.where(is_within, rows, np.nan), loads, fine_loads, -4)
     plane = np.where(np.isfinite(within), within, along(rows, loads, fine_loads, -4))
     columns = along(rises, loads, fine_loads, -4)
+    columns = columns.swapaxes(-4, -3).reshape(-1, fine_loads.size, *rises.shape[-2:])
+    # Where points are missing, a line at a velocity of the sweep has its own points alone.
+    own_columns = np.argwhere(~done.reshape(-1, loads.size, velocities.size).all(axis=1))
+    columns = columns[own_columns @ [velocities.size, 1]]
+    within = np.where(np.isfinite(columns).all(axis=(-1, -2)), INTERPOLATED, EXTRAPOLATED)
     at_own = rises[..., own[0], own[1]]
+    own_nodes = first + by_velocity * np.arange(velocities.size)
+    own_rows, rows_up = by_load * np.arange(loads.size), np.arange(fine_loads.size) / by_load
+    below, above = np.floor(rows_up).astype(int), np.ceil(rows_up).astype(int)
     return {
         "fine": {"velocity": nodes.tolist(), "load": fine_loads.tolist()},
-        "parts": {"load": by_load, "velocity": by_velocity},
         "first": first,
+        "inner": nodes[first : own_nodes[-1] + 1].tolist(),
+        "nodes": {"velocity": own_nodes.tolist(), "load": own_rows.tolist()},
+        "beside": np.stack([own_rows[below], own_rows[above]], axis=-1).tolist(),
+        "measured": _tests(ds, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": conditions.friction_factor(nodes).tolist(),
-        "plane": packed_array(plane, "<f4"),
+        "plane": packed_array(np.concatenate([plane.ravel(), columns.ravel()]), "<f4"),
+        "columns": {
+            f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size
+            for k, (surface, j) in enumerate(own_columns.tolist())
+        },
         "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
-        "columns": packed_array(columns.swapaxes(-4, -3), "<f4"),
-        "state": "".join(map(str, state.ravel().tolist())),
+        "state": digits(state) + digits(within),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
         "error": max(
             error_of_lines(at_own, velocities, by_velocity, conditions.friction_factor),
@@ -365,6 +426,11 @@ def _nearest(
     return [tuple(place) for place in places.tolist()]
 
 
+def digits(values: Any) -> str:
+    """An array of codes from 0 to 9 as the text of them."""
+    return "".join(map(str, np.asarray(values, dtype=int).ravel().tolist()))
+
+
 def packed_array(values: Any, dtype: str) -> str:
     """An array as the base64 of its bytes."""
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
@@ -377,6 +443,7 @@ _FAR = 1e6  # ratio of the velocity of an outermost node to the nearest one of t
 _STEPS, _WIDEST = 241, 7.0  # of the model's error: distances, and the widest by its hyperbolic sine
 COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
 """States of nodes. Between loads one row may go on beyond its points where the other has some."""
+_ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated")  # by state
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:

@@ -1,36 +1,23 @@
 "use strict";
 /* The course of a chosen point, from the first increment of its ramp. */
 
-/** Show the highest temperature while the load grows. @param {number} i @param {number} j */
-function showCourse(i, j) {
-  const { steps, loads, rises, own } = sweep.course;
-  const isOwn = bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
-  element("course").replaceChildren();
-  element("course-caption").textContent = "";
-  if (steps < 2 || !isOwn) return;
-  const load = Array.from(loads.slice(i * steps, (i + 1) * steps));
-  const rows = surfaces().map((surface) => {
-    const first = sweep.place(surface, i, j) * steps;
-    const values = Array.from(rises.slice(first, first + steps), (rise) => temperature(rise) - ZERO_CELSIUS);
-    return { values, way: values.map((value, k) => (own[first + k] ? NaN : value)) };
-  });
-  const every = rows.flatMap(({ values }) => values.filter(Number.isFinite));
-  if (every.length < 2) return;
-  const width = Math.max(element("course").clientWidth, 260);
-  const x = { low: 0, high: 1.04 * sweep.loads[i], label: "load [N]" };
-  const y = { ...ends(every), label: "highest temperature [°C]" };
-  const { root, inside, frame } = axes(width, Math.round(Math.min(0.6 * width, 300)), x, y);
-  const look = rows.length > 1 ? "faint" : "curve";
-  for (const { values, way } of rows) {
-    inside.append(svg("path", { class: look, d: path(load.map(frame.x), way.map(frame.y)) }));
-    values.forEach((value, k) => {
-      const isMark = Number.isFinite(value) && Number.isNaN(way[k]);
-      if (isMark) inside.append(mark("unjudged", frame.x(load[k]), frame.y(value), 5));
-    });
-  }
+/** Show the highest temperature while the load grows. @param {Point} point */
+function showCourse(point) {
+  const [{ steps, own }, { loads, rises }] = [content.course, tables.course];
+  const load = [...loads.slice(point.i * steps, (point.i + 1) * steps)];
+  const rows = placesOf(point).map((place) => load.map((_, k) => place * steps + k).map((at) =>
+    ({ at, value: temperature(rises[at]) - ZERO_CELSIUS })));
+  const every = rows.flat().map(({ value }) => value).filter(Number.isFinite);
+  const isThere = steps > 1 && isOwnBulk() && every.length > 1;
   const text = "While the load grows: the line on larger elements of the history, marks on the point’s own.";
-  element("course-caption").textContent = text;
-  root.setAttribute("role", "img");
-  root.setAttribute("aria-label", text);
-  element("course").append(root);
+  const x = { low: 0, high: 1.04 * content.loads[point.i], label: "load [N]" };
+  const y = { ...ends(every), label: "highest temperature [°C]" };
+  showChart("course", isThere, text, x, y, (frame) => rows.flatMap((row) => {
+    const way = row.map(({ at, value }) => (own[at] === "1" ? NaN : frame.y(value)));
+    const marks = row.map(({ value }, k) => [load[k], value, way[k]])
+      .filter(([, value, height]) => Number.isFinite(value) && Number.isNaN(height))
+      .map(([newtons, value]) => mark("unjudged", frame.x(newtons), frame.y(value), 5));
+    const look = rows.length > 1 ? "faint" : "curve";
+    return [svg("path", { class: look, d: path(load.map(frame.x), way) }), ...marks];
+  }));
 }

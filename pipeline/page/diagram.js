@@ -13,8 +13,7 @@ function ends(values) {
   return { low: low - room, high: high + room };
 }
 
-/** Axes of a diagram that holds these places and tests. @param {number[]} velocities @param {number[]} loads
- * @param {Measurement[]} tests */
+/** Axes that hold all. @param {number[]} velocities @param {number[]} loads @param {Place[]} tests */
 function planeAxes(velocities, loads, tests) {
   const width = Math.max(element("diagram").clientWidth, 280);
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
@@ -34,7 +33,7 @@ function drawDiagram() {
   const viewBox = Object.values(size).join(" ");
   const layers = [drawnBoundary, drawnMarks, drawnMeasured];
   const drawn = layers.flatMap((layer) => layer(frame));
-  if (isInside(chosen, sweep)) drawn.push(cross(frame, chosen));
+  if (isInside(chosen, content)) drawn.push(cross(frame, chosen));
   inside.append(svg("svg", { ...size, viewBox, class: "view" }, ...drawn)); // cut off at its frame
   const [pointer, choice] = ["pointer", "choice"].map((look) => svg("circle", { class: look, r: 8 }));
   root.append(pointer, choice);
@@ -48,8 +47,9 @@ function drawDiagram() {
 /** Mild and severe regions, bands over surfaces and frictions, and the boundary. @param {Frame} frame */
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
-  const [x, y] = [sweep.inner().map(frame.x), sweep.fine.load.map(frame.y)];
+  const [x, y] = [content.inner.map(frame.x), content.fine.load.map(frame.y)];
   if (Math.min(x.length, y.length) < 2) return drawnPlace(frame);
+  const negative = (/** @type {number[][]} */ grid) => grid.map((row) => row.map((value) => -value));
   const middle = excess(0.5, chosen.conditions);
   /** @type {[string, ...number[][][]][]} */
   const parts = content.chosen ? [] : [["mild", negative(middle)], ["severe", middle]];
@@ -71,96 +71,75 @@ function drawnBoundary(frame) {
 function drawnPlace(frame) {
   const { velocity, load } = boundaries();
   const places = [
-    ...velocity.map(({ middle }, i) => [frame.x(middle), frame.y(sweep.loads[i])]),
-    ...load.map(({ middle }, j) => [frame.x(sweep.velocities[j]), frame.y(middle)]),
+    ...velocity.map(({ middle }, i) => [frame.x(middle), frame.y(content.loads[i])]),
+    ...load.map(({ middle }, j) => [frame.x(content.velocities[j]), frame.y(middle)]),
   ];
   const [place] = places.filter((one) => one.every(Number.isFinite));
   return place ? [svg("circle", { cx: place[0], cy: place[1], r: 4 })] : [];
 }
 
-/** @param {number[][]} grid */
-function negative(grid) {
-  return grid.map((row) => row.map((value) => -value));
-}
-
 /** ln(rise/limit) at the nodes that a share of the surfaces stays below; NaN where not known. @param {number}
  * share @param {Conditions} conditions */
 function excess(share, conditions) {
-  const planes = surfaces().map((surface) => sweep.known(surface, conditions));
-  return sweep.fine.load.map((_load, k) => {
-    const rows = planes.map((plane) => plane[k]).filter((row) => !row.every(Number.isNaN));
-    return sweep.inner().map((_velocity, j) => {
-      const all = rows.map((row) => Math.log(row[j + content.first] / riseLimit(conditions)));
-      /** @type {Ends[]} */
-      const ways = all.map((one) => (Number.isNaN(one) ? [-Infinity, Infinity] : [one, one]));
-      return Math.max(Math.min(quantileOfEnds(ways, share), 50), -50); // finite without friction
-    });
-  });
+  const [plane, limit, { load, velocity }] = [knownPlane(conditions), heatOf(conditions).limit, content.fine];
+  const isThere = load.map((_, k) => surfaces().filter((surface) =>
+    velocity.some((_place, j) => !Number.isNaN(plane[indexOf(surface, k, j)]))));
+  return load.map((_, k) => content.inner.map((_place, j) => {
+    const all = isThere[k].map((surface) => Math.log(plane[indexOf(surface, k, j + content.first)] / limit));
+    /** @type {Ends[]} */
+    const ways = all.map((one) => (Number.isNaN(one) ? [-Infinity, Infinity] : [one, one]));
+    return Math.max(Math.min(quantileOfEnds(ways, share), 50), -50); // finite without friction
+  }));
 }
 
-/** Indices of all points. */
+/** Indices of all points. @returns {Point[]} */
 function everyPoint() {
-  return sweep.loads.flatMap((_load, i) => sweep.velocities.map((_velocity, j) => ({ i, j })));
+  return content.loads.flatMap((_load, i) => content.velocities.map((_velocity, j) => ({ i, j })));
 }
 
 /** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
-  const r = sweep.loads.length * sweep.velocities.length < 1500 ? 3.4 : 2;
-  const kinds = sweep.loads.map((_load, i) => sweep.velocities.map((_velocity, j) => kindOf(i, j)));
-  return everyPoint().flatMap(({ i, j }) => {
-    const kind = kinds[i][j];
+  const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2;
+  return everyPoint().flatMap((point) => {
+    const kind = kindOf(point);
     if (!kind) return [];
-    const [x, y] = [frame.x(sweep.velocities[j]), frame.y(sweep.loads[i])];
-    const rings = hasWarning(i, j) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
+    const [x, y] = [frame.x(content.velocities[point.j]), frame.y(content.loads[point.i])];
+    const rings = hasWarning(point) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
     return [...rings, mark(kind, x, y, r)];
   });
 }
 
-/** Measured transitions and tests, each beside the transition computed at its own conditions. @param {Frame}
- * frame */
+/** A test has another transition than the boundary that is drawn. @param {Measurement} test */
+function hasOwnConditions({ own, node: [, j] }) {
+  const there = { ...chosen.conditions, ...own };
+  const factor = own.at_one_friction ? content.friction_factors[j] : 1;
+  return Math.abs((heatOf(there).limit / heatOf(chosen.conditions).limit) * factor - 1) > 0.02;
+}
+
+/** Tests, each beside the transition computed at its own conditions. @param {Frame} frame */
 function drawnMeasured(frame) {
-  return content.measured.flatMap((measurement) => {
-    const [x, y] = [frame.x(measurement.velocity), frame.y(measurement.load)];
-    const expected = frame.x(expectedVelocity(measurement));
-    const sign = testMark(x, y, measurement.outcome);
-    if (!hasOwnConditions(measurement) || !Number.isFinite(expected)) return [sign];
+  const judged = judgedTests();
+  return content.measured.flatMap((test, number) => {
+    const [x, y] = [frame.x(test.velocity), frame.y(test.load)];
+    const expected = frame.x(judged[number].expected);
+    const sign = testMark(x, y, test.outcome);
+    if (!hasOwnConditions(test) || !Number.isFinite(expected)) return [sign];
     const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
     return [line, diamond(expected, y, 4.5, "expected"), sign];
   });
 }
 
-/** Signs of measured transitions and of tests. @param {Measurement[]} tests */
-function testSigns(tests) {
-  const has = (/** @type {string | undefined} */ kind) => tests.some(({ outcome }) => outcome === kind);
-  return { transition: has(undefined), "test-mild": has("mild"), "test-severe": has("severe") };
-}
-
-/** Show the signs of what the diagram holds, in words. */
+/** Show the signs of what the diagram holds, of those that its sweep may have. */
 function showLegend() {
-  const kinds = new Set(everyPoint().map(({ i, j }) => kindOf(i, j)));
-  const count = surfaces().length;
-  const { friction_band: band, measured } = content;
-  const frictions = `transition at friction ${band?.map((end) => shown(end)).join(" to ")}`;
-  showSigns({
-    boundary: isJudged() && (count > 1 ? "transition, median" : "computed transition"),
-    "region-mild": isJudged() && !content.chosen && content.regions[0],
-    "region-severe": isJudged() && !content.chosen && content.regions[1],
-    band: isJudged() && count > 1 && `${100 * BAND[0]} to ${100 * BAND[2]} % of ${count}`,
-    friction: isJudged() && band !== null && frictions,
+  const [kinds, isMany] = [new Set(everyPoint().map(kindOf)), surfaces().length > 1];
+  const signs = {
+    boundary: isJudged() && !isMany, median: isJudged() && isMany, band: isJudged() && isMany,
+    "region-mild": isJudged(), "region-severe": isJudged(), friction: isJudged(),
     ...Object.fromEntries(KINDS.map((kind) => [kind, kinds.has(kind)])),
-    warned: everyPoint().some(({ i, j }) => hasWarning(i, j)),
-    ...testSigns(measured),
-    own: isJudged() && measured.some(hasOwnConditions),
-    operating: isInside(chosen, sweep),
-  });
-}
-
-/** Show those signs of the legend that are there, some with words of their own. @param {Object<string,
- * boolean | string>} signs */
-function showSigns(signs) {
-  for (const [name, words] of Object.entries(signs)) {
-    const sign = element(`sign-${name}`);
-    sign.hidden = words === false;
-    if (typeof words === "string") sign.lastChild?.replaceWith(words);
+    own: isJudged() && content.measured.some(hasOwnConditions),
+    operating: isInside(chosen, content),
+  };
+  for (const [name, isThere] of Object.entries(signs)) {
+    document.getElementById(`sign-${name}`)?.toggleAttribute("hidden", !isThere);
   }
 }

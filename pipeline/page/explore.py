@@ -24,7 +24,7 @@ from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "scene", "lines", "rise", "plot", "conditions", "margin", "operating",
+    "scene", "numbers", "field", "plot", "conditions", "margin", "operating",
     "points", "course", "diagram", "tables",
 )  # fmt: skip
 
@@ -135,19 +135,33 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequ
 
 def _of_plane(held: dict[str, Any]) -> str:
     """A scene of loads and velocities."""
-    several = f", {len(held['surfaces'])} surfaces" if held["surfaces"] else ""
+    surfaces = len(held["surfaces"] or [0])
+    several = f", {surfaces} surfaces" if held["surfaces"] else ""
     sizes = f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}"
     tests, agreement = held.pop("tests"), held.pop("agreement")
+    band = held["friction_band"]
+    signs = {
+        **_test_signs(held),
+        "region-mild": not held["chosen"],
+        "region-severe": not held["chosen"],
+        "friction": band is not None,
+        "warned": held["has_warnings"],
+        "own": bool(held["measured"]),
+    }
     own = {
         "tests": tests,
         "without_tests": "" if tests else "hidden",
         "agreement": html.escape(agreement),
         "controls": "\n".join(Control(**control).html() for control in held["controls"]),
         "surfaces": surface_choice(held["surfaces"]),
+        "mild": held["regions"][0],
+        "severe": held["regions"][1],
+        "band": f"10 to 90 % of {surfaces}",
+        "frictions": f"transition at friction {' to '.join(f'{end:.4g}' for end in band or ())}",
         "error": f"{100 * held['error']:.2g} %",
         "accuracy": html.escape(held.pop("accuracy")),
     }
-    return _filled("plane.html", _of_both(held, sizes) | own)
+    return _without_signs(_filled("plane.html", _of_both(held, sizes) | own), signs)
 
 
 def _of_samples(held: dict[str, Any]) -> str:
@@ -160,7 +174,20 @@ def _of_samples(held: dict[str, Any]) -> str:
         "scale": scale,
     }
     sizes = f"{len(table)} loads, {held['samples']} samples"
-    return _filled("samples.html", _of_both(held, sizes) | own)
+    return _without_signs(_filled("samples.html", _of_both(held, sizes) | own), _test_signs(held))
+
+
+def _test_signs(held: dict[str, Any]) -> dict[str, bool]:
+    """Whether there are tests of each kind, by the sign of the legend."""
+    kinds = {test.get("outcome") for test in held["measured"]}
+    names = {"transition": None, "test-mild": "mild", "test-severe": "severe"}
+    return {name: kind in kinds for name, kind in names.items()}
+
+
+def _without_signs(page: str, signs: dict[str, bool]) -> str:
+    """The page without the signs of the legend that its sweep cannot have."""
+    absent = tuple(f'<li id="sign-{name}">' for name, is_there in signs.items() if not is_there)
+    return "".join(line for line in page.splitlines(True) if not line.startswith(absent))
 
 
 def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:

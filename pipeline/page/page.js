@@ -17,15 +17,11 @@ function changes() {
   return Object.fromEntries(all.filter(([name, value]) => value !== own.get(name)));
 }
 
-function begin() {
-  Object.assign(chosen.conditions, takeScene(changes));
-  listenToConditions();
-  listenToOperatingPoint((load, velocity) => {
-    Object.assign(chosen, { load, velocity });
-    update();
-  });
+Object.assign(chosen.conditions, takeScene(changes));
+listenToConditions();
+listenToOperatingPoint((load, velocity) => {
+  Object.assign(chosen, { load, velocity });
   update();
-  new ResizeObserver(update).observe(element("diagram"));
-}
-
-begin();
+});
+update();
+new ResizeObserver(update).observe(element("diagram"));

@@ -11,8 +11,7 @@ function filled(made, attributes, children) {
   return made;
 }
 
-/** @param {string} name @param {Object<string, string | number>} [attributes] @param {(Node | string)[]}
- * children */
+/** @param {string} name @param {Attributes} [attributes] @param {(Node | string)[]} children */
 function svg(name, attributes = {}, ...children) {
   return filled(/** @type {SVGElement} */ (document.createElementNS(SVG, name)), attributes, children);
 }
@@ -32,8 +31,7 @@ function input(id) {
   return /** @type {HTMLInputElement} */ (element(id));
 }
 
-/** Round values between two ends, about so many. @param {number} low @param {number} high @param {number}
- * count */
+/** Round values between ends, so many. @param {number} low @param {number} high @param {number} count */
 function ticks(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -58,34 +56,30 @@ function shown(value, digits = 4) {
 }
 
 /** Grid, axes and labels in an SVG of some size; drawings go between grid and axes. @param {number} width
- * @param {number} height @param {Axis} x @param {Axis} y @returns {{root: SVGElement, inside: SVGElement,
- * frame: Frame}} */
+ * @param {number} height @param {Axis} x @param {Axis} y */
 function axes(width, height, x, y) {
   const [left, right, top, bottom] = [56, width - 12, 10, height - 42];
   const frame = {
     left, right, top, bottom,
-    x: scale(x, left, right),
-    y: scale(y, bottom, top),
+    x: scale(x, left, right), y: scale(y, bottom, top),
     velocity: scale({ low: left, high: right }, x.low, x.high),
     load: scale({ low: bottom, high: top }, y.low, y.high),
   };
   const grid = svg("g", { class: "grid", "aria-hidden": "true" });
   const outline = svg("g", { class: "axis", "aria-hidden": "true" });
+  const add = (/** @type {string} */ line, /** @type {string} */ dash, /** @type {SVGElement} */ text) => {
+    grid.append(svg("path", { d: line }));
+    outline.append(svg("path", { d: dash }), text);
+  };
   for (const value of ticks(x.low, x.high, (right - left) / 70)) {
     const place = frame.x(value);
-    grid.append(svg("path", { d: `M${place},${top}V${bottom}` }));
-    outline.append(
-      svg("path", { d: `M${place},${bottom}v4` }),
-      svg("text", { x: place, y: bottom + 17, "text-anchor": "middle" }, shown(value)),
-    );
+    const text = svg("text", { x: place, y: bottom + 17, "text-anchor": "middle" }, shown(value));
+    add(`M${place},${top}V${bottom}`, `M${place},${bottom}v4`, text);
   }
   for (const value of ticks(y.low, y.high, (bottom - top) / 40)) {
     const place = frame.y(value);
-    grid.append(svg("path", { d: `M${left},${place}H${right}` }));
-    outline.append(
-      svg("path", { d: `M${left},${place}h-4` }),
-      svg("text", { x: left - 7, y: place + 4, "text-anchor": "end" }, shown(value)),
-    );
+    const text = svg("text", { x: left - 7, y: place + 4, "text-anchor": "end" }, shown(value));
+    add(`M${left},${place}H${right}`, `M${left},${place}h-4`, text);
   }
   const middle = (top + bottom) / 2;
   outline.append(
@@ -99,9 +93,21 @@ function axes(width, height, x, y) {
   return { root, inside, frame };
 }
 
-/** Bytes of base64. @param {string} text */
-function bytes(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+/** Show a small chart with its caption, or nothing. @param {string} id @param {boolean} isThere @param
+ * {string} text @param {Axis} x @param {Axis} y @param {(frame: Frame) => SVGElement[]} draw */
+function showChart(id, isThere, text, x, y, draw) {
+  element(id).replaceChildren();
+  element(`${id}-caption`).textContent = isThere ? text : "";
+  if (!isThere) return;
+  const width = Math.max(element(id).clientWidth, 260);
+  const { root, inside, frame } = axes(width, Math.round(Math.min(0.6 * width, 300)), x, y);
+  inside.append(...draw(frame));
+  element(id).append(filled(root, { role: "img", "aria-label": text }, []));
+}
+
+/** Numbers of base64. @param {string} text */
+function floats(text) {
+  return new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
 }
 
 /** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */
@@ -145,4 +151,35 @@ function testMark(x, y, outcome) {
 function cross(frame, { load, velocity }) {
   const [x, y] = [frame.x(velocity), frame.y(load)];
   return svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` });
+}
+
+/** Path of the part of a grid where all of several values are positive, or along which one is 0. @param
+ * {number[]} x @param {number[]} y [px] @param {number[][][]} grids values by y and x, or NaN @param
+ * {boolean} isLine */
+function contour(x, y, grids, isLine = false) {
+  const cells = y.slice(1).flatMap((_top, i) => x.slice(1).flatMap((_right, j) => {
+    const corners = [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]];
+    const counts = grids.map((grid) => corners.filter(([k, l]) => grid[k][l] > 0).length);
+    if (counts.some((count) => count === 0 || (isLine && count === 4))) return []; // as most are
+    return [corners.map(([k, l]) => [x[l], y[k], ...grids.map((grid) => grid[k][l])])];
+  }));
+  return cells.filter((corners) => !corners.flat().some(Number.isNaN)).flatMap((corners) => {
+    const part = grids.reduce((rest, _, n) => clipped(rest, n + 2, isLine), corners);
+    return isLine ? [part.slice(0, 2), part.slice(2)] : [part]; // a saddle has two lines
+  }).map((part) => {
+    const text = part.map(([across, down]) => `${across.toFixed(2)},${down.toFixed(2)}`).join("L");
+    return text && `M${text}${isLine ? "" : "Z"}`;
+  }).join("");
+}
+
+/** The corners of a polygon at which a value is positive, and the places at which it turns; or these alone.
+ * @param {number[][]} corners @param {number} value its index in each @param {boolean} isLine */
+function clipped(corners, value, isLine) {
+  return corners.flatMap((corner, k) => {
+    const next = corners[(k + 1) % corners.length];
+    const [here, there] = [corner[value], next[value]];
+    const kept = here > 0 && !isLine ? [corner] : [];
+    if (here > 0 === there > 0) return kept;
+    return [...kept, corner.map((own, n) => own + (here / (here - there)) * (next[n] - own))];
+  });
 }

@@ -3,7 +3,7 @@
 
 const tip = html("div", { class: "tip", role: "status", id: "tip", hidden: "" });
 const REACH = 14; // [px] about a point
-/** Point at which pointer or keyboard are. @type {{i: number, j: number} | null} */
+/** Point at which pointer or keyboard are. @type {Point | null} */
 let pointed = null;
 
 /** Take pointer and keyboard on the diagram. @param {SVGElement} root */
@@ -12,234 +12,217 @@ function listenToPoints(root) {
   root.addEventListener("pointerleave", () => pointTo(null));
   root.addEventListener("blur", () => pointTo(null));
   root.addEventListener("focus", () => pointTo(pointed ?? chosen.point ?? middle()));
-  root.addEventListener("click", (event) => {
-    const point = pointAt(event);
-    if (point) choosePoint(point.i, point.j);
-  });
+  root.addEventListener("click", (event) => choosePoint(pointAt(event)));
   root.addEventListener("keydown", pressed);
+}
+
+/** Place of a point on the screen [px]. @param {Point} point @returns {[number, number]} */
+function onScreen({ i, j }) {
+  return [diagram.frame.x(content.velocities[j]), diagram.frame.y(content.loads[i])];
 }
 
 /** Point of the sweep under a pointer. @param {MouseEvent} event */
 function pointAt(event) {
-  const { frame, root } = diagram;
-  const { left, top } = root.getBoundingClientRect();
-  const [x, y] = [event.clientX - left, event.clientY - top];
-  const near = everyPoint()
-    .map(({ i, j }) => [i, j, frame.x(sweep.velocities[j]) - x, frame.y(sweep.loads[i]) - y])
-    .map(([i, j, across, down]) => ({ i, j, away: Math.hypot(across, down) }))
-    .reduce((one, other) => (other.away < one.away ? other : one));
-  return near.away < REACH && isShown(near.i, near.j) ? near : null;
+  const { left, top } = diagram.root.getBoundingClientRect();
+  const near = everyPoint().map((point) => {
+    const [x, y] = onScreen(point);
+    return { ...point, away: Math.hypot(x + left - event.clientX, y + top - event.clientY) };
+  }).reduce((one, other) => (other.away < one.away ? other : one));
+  return near.away < REACH && isShown(near) ? near : null;
 }
 
-/** A point has anything to tell, and lies within the frame. @param {number} i @param {number} j */
-function isShown(i, j) {
-  const { left, right, x } = diagram.frame;
-  const across = x(sweep.velocities[j]);
-  return kindOf(i, j) !== "" && across >= left && across <= right;
+/** A point has anything to tell, and lies within the frame. @param {Point} point */
+function isShown(point) {
+  const [across] = onScreen(point);
+  return kindOf(point) !== "" && across >= diagram.frame.left && across <= diagram.frame.right;
 }
 
 /** Point with which to begin. */
 function middle() {
-  return { i: sweep.loads.length >> 1, j: sweep.velocities.length >> 1 };
+  return { i: content.loads.length >> 1, j: content.velocities.length >> 1 };
 }
 
 /** Move with the arrow keys, keep a point with Enter or Space. @param {KeyboardEvent} event */
 function pressed(event) {
   /** @type {Object<string, [number, number]>} */
   const ways = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
-  const { i, j } = pointed ?? middle();
-  if (event.key === "Enter" || event.key === " ") choosePoint(i, j);
+  const here = pointed ?? middle();
+  if (event.key === "Enter" || event.key === " ") choosePoint(here);
   else if (event.key === "Escape") pointTo(null);
-  else if (ways[event.key]) pointTo(next(i, j, ways[event.key]));
+  else if (ways[event.key]) pointTo(next(here, ways[event.key]));
   else return;
   event.preventDefault();
 }
 
-/** Next point in a direction that has anything to tell; the same one if there is none. @param {number} i
- * @param {number} j @param {[number, number]} way */
-function next(i, j, [up, right]) {
-  const isInside = () => k >= 0 && k < sweep.loads.length && l >= 0 && l < sweep.velocities.length;
-  let [k, l] = [i + up, j + right];
-  while (isInside() && !isShown(k, l)) [k, l] = [k + up, l + right];
-  return isInside() ? { i: k, j: l } : { i, j };
+/** Next point in a direction that has anything to tell, or the same. @param {Point} here @param {[number,
+ * number]} way @returns {Point} */
+function next(here, [up, right]) {
+  const isThere = (/** @type {Point} */ { i, j }) => i in content.loads && j in content.velocities;
+  let point = { i: here.i + up, j: here.j + right };
+  while (isThere(point) && !isShown(point)) point = { i: point.i + up, j: point.j + right };
+  return isThere(point) ? point : here;
 }
 
-/** Show the numbers of a point beside it, or of none. @param {{i: number, j: number} | null} point */
+/** Show the numbers of a point beside it, or of none. @param {Point | null} point */
 function pointTo(point) {
   pointed = point;
   tip.hidden = !point;
   ring(diagram.pointer, point);
   if (!point) return;
-  const { i, j } = point;
-  const rows = description(i, j, false).map(([name, text]) => html("div", {}, `${name}: ${text}`));
-  tip.replaceChildren(html("b", {}, nameOf(i, j)), ...rows);
-  placeTip(diagram.frame, sweep.loads[i], sweep.velocities[j]);
+  const rows = description(point, false).map(([name, text]) => html("div", {}, `${name}: ${text}`));
+  tip.replaceChildren(html("b", {}, nameOf(point)), ...rows);
+  placeTip(diagram.frame, ...onScreen(point));
 }
 
-/** Put the tip beside a place. @param {Frame} frame @param {number} load @param {number} velocity */
-function placeTip(frame, load, velocity) {
-  const [x, y] = [frame.x(velocity), frame.y(load)];
+/** Put the tip beside a place. @param {Frame} frame @param {number} x [px] @param {number} y */
+function placeTip(frame, x, y) {
   tip.style.left = `${Math.max(Math.min(x + 14, frame.right - tip.offsetWidth), 0)}px`;
   const isUnder = y + 14 + tip.offsetHeight < frame.bottom;
   tip.style.top = `${isUnder ? y + 14 : Math.max(y - 14 - tip.offsetHeight, 0)}px`;
 }
 
-/** Put a ring about a point. @param {SVGElement} circle @param {{i: number, j: number} | null} point */
+/** Put a ring about a point. @param {SVGElement} circle @param {Point | null} point */
 function ring(circle, point) {
-  const isThere = point !== null && isShown(point.i, point.j);
-  circle.setAttribute("display", isThere ? "inline" : "none");
-  if (!isThere) return;
-  circle.setAttribute("cx", String(diagram.frame.x(sweep.velocities[point.j])));
-  circle.setAttribute("cy", String(diagram.frame.y(sweep.loads[point.i])));
+  circle.setAttribute("display", point && isShown(point) ? "inline" : "none");
+  const [cx, cy] = point ? onScreen(point) : [0, 0];
+  filled(circle, { cx, cy }, []);
 }
 
-/** @param {number} i @param {number} j */
-function choosePoint(i, j) {
-  if (!kindOf(i, j)) return;
-  chosen.point = { i, j };
-  ring(diagram.choice, chosen.point);
+/** @param {Point | null} point */
+function choosePoint(point) {
+  if (!point || !kindOf(point)) return;
+  chosen.point = point;
+  ring(diagram.choice, point);
   showPoint();
 }
 
+/** Numbers of a point in lists, on the surfaces that count. @param {Point} point */
+function placesOf({ i, j }) {
+  const { loads: { length: rows }, velocities: { length } } = content;
+  return surfaces().map((surface) => (surface * rows + i) * length + j);
+}
 
-/** Verdicts on the surfaces on which a point is done. @param {number} i @param {number} j */
-function verdicts(i, j) {
-  const limit = riseLimit(chosen.conditions);
-  return surfaces().flatMap((surface) => {
-    const place = sweep.place(surface, i, j);
-    const rise = sweep.rise(surface, i, j, chosen.conditions);
-    if (Number.isNaN(rise)) return [];
-    const row = sweep.quantiles(place, chosen.conditions);
-    return /** @type {Verdict[]} */ ([{
-      place,
-      temperatures: row.map(temperature),
-      decisive: temperature(rise),
-      failed: isJudged() ? 1 - linear(row, content.quantiles, limit) : NaN,
-      isSevere: rise > limit,
-    }]);
+/** Deciding rises at friction 1 on the surfaces on which a point is done [K]. @param {Point} point */
+function risesAt(point) {
+  const [plane, { limit }] = [planeOf(chosen.conditions), heatOf(chosen.conditions)];
+  const { nodes, status } = content;
+  return placesOf(point).flatMap((place, n) => {
+    const node = indexOf(surfaces()[n], nodes.load[point.i], nodes.velocity[point.j]);
+    return status[place] === POINT_DONE ? [{ place, rise: plane[node], isSevere: plane[node] > limit }] : [];
   });
 }
 
-/** Kind of a point, as the diagram marks it. @param {number} i @param {number} j */
-function kindOf(i, j) {
-  const rises = surfaces().map((surface) => sweep.rise(surface, i, j, chosen.conditions));
-  const places = surfaces().map((surface) => sweep.place(surface, i, j));
-  const done = rises.filter((rise) => !Number.isNaN(rise));
-  if (done.length) {
-    if (!isJudged()) return "unjudged";
-    const severe = done.filter((rise) => rise > riseLimit(chosen.conditions)).length;
-    return severe === 0 ? "mild" : severe < done.length ? "mixed" : "severe";
-  }
-  if (places.some((place) => sweep.status[place] === POINT_FAILED)) return "failed";
-  return places.some((place) => sweep.asked[place]) ? "pending" : "";
+/** Kind of a point, as the diagram marks it. @param {Point} point */
+function kindOf(point) {
+  const [all, places] = [risesAt(point), placesOf(point)];
+  const severe = all.filter(({ isSevere }) => isSevere).length;
+  if (all.length && !isJudged()) return "unjudged";
+  if (all.length) return severe ? (severe < all.length ? "mixed" : "severe") : "mild";
+  if (places.some((place) => content.status[place] === POINT_FAILED)) return "failed";
+  return places.some((place) => content.asked[place] === "1") ? "pending" : "";
 }
 
-/** Messages of a point on the surfaces that count, each once. @param {number} i @param {number} j */
-function messagesOf(i, j) {
-  const texts = surfaces().map((surface) => content.messages[sweep.place(surface, i, j)]);
-  return [...new Set(texts.filter(Boolean))];
+/** Kind of wear in words. @param {Point} point */
+function wearOf(point) {
+  const [all, kind] = [risesAt(point), kindOf(point)];
+  if (kind === "unjudged") return "not known without a critical temperature";
+  if (all.length > 1) return `severe on ${all.filter(({ isSevere }) => isSevere).length} of ${all.length}`;
+  return all.length || kind === "failed" ? kind : "not computed";
 }
 
-/** @param {number} i @param {number} j */
-function hasWarning(i, j) {
-  return !["failed", "pending", ""].includes(kindOf(i, j)) && messagesOf(i, j).length > 0;
+/** Temperatures of a point that its quantiles have [°C]. @param {number} place */
+function quantilesAt(place) {
+  const { quantiles: { length }, bulk_ratios } = content;
+  return content.quantiles.map((_, q) => {
+    const picks = picksOf(chosen.conditions, length, [[q, 1]]);
+    const rises = picks.map(([k, weight]) => weight * tables.rises[place * length * bulk_ratios.length + k]);
+    return temperature(sum(rises)) - ZERO_CELSIUS;
+  });
 }
 
-/** Description of a point, as pairs of a name and a text. @param {number} i @param {number} j @param
- * {boolean} isFull @returns {[string, string][]} */
-function description(i, j, isFull) {
-  const all = verdicts(i, j);
-  const { failing_share } = chosen.conditions;
+/** Messages of a point on the surfaces that count, each once. @param {Point} point */
+function messagesOf(point) {
+  return [...new Set(placesOf(point).map((place) => content.messages[place]).filter(Boolean))];
+}
+
+/** @param {Point} point */
+function hasWarning(point) {
+  return risesAt(point).length > 0 && messagesOf(point).length > 0;
+}
+
+/** Description of a point, as pairs of a name and a text. @param {Point} point @param {boolean} isFull
+ * @returns {[string, string][]} */
+function description(point, isFull) {
+  const all = risesAt(point);
+  const { failing_share, critical_temperature } = chosen.conditions;
   /** @type {[string, string][]} */
-  const rows = [["wear", wearOf(all, kindOf(i, j))]];
+  const rows = [["wear", wearOf(point)]];
   if (all.length) {
+    const curves = all.map(({ place }) => quantilesAt(place));
     if (!hasShare || failing_share > 0) {
       const share = `exceeded on ${shown(100 * failing_share)} % of the contact`;
-      const decisive = banded(all.map((verdict) => verdict.decisive - ZERO_CELSIUS), "°C");
+      const decisive = banded(all.map(({ rise }) => temperature(rise) - ZERO_CELSIUS), "°C");
       rows.push([hasShare ? share : content.deciding, decisive]);
     }
-    const highest = all.map(({ temperatures }) => Math.max(...temperatures) - ZERO_CELSIUS);
-    rows.push(["highest temperature", banded(highest, "°C")]);
-    if (isJudged()) {
-      rows.push(["contact above critical", banded(all.map(({ failed }) => 100 * failed), "%", 3)]);
+    rows.push(["highest temperature", banded(curves.map((curve) => Math.max(...curve)), "°C")]);
+    if (critical_temperature !== null) {
+      const limit = critical_temperature - ZERO_CELSIUS;
+      const above = curves.map((curve) => 100 * (1 - linear(curve, content.quantiles, limit)));
+      rows.push(["contact above critical", banded(above, "%", 3)]);
     }
-    const numbers = isFull ? content.numbers : content.numbers.slice(0, 1);
-    numbers.forEach(({ label, unit }, k) => {
-      const values = all.map(({ place }) => sweep.numbers[k][place]);
+    content.numbers.slice(0, isFull ? undefined : 1).forEach(({ label, unit }, k) => {
+      const values = all.map(({ place }) => tables.numbers[k][place]);
       if (values.some(Number.isFinite)) rows.push([label, banded(values, unit)]);
     });
-    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => sweep.times[place]), "s")]);
+    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => tables.times[place]), "s")]);
   }
-  for (const message of messagesOf(i, j)) rows.push([all.length ? "warning" : "message", message]);
+  for (const message of messagesOf(point)) rows.push([all.length ? "warning" : "message", message]);
   return rows;
 }
 
-/** Kind of wear in words. @param {Verdict[]} all @param {string} kind */
-function wearOf(all, kind) {
-  if (!all.length) return kind === "failed" ? "failed" : "not computed";
-  if (!isJudged()) return "not known without a critical temperature";
-  const severe = all.filter(({ isSevere }) => isSevere).length;
-  return all.length > 1 ? `severe on ${severe} of ${all.length}` : severe ? "severe" : "mild";
+/** @param {Point} point */
+function nameOf({ i, j }) {
+  return `${shown(content.loads[i], 6)} N, ${shown(content.velocities[j], 6)} m/s`;
 }
-
-/** @param {number} i @param {number} j */
-function nameOf(i, j) {
-  return `${shown(sweep.loads[i], 6)} N, ${shown(sweep.velocities[j], 6)} m/s`;
-}
-
 
 function showPoint() {
   if (!chosen.point) return;
-  const { i, j } = chosen.point;
   element("point-section").hidden = false;
-  element("point").replaceChildren(html("h3", {}, nameOf(i, j)), pairs(description(i, j, true)));
-  showDistribution(verdicts(i, j).map(({ temperatures }) => temperatures));
-  showCourse(i, j);
-  showFields(i, j);
+  const rows = table([], description(chosen.point, true));
+  element("point").replaceChildren(html("h3", {}, nameOf(chosen.point)), rows);
+  showDistribution(risesAt(chosen.point).map(({ place }) => quantilesAt(place)));
+  showCourse(chosen.point);
+  showFields(chosen.point);
 }
 
-/** Show the share of the contact that is hotter than each temperature. @param {number[][]} rows temperatures
- * by surface */
-function showDistribution(rows) {
-  const room = element("distribution");
-  const critical = chosen.conditions.critical_temperature;
-  const share = 100 * chosen.conditions.failing_share;
-  const degrees = `${shown((critical ?? NaN) - ZERO_CELSIUS, 6)} °C`;
-  const rule = critical === null || !hasShare ? "" : " Wear is severe where the curve passes above the " +
-    `crossing of the dashed lines: more than ${shown(share)} % hotter than ${degrees}.`;
-  const text = `Distribution of the temperature over the contact.${rule}`;
-  element("distribution-caption").textContent = rows.length ? text : "";
-  room.replaceChildren();
-  if (!rows.length) return;
-  const curves = rows.map((row) => row.map((kelvin) => kelvin - ZERO_CELSIUS));
+/** Show the contact's share that is hotter than each temperature. @param {number[][]} curves [°C] */
+function showDistribution(curves) {
+  const { critical_temperature: critical, failing_share } = chosen.conditions;
+  const share = 100 * failing_share;
   const limits = critical === null ? [] : [critical - ZERO_CELSIUS];
-  const width = Math.max(room.clientWidth, 260);
-  const height = Math.round(Math.min(0.6 * width, 300));
+  const rule = !limits.length || !hasShare ? "" : " Wear is severe where the curve passes above the " +
+    `crossing of the dashed lines: more than ${shown(share)} % hotter than ${shown(limits[0], 6)} °C.`;
   const x = { ...ends([...curves.flat(), ...limits]), label: "temperature [°C]" };
   const y = { low: 0, high: 100, label: "contact that is hotter [%]" };
-  const { root, inside, frame } = axes(width, height, x, y);
-  const shares = content.quantiles.map((quantile) => frame.y(100 * (1 - quantile)));
-  const look = curves.length > 1 ? "faint" : "curve";
-  const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);
-  if (hasShare) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
-  inside.append(
-    ...curves.map((curve) => svg("path", { class: look, d: path(curve.map(frame.x), shares) })),
-    svg("path", { class: "guide", d: guides.join("") }),
-  );
-  root.setAttribute("role", "img");
-  root.setAttribute("aria-label", text);
-  room.append(root);
+  const text = `Distribution of the temperature over the contact.${rule}`;
+  showChart("distribution", curves.length > 0, text, x, y, (frame) => {
+    const shares = content.quantiles.map((quantile) => frame.y(100 * (1 - quantile)));
+    const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);
+    if (hasShare) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
+    const lines = curves.map((curve) => path(curve.map(frame.x), shares));
+    const look = curves.length > 1 ? "faint" : "curve";
+    return [...lines.map((d) => svg("path", { class: look, d })),
+      svg("path", { class: "guide", d: guides.join("") })];
+  });
 }
 
-/** Show the fields of a point, as Python has drawn them. @param {number} i @param {number} j */
-function showFields(i, j) {
-  const places = surfaces().map((surface) => sweep.place(surface, i, j));
-  const place = places.find((number) => String(number) in content.fields.points);
-  const isOwn = bulkRatio(chosen.conditions) === bulkRatio(content.conditions);
-  if (place === undefined || !isOwn) {
+/** Show the fields of a point, as Python has drawn them. @param {Point} point */
+function showFields(point) {
+  const place = placesOf(point).find((number) => String(number) in content.fields.points);
+  if (place === undefined || !isOwnBulk()) {
     element("fields").replaceChildren();
     element("fields-note").textContent = content.fields.stored
-      ? `The page does not hold the fields of this point${isOwn ? "" : " under these conditions"}.`
+      ? `The page does not hold the fields of this point${isOwnBulk() ? "" : " under these conditions"}.`
       : "The sweep holds no fields; store them with fields = true under [sweep] in the scene.";
     return;
   }
@@ -250,15 +233,15 @@ function showFields(i, j) {
     field("contact temperature [°C]", [coldest, hottest], pictures, 1),
     field("wear depth of the pin [µm]", [0, 1e6 * wear], pictures, 2),
   );
-  const number = content.surfaces?.[Math.floor(place / sweep.place(1, 0, 0))];
+  const number = content.surfaces?.[Math.floor(place / content.loads.length / content.velocities.length)];
   const surface = number === undefined ? "" : ` on surface ${number}`;
   element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
 }
 
-/** A field as a picture with its scale. @param {string} label @param {[number, number]} ends @param
+/** A field as a picture with its scale. @param {string} label @param {[number, number]} range @param
  * {string[]} pictures @param {number} k */
-function field(label, ends, pictures, k) {
-  const [low, high] = ends.map((end) => shown(end));
+function field(label, range, pictures, k) {
+  const [low, high] = range.map((end) => shown(end));
   const { aspect, scales } = content.fields;
   const drawn = (/** @type {string} */ held) => ({ src: `data:image/png;base64,${held}` });
   const picture = html("img", { ...drawn(pictures[k]), alt: `${label}, from ${low} to ${high}` });

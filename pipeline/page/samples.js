@@ -3,17 +3,13 @@
 
 /** @type {Samples} */
 const samples = JSON.parse(element("content").textContent ?? "");
-const probability = new Float32Array(bytes(samples.probability));
+const probability = floats(samples.probability);
 /** The operating point. */
 const operating = { load: NaN, velocity: NaN };
 
 /** Velocities of each of the three probabilities, by load. */
-function columns() {
-  return samples.shares.map((_, k) => samples.lines.map((row) => row[k]));
-}
-
-/** Probability at a place, from the nearest ones of the table. @param {number} load @param {number} velocity
- * */
+const columns = samples.shares.map((_, k) => samples.lines.map((row) => row[k]));
+/** Probability at a place, by the table. @param {number} load @param {number} velocity */
 function probabilityAt(load, velocity) {
   const { loads, velocities } = samples;
   const n = velocities.length;
@@ -27,7 +23,7 @@ function drawnBand(frame) {
   const [left, right] = [velocities[0], velocities[velocities.length - 1]];
   const [bottom, top] = [loads[0], loads[loads.length - 1]].map(frame.y);
   const size = { x: frame.x(left), y: top, width: frame.x(right) - frame.x(left), height: bottom - top };
-  const lines = columns().map((line, k) => {
+  const lines = columns.map((line, k) => {
     const within = line.map((place) => (place === left || place === right ? NaN : frame.x(place)));
     return svg("path", { class: k === 1 ? "boundary" : "own", d: path(within, loads.map(frame.y)) });
   });
@@ -44,9 +40,7 @@ function drawSamples() {
     inside.append(testMark(frame.x(velocity), frame.y(load), outcome));
   }
   if (isInside(operating, samples)) inside.append(cross(frame, operating));
-  root.addEventListener("pointerleave", () => {
-    tip.hidden = true;
-  });
+  root.addEventListener("pointerleave", () => tip.toggleAttribute("hidden", true));
   root.addEventListener("pointermove", (event) => {
     const { left, top } = root.getBoundingClientRect();
     showTip(frame, frame.load(event.clientY - top), frame.velocity(event.clientX - left));
@@ -54,15 +48,14 @@ function drawSamples() {
   element("diagram").replaceChildren(root, tip);
 }
 
-/** Show the probability at a place beside it. @param {Frame} frame @param {number} load @param {number}
- * velocity */
+/** Show the probability beside a place. @param {Frame} frame @param {number} load @param {number} velocity */
 function showTip(frame, load, velocity) {
   tip.hidden = !isInside({ load, velocity }, samples);
   if (tip.hidden) return;
   const text = `severe with a probability of ${percent(probabilityAt(load, velocity))}`;
   const place = html("b", {}, `${shown(load, 3)} N, ${shown(velocity, 3)} m/s`);
   tip.replaceChildren(place, html("div", {}, text));
-  placeTip(frame, load, velocity);
+  placeTip(frame, frame.x(velocity), frame.y(load));
 }
 
 /** Take an operating point, and show its probability. @param {number} load @param {number} velocity */
@@ -70,10 +63,10 @@ function judge(load, velocity) {
   Object.assign(operating, { load, velocity });
   const { loads, velocities, shares } = samples;
   drawSamples();
-  if (!isInside(operating, samples)) return showMargin(reasonAgainst(load, velocity, loads, velocities));
+  if (!isInside(operating, samples)) return showMargin(samples.outside);
   /** @type {[string, string][]} */
   const rows = [["probability of severe wear", percent(probabilityAt(load, velocity))]];
-  columns().forEach((line, k) => {
+  columns.forEach((line, k) => {
     const place = linear(loads, line, load);
     const [low, high] = [velocities[0], velocities[velocities.length - 1]];
     const sign = place <= low ? "below " : place >= high ? "above " : "";
@@ -82,13 +75,8 @@ function judge(load, velocity) {
   showMargin(rows);
 }
 
-function beginSamples() {
-  takeScene(() => ({}));
-  listenToOperatingPoint(judge);
-  judge(NaN, NaN);
-  showSigns(testSigns(samples.measured));
-  offerCsv("velocities", samples.name);
-  new ResizeObserver(drawSamples).observe(element("diagram"));
-}
-
-beginSamples();
+takeScene(() => ({}));
+listenToOperatingPoint(judge);
+judge(NaN, NaN);
+offerCsv("velocities", samples.name);
+new ResizeObserver(drawSamples).observe(element("diagram"));

@@ -5,24 +5,45 @@ const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = JSON.parse(element("content").textContent ?? "");
-const sweep = new Sweep(content);
+const tables = {
+  plane: floats(content.plane), errors: floats(content.errors), rises: floats(content.rises),
+  times: floats(content.times), numbers: content.numbers.map(({ values }) => floats(values)),
+  course: { loads: floats(content.course.loads), rises: floats(content.course.rises) },
+};
+/** Planes by conditions. @type {Map<string, Float64Array>} */
+const planes = new Map();
 const hasShare = content.shares.length > 1;
-/** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: {i: number, j:
- * number} | null, load: number, velocity: number}} */
+const surfaceCount = content.surfaces?.length ?? 1;
+/** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: Point | null,
+ * load: number, velocity: number}} */
 const chosen = {
-  conditions: { ...content.conditions }, surface: sweep.surfaces > 1 ? null : 0,
+  conditions: { ...content.conditions }, surface: surfaceCount > 1 ? null : 0,
   point: null, load: NaN, velocity: NaN,
 };
 
 /** Surfaces that count: the one that was picked, or all. */
 function surfaces() {
   if (chosen.surface !== null) return [chosen.surface];
-  return Array.from({ length: sweep.surfaces }, (_, k) => k);
+  return Array.from({ length: surfaceCount }, (_, k) => k);
+}
+
+/** A plane that is made but once. @param {string} key @param {() => Float64Array} make */
+function kept(key, make) {
+  const made = planes.get(key) ?? make();
+  if (planes.size > 50) planes.clear();
+  planes.set(key, made);
+  return made;
 }
 
 /** Temperature of a rise at friction 1 [K]. @param {number} rise */
 function temperature(rise) {
-  return coldestBulk(chosen.conditions) + riseFactor(chosen.conditions) * rise;
+  const { coldest, factor } = heatOf(chosen.conditions);
+  return coldest + factor * rise;
+}
+
+/** Fields and course are those of the present bulk temperatures. */
+function isOwnBulk() {
+  return heatOf(chosen.conditions).ratio === heatOf(content.conditions).ratio;
 }
 
 /** There is a critical temperature to judge by. */

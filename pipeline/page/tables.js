@@ -4,19 +4,18 @@
 /** Transitions over the surfaces along velocity by load, and along load by velocity. */
 function boundaries() {
   const over = (/** @type {AxisName} */ axis, /** @type {number} */ node) =>
-    summaryOf(surfaces().map((surface) => sweep.transition(axis, surface, node, chosen.conditions)));
+    summaryOf(transitions(axis, node, chosen.conditions));
   return {
-    velocity: sweep.loads.map((_, i) => over("velocity", i * content.parts.load)),
-    load: sweep.velocities.map((_, j) => over("load", sweep.node(j))),
+    velocity: content.nodes.load.map((node) => over("velocity", node)),
+    load: content.nodes.velocity.map((node) => over("load", node)),
   };
 }
 
-/** Quantiles over several surfaces, or the transition of one. @param {Transition[]} transitions @returns
- * {Summary} */
-function summaryOf(transitions) {
-  const [low, middle, high] = BAND.map((share) => quantileOfEnds(transitions.map(({ ends }) => ends), share));
-  const [{ places, isHot }] = transitions;
-  return { low, middle: transitions.length > 1 ? middle : places[isHot ? 1 : 0] ?? NaN, high, transitions };
+/** Quantiles over surfaces, or the one transition. @param {Transition[]} all @returns {Summary} */
+function summaryOf(all) {
+  const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(endsOf), share));
+  const first = all[0].severe.map(([begin]) => begin).find((begin) => begin > 0) ?? NaN;
+  return { low, middle: all.length > 1 ? middle : first, high, transitions: all };
 }
 
 /** A table of texts; columns of numbers stand to the right. @param {string[]} heads @param {string[][]} rows
@@ -24,7 +23,8 @@ function summaryOf(transitions) {
 function table(heads, rows, words = 0) {
   const look = (/** @type {number} */ k) => (k < heads.length - words ? "number" : "");
   const cell = (/** @type {string} */ text, /** @type {number} */ k) =>
-    k ? html("td", { class: look(k) }, text) : html("th", { scope: "row", class: look(0) }, text);
+    (k ? html("td", { class: look(k) || `verdict-${text.replaceAll(" ", "-")}` }, text)
+      : html("th", { scope: "row", class: look(0) }, text));
   const top = heads.map((head, k) => html("th", { scope: "col", class: look(k) }, head));
   const body = rows.map((row) => html("tr", {}, ...row.map(cell)));
   return html("table", {}, html("thead", {}, html("tr", {}, ...top)), html("tbody", {}, ...body));
@@ -32,9 +32,9 @@ function table(heads, rows, words = 0) {
 
 /** Outcome in words, with how far was computed, as pipeline.analysis.transition has it. @param {Transition}
  * transition @param {"velocity" | "load"} along @param {string} unit */
-function outcomeWords({ outcome, computed, places, isHot }, along, unit) {
+function outcomeWords({ outcome, computed, severe }, along, unit) {
   if (outcome === SEVERAL) {
-    const ranges = severeRanges(places, isHot).map(([begin, end]) =>
+    const ranges = severe.map(([begin, end]) =>
       `${begin ? `from ${shown(begin, 3)} ` : "up "}${end < Infinity ? `to ${shown(end, 3)}` : "on"}`);
     return `severe ${ranges.join(" and ")} ${unit}`;
   }
@@ -43,8 +43,7 @@ function outcomeWords({ outcome, computed, places, isHot }, along, unit) {
   return content.outcomes[along][outcome] + reach;
 }
 
-/** Count of crossings, and the reasons of the others. @param {{transitions: Transition[]}} row @param
- * {string} unit */
+/** Crossings, and why there are no others. @param {{transitions: Transition[]}} row @param {string} unit */
 function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];
@@ -72,8 +71,8 @@ function showSide(id, head, places, title, unit, rows) {
 /** Show both tables, and the answer in a sentence. */
 function showTables() {
   const { velocity, load } = boundaries();
-  showSide("velocities", "load [N]", sweep.loads, "critical velocity", "m/s", velocity);
-  showSide("loads", "velocity [m/s]", sweep.velocities, "critical load", "N", load);
+  showSide("velocities", "load [N]", content.loads, "critical velocity", "m/s", velocity);
+  showSide("loads", "velocity [m/s]", content.velocities, "critical load", "N", load);
   const missing = sum(surfaces().map((surface) => content.missing[surface]));
   const note = missing ? ` ${missing} points are pending or failed and left out.` : "";
   element("summary").textContent = crossingText(velocity) + note;
@@ -83,7 +82,7 @@ function showTables() {
 function crossingText(rows) {
   if (!isJudged()) return "Give a critical temperature to see where wear turns severe.";
   const places = rows
-    .map(({ middle }, i) => ({ middle, load: sweep.loads[i] }))
+    .map(({ middle }, i) => ({ middle, load: content.loads[i] }))
     .filter(({ middle }) => Number.isFinite(middle))
     .map(({ middle, load }) => `${shown(middle)} m/s at ${shown(load, 6)} N`);
   if (!places.length) {

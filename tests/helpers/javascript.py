@@ -12,7 +12,7 @@ from tests.helpers.browser import absent
 
 _FOLDER = Path(pipeline.page.__file__).parent
 _SCRIPTS = (
-    "lines", "rise", "plot", "state", "conditions", "margin", "operating",
+    "numbers", "field", "plot", "state", "conditions", "margin", "operating",
     "tables", "diagram",
 )  # fmt: skip
 _STUB = """

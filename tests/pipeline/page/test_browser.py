@@ -96,7 +96,7 @@ def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_te
     initial = driver.execute_script("return chosen.conditions")
     assert initial == conditions | {"criterion": "share"}
     same(critical_velocities(driver), pipeline.boundary(ds)["critical_velocity"])
-    driver.execute_script("choosePoint(2, 3)")
+    driver.execute_script("choosePoint({ i: 2, j: 3 })")
     assert message in driver.find_element(By.ID, "point").text
     assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram circle.ring")) == 1
     assert driver.find_element(By.ID, "sign-warned").is_displayed()
@@ -200,7 +200,7 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
     assert "severe with a probability of" in driver.find_element(By.ID, "tip").text
     driver.find_element(By.ID, "at-load").send_keys("1")
     driver.find_element(By.ID, "at-velocity").send_keys("1")
-    assert "Outside the sweep" in driver.find_element(By.ID, "margin").text
+    assert "outside the sweep" in driver.find_element(By.ID, "margin").text
     link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
     assert len(rows(link)) == len(loads)
 
@@ -245,8 +245,8 @@ def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
     assert field.get_attribute("aria-invalid") == "true"
     typed(driver, "at-velocity", "1.1")
     load, velocity = driver.execute_script("""
-    const [k, j] = sweep.nearest(chosen);
-    return [sweep.fine.load[k], sweep.fine.velocity[j]];
+    const [k, j] = nearestNode(chosen);
+    return [content.fine.load[k], content.fine.velocity[j]];
     """)
     assert (load, velocity) == pytest.approx((425.0, 1.1), rel=0.05)
     (own,) = fields(ds)
@@ -259,13 +259,13 @@ def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
     assert f"nearest node {load:.4g} N, {velocity:.4g} m/s, interpolated" in text
     assert expected.model_error in text
     driver.find_element(By.ID, "at-load").send_keys("0")
-    assert "Outside the sweep" in driver.find_element(By.ID, "margin").text
+    assert "outside the sweep" in driver.find_element(By.ID, "margin").text
 
 
 def test_each_test_has_its_own_transition_and_the_verdict_of_the_command(page):
     driver = page(synthetic.sweep())
     driver.execute_script("chosen.conditions.friction = 0.14; update();")
-    script = "return content.measured.map(expectedVelocity);"
+    script = "return judgedTests().map(({ expected }) => expected);"
     for own, test in zip(driver.execute_script(script), synthetic.MEASURED, strict=True):
         limit = synthetic.limit(friction=test.friction or 0.1)
         same(own, synthetic.critical_velocity(test.normal_load, limit), rtol=0.001)

@@ -34,18 +34,18 @@ MARGINS = """
 return argument.map(({ conditions, places }) => {
   chosen.conditions = { ...content.conditions, ...conditions };
   return places.map(([load, velocity]) => {
-    const [k, j] = sweep.nearest({ load, velocity });
-    const [f, v] = [sweep.fine.load[k], sweep.fine.velocity[j]];
+    const [k, j] = nearestNode({ load, velocity });
+    const [f, v] = [content.fine.load[k], content.fine.velocity[j]];
+    const state = (one, i, n) => content.state[indexOf(one, i, n)];
     const { rises, error, probabilities, verdict } = marginAt([k, j], chosen.conditions);
-    const way = (axis, node, now) => quantileOf(nearestTurns(
-      surfaces().map((one) => sweep.transition(axis, one, node, chosen.conditions)), now), 0.5);
+    const way = (axis, node, now) => nearestTurn(transitions(axis, node, chosen.conditions), now);
     return {
       place: [f, v], temperature: quantileOf(rises.map(temperature), 0.5), error, probabilities,
       verdict, velocity: way("velocity", k, v), load: way("load", j, f),
-      states: surfaces().map((one) => Number(sweep.state(one, k, j))), words: modelError().words,
-      isWhole: sweep.fine.load.every((_, i) => sweep.inner().every((_, n) =>
+      states: surfaces().map((one) => Number(state(one, k, j))), words: modelError().words,
+      isWhole: content.fine.load.every((_, i) => content.inner.every((_, n) =>
         (i !== k && n + content.first !== j) ||
-        surfaces().every((one) => sweep.state(one, i, n + content.first) < "3"))),
+        surfaces().every((one) => state(one, i, n + content.first) < "3"))),
     };
   });
 });
@@ -189,7 +189,7 @@ def test_bands_of_severe_wear_have_all_their_ends():
 GRID = """
 return argument.map((friction) => {
   const middle = excess(0.5, { ...chosen.conditions, friction });
-  const [x, y] = [sweep.inner(), sweep.fine.load];
+  const [x, y] = [content.inner, content.fine.load];
   const places = contour(x, y, [middle], true).split(/[ML]/).filter(Boolean);
   return [places.map((pair) => pair.split(",").map(Number)), contour(x, y, [middle]).length];
 });

@@ -34,6 +34,10 @@ type Measurement = {
   friction: number | null;
   bulk_temperature?: number;
   outcome?: "mild" | "severe";
+  /** Conditions that it is judged at, in place of the reader's. */
+  own: Partial<Conditions>;
+  node: [number, number];
+  isInside: boolean;
 };
 
 /** Highest pressure, lowest and highest rise, greatest depth, and the three pictures. */
@@ -55,18 +59,22 @@ type Content = {
   title: string;
   name: string;
   conditions: Conditions;
-  scene: Conditions;
   controls: Control[];
   measured: Measurement[];
   chosen: boolean;
   loads: number[];
   velocities: number[];
   fine: { velocity: number[]; load: number[] };
-  parts: { velocity: number; load: number };
   first: number;
+  /** Velocities of the nodes within the sweep. */
+  inner: number[];
+  /** Nodes of the velocities and loads of the sweep, and of the two loads beside each node of load. */
+  nodes: { velocity: number[]; load: number[] };
+  beside: [number, number][];
   friction_factors: number[];
   plane: string;
-  columns: string;
+  /** Nodes at which lines along load begin that have their points alone, by surface and velocity. */
+  columns: { [place: string]: number };
   state: string;
   errors: string;
   missing: number[];
@@ -79,6 +87,8 @@ type Content = {
   surfaces: number[] | null;
   status: string;
   asked: string;
+  outside: string;
+  origins: string[];
   times: string;
   rises: string;
   numbers: { label: string; unit: string; values: string }[];
@@ -106,6 +116,7 @@ type Model = {
 
 /** Result of pipeline.page.content.content_of_samples, by load and velocity or probability. */
 type Samples = {
+  outside: string;
   name: string;
   measured: Measurement[];
   loads: number[];
@@ -116,26 +127,22 @@ type Samples = {
   lines: number[][];
 };
 
-/** Places at which wear turns, of which the first is to mild wear if it begins hot. */
+/** Ranges of severe wear, and the places at which wear turns. */
 type Transition = {
+  severe: Ends[];
   places: number[];
-  isHot: boolean;
   outcome: number;
   computed: Ends;
-  ends: Ends;
 };
 
 /** Quantiles over several surfaces; of one, the first place at which wear turns severe. */
 type Summary = { low: number; middle: number; high: number; transitions: Transition[] };
 
-/** Temperatures in kelvin, of which each quantile of the contact stays below one. */
-type Verdict = {
-  place: number;
-  decisive: number;
-  failed: number;
-  isSevere: boolean;
-  temperatures: number[];
-};
+/** Indices of a point in loads and velocities. */
+type Point = { i: number; j: number };
+type Axes = { loads: number[]; velocities: number[] };
+type Attributes = { [name: string]: string | number };
+type Place = { load: number; velocity: number };
 
 /** Places of values [px], and values at places. */
 type Frame = {

@@ -1,0 +1,44 @@
+"use strict";
+/* Numbers in lists. Nothing here knows a sweep. */
+
+const BAND = [0.1, 0.5, 0.9];
+
+/** The entries beside a place and their weights, the nearer end alone beyond them. @param {number[]} x
+ * ascending @param {number} place @returns {[number, number][]} */
+function weights(x, place) {
+  const k = x.findIndex((value) => value > place);
+  if (k < 1) return [[k < 0 ? x.length - 1 : 0, 1]];
+  const weight = (place - x[k - 1]) / (x[k] - x[k - 1]);
+  return weight === 0 ? [[k - 1, 1]] : [[k - 1, 1 - weight], [k, weight]];
+}
+
+/** Value at a place. @param {number[]} x ascending @param {ArrayLike<number>} y @param {number} place */
+function linear(x, y, place) {
+  return sum(weights(x, place).map(([k, weight]) => weight * y[k]));
+}
+
+/** @param {number[]} values */
+function sum(values) {
+  return values.reduce((total, value) => total + value, 0);
+}
+
+/** Index of the nearest value. @param {number[]} x @param {number} place */
+function nearest(x, place) {
+  const away = x.map((value) => Math.abs(value - place));
+  return away.indexOf(Math.min(...away));
+}
+
+/** Value that a share of all stays below; NaN is left out. @param {number[]} values @param {number} share */
+function quantileOf(values, share) {
+  const ranked = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
+  const rank = share * (ranked.length - 1);
+  const [low, high] = [ranked[Math.floor(rank)] ?? NaN, ranked[Math.ceil(rank)] ?? NaN];
+  if (!Number.isFinite(low) || !Number.isFinite(high)) return low + high;
+  return low + (rank - Math.floor(rank)) * (high - low);
+}
+
+/** The same; NaN where it depends on those that are not known. @param {Ends[]} ends @param {number} share */
+function quantileOfEnds(ends, share) {
+  const [low, high] = [0, 1].map((k) => quantileOf(ends.map((pair) => pair[k]), share));
+  return low === high ? low : NaN;
+}
