@@ -9,8 +9,9 @@ import statistics
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+from pipeline.scene.headings import Row, Rows
 from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
 from tribo.errors import reason_of, require_file
@@ -22,23 +23,6 @@ _COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,.])(.*)", r
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d")
 _MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
 _MARKS = {",": "decimal commas", ".": "decimal points"}
-
-
-class Row(NamedTuple):
-    """Cells of a row, and its number in the file."""
-
-    number: int
-    cells: list[str]
-
-
-class Rows(NamedTuple):
-    """Headings of a file, the rows below them that are not empty, and how it was read."""
-
-    heads: list[str]
-    rows: list[Row]  # with decimal points; without those of another length than the headings
-    decimal: str  # mark of decimals in the file
-    form: list[str]  # words on separators, decimals and encoding
-    faults: list[str]  # rows whose length is wrong
 
 
 def read_rows(
