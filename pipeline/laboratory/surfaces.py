@@ -60,9 +60,9 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     """
     path = Path(path)
     if path.suffix.lower() in TEXT:
-        return _of_text(path, height_unit)
+        return _read_text_file(path, height_unit)
     if path.suffix.lower() != ".npy":
-        return _of_instrument(path, height_unit)
+        return _read_instrument(path, height_unit)
     if height_unit is None:
         raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
     try:
@@ -73,7 +73,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
         raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
 
 
-def _of_text(path: Path, height_unit: float | None) -> MeasuredSurface:
+def _read_text_file(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of text, whose comments may say the unit and the size of its pixels."""
     require_file(path)
     try:
@@ -82,7 +82,7 @@ def _of_text(path: Path, height_unit: float | None) -> MeasuredSurface:
         knows_more = importlib.util.find_spec("SurfaceTopography") is not None
         if path.suffix.lower() not in (".csv", ".xyz") and knows_more:
             with suppress(InputError):  # an instrument's own text
-                return _of_instrument(path, height_unit)
+                return _read_instrument(path, height_unit)
         raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
@@ -109,7 +109,7 @@ def _sides(pixel: tuple[float, float]) -> str:
     return " × ".join(f"{1e6 * side:.4g}" for side in pixel) + " µm"
 
 
-def _of_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
+def _read_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of one of SurfaceTopography's formats."""
     _require_small_file(path)
     if path.suffix.lower() in _IMAGES:
@@ -264,7 +264,7 @@ def window_heights(
     heights: Array | None = surface.heights
     if table["crop"] is not None and pixels:
         heights = _cropped(surface.heights, table, pixels, faults)
-    if heights is None or (heights := _without_holes(heights, table["missing"], faults)) is None:
+    if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
         return None
     said = surface.notes
     if table["level"]:
@@ -306,7 +306,7 @@ def _cropped(
     return heights[i : i + rows, j : j + columns]
 
 
-def _without_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
+def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
     """Heights with any holes filled; None if the scene refuses them, or all is a hole."""
     holes = np.argwhere(~np.isfinite(heights))
     if not len(holes):
