@@ -100,44 +100,8 @@ STORE_OR_FOLDER = STORE.but(
 )  # fmt: skip
 REPAIR = flag("--repair", "mark damaged points as pending, so that irg run computes them again")
 
-OF_SCAN = (
-    Option(
-        "scan", metavar="SCAN", type=Path, help="heights: .npy, text, or the file of an instrument"
-    ),
-    Option(
-        "--height-unit", metavar="UNIT",
-        help='unit of the heights, like "um", where the file gives none or a wrong one',
-    ),
-    Option(
-        "--pixel-size", metavar="DX[,DY]", type=values.sides,
-        help='sides of a pixel along x and y, like "0.8 um" or "0.8 um,0.9 um", where the file '
-        "gives none; after --transpose",
-    ),
-    flag("--transpose", "exchange x and y of the file"),
-)  # fmt: skip
 
 SHEET = Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one")
-OF_TESTS = (
-    Option(
-        "log", metavar="LOG", type=Path,
-        help="log of tests, or a trace of friction over time: .csv, .txt or .xlsx",
-    ),
-    Option(
-        "--column", metavar="ENTRY=HEADING", type=values.pair, action="append", default=[],
-        help='column of an entry that was not recognised, like "load=Normalkraft F_N / N"; may be '
-        "repeated",
-    ),
-    Option(
-        "--word", metavar="WORD=OUTCOME", type=values.word, action="append", default=[],
-        help="what a word of the log means, like Fresser=severe; may be repeated",
-    ),
-    Option(
-        "--where", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
-        help='rows to take, like "oil=FVA 3"; may be repeated',
-    ),
-    SHEET,
-    Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
-)  # fmt: skip
 TOPIC = Option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
 OF_NEW = (
     Group(

@@ -30,17 +30,6 @@ COMMANDS = (
         "scene.toml --from twin_disc", o.OF_NEW,
     ),
     Command(
-        "run", "surface", "begin:surface",
-        "describe a scan: roughness, lay, correlation lengths; print a table for random surfaces "
-        "like it",
-        'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SCAN,
-    ),
-    Command(
-        "run", "tests", "begin:tests",
-        "print what is understood of a laboratory's log, and the lines of a scene for it",
-        "log.csv --word Fresser=severe", o.OF_TESTS,
-    ),
-    Command(
         "run", "run", "sweeps:run", "run or resume the sweep of a scene",
         "scene.toml --accuracy 2%", (*o.OF_SCENE, *o.OF_RUN),
     ),

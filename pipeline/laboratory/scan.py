@@ -180,11 +180,11 @@ class SurfaceStatistics:
         if self.is_self_affine:
             lay = f"{fit.lay:.0f}° from x ± {fit.lay_error:.1g}°"
         yield f"  lay                 {lay if self.has_lay else 'none'}"
-        x, y = (_in_words(length) for length in (lengths.along_x, lengths.along_y))
+        x, y = (_worded(length) for length in (lengths.along_x, lengths.along_y))
         yield f"  1/e lengths         {x} along x, {y} along y, of the autocorrelation"
         aspect = "not known" if self._aspect is None else f"{self._aspect:.2g}"
         yield (
-            f"  Sal, Str            {_in_words(lengths.shortest)}, {aspect} (ISO 25178, at 1/e for "
+            f"  Sal, Str            {_worded(lengths.shortest)}, {aspect} (ISO 25178, at 1/e for "
             "its usual 0.2)"
         )
         if not self.is_self_affine:
@@ -293,7 +293,7 @@ def _described(
     )
 
 
-def _in_words(length: float) -> str:
+def _worded(length: float) -> str:
     return f"{1e6 * length:.3g} µm" if math.isfinite(length) else "over half the scan"
 
 

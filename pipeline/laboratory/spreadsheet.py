@@ -9,8 +9,9 @@ import statistics
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+from pipeline.scene.headings import Row, Rows
 from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
 from tribo.errors import reason_of, require_file
@@ -22,23 +23,6 @@ _COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,.])(.*)", r
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d")
 _MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
 _MARKS = {",": "decimal commas", ".": "decimal points"}
-
-
-class Row(NamedTuple):
-    """Cells of a row, and its number in the file."""
-
-    number: int
-    cells: list[str]
-
-
-class Rows(NamedTuple):
-    """Headings of a file, the rows below them that are not empty, and how it was read."""
-
-    heads: list[str]
-    rows: list[Row]  # with decimal points; without those of another length than the headings
-    decimal: str  # mark of decimals in the file
-    form: list[str]  # words on separators, decimals and encoding
-    faults: list[str]  # rows whose length is wrong
 
 
 def read_rows(
@@ -63,7 +47,7 @@ def read_rows(
             "or CSV"
         )
     try:
-        lines, form, separator = _of_excel(path, sheet) if is_book else _of_text(path)
+        lines, form, separator = _read_excel(path, sheet) if is_book else _read_text(path)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
     filled = [row for row in lines if any(row.cells)]
@@ -71,9 +55,9 @@ def read_rows(
     said = (row for row in plain if is_heading(row.cells))
     bare = (row for row in filled if not row.cells[0].startswith("#"))
     heading = next(itertools.chain(said, bare, plain), Row(0, []))
-    heads = _without_empty_end(heading.cells)
+    heads = _trim_end(heading.cells)
     below = [
-        Row(row.number, _without_empty_end(row.cells, len(heads)))
+        Row(row.number, _trim_end(row.cells, len(heads)))
         for row in filled
         if row.number > heading.number and not row.cells[0].startswith("#")
     ]
@@ -109,7 +93,7 @@ def decoded(content: bytes) -> tuple[str, bool]:
     return text.replace("\0", ""), is_latin
 
 
-def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
+def _read_text(path: Path) -> tuple[list[Row], list[str], str]:
     """All lines of a text file as rows, words on its form, and its separator."""
     text, is_latin = decoded(path.read_bytes())
     form = ["Latin-1"] if is_latin else []
@@ -130,7 +114,7 @@ def _of_text(path: Path) -> tuple[list[Row], list[str], str]:
     return rows, [f"{_NAMES[separator]} between cells", *form], separator
 
 
-def _of_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str]:
+def _read_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str]:
     """All lines of a sheet of an Excel file as rows, and words on it and on the others."""
     import pandas as pd  # here, since few scenes have rows in a sheet
 
@@ -188,7 +172,7 @@ def _uncommented(cells: list[str]) -> list[str]:
     return [cells[0].lstrip("# "), *cells[1:]] if cells[0].startswith("#") else cells
 
 
-def _without_empty_end(cells: Sequence[str], least: int = 0) -> list[str]:
+def _trim_end(cells: Sequence[str], least: int = 0) -> list[str]:
     """Cells without empty ones at the end, beyond a number of them."""
     end = len(cells)
     while end > least and not cells[end - 1]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import warnings
 import zipfile
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,8 @@ from typing import Any, Literal
 import numpy as np
 
 from pipeline.laboratory.text_scan import TEXT, read_text
+from pipeline.scene.faults import Faults
+from pipeline.scene.units import display
 from tribo import InputError, read_heights
 from tribo.errors import reason_of, require_file
 from tribo.types import Array
@@ -57,9 +60,9 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     """
     path = Path(path)
     if path.suffix.lower() in TEXT:
-        return _of_text(path, height_unit)
+        return _read_text_file(path, height_unit)
     if path.suffix.lower() != ".npy":
-        return _of_instrument(path, height_unit)
+        return _read_instrument(path, height_unit)
     if height_unit is None:
         raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
     try:
@@ -70,7 +73,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
         raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
 
 
-def _of_text(path: Path, height_unit: float | None) -> MeasuredSurface:
+def _read_text_file(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of text, whose comments may say the unit and the size of its pixels."""
     require_file(path)
     try:
@@ -79,7 +82,7 @@ def _of_text(path: Path, height_unit: float | None) -> MeasuredSurface:
         knows_more = importlib.util.find_spec("SurfaceTopography") is not None
         if path.suffix.lower() not in (".csv", ".xyz") and knows_more:
             with suppress(InputError):  # an instrument's own text
-                return _of_instrument(path, height_unit)
+                return _read_instrument(path, height_unit)
         raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
@@ -106,7 +109,7 @@ def _sides(pixel: tuple[float, float]) -> str:
     return " × ".join(f"{1e6 * side:.4g}" for side in pixel) + " µm"
 
 
-def _of_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
+def _read_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
     """A surface of one of SurfaceTopography's formats."""
     _require_small_file(path)
     if path.suffix.lower() in _IMAGES:
@@ -246,3 +249,80 @@ def filled(heights: Array) -> Array:
     result = heights.copy()
     result[missing] = spsolve(sparse.diags(neighbours, format="csc") + off, around)
     return result
+
+
+def window_heights(
+    table: Mapping[str, Any], window: Mapping[str, Any], file: Path, faults: Faults
+) -> Array | None:
+    """Heights of a measured surface as the window needs them; None if that is impossible."""
+    surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
+    pixels, sides = window.get("pixels"), window.get("pixel_size")
+    if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
+        size = " × ".join(display(side, "µm") for side in surface.pixel_size)
+        problem = f"the pixels of disk.roughness.file are {size}; give those"
+        faults.note("window.pixel_size", problem)
+    heights: Array | None = surface.heights
+    if table["crop"] is not None and pixels:
+        heights = _cropped(surface.heights, table, pixels, faults)
+    if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
+        return None
+    said = surface.notes
+    if table["level"]:
+        level = levelled(heights)
+        if sides and min(heights.shape) > 1:
+            said += tilt_doubts(tilts(heights, level, sides))
+        heights = level
+    if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
+        is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
+        faults.notes.append(
+            f"disk.roughness.file: {heights.shape[0]} × {heights.shape[1]} heights were "
+            f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
+            f"{pixels[1]}, so that the surface repeats itself"
+        )
+        more = np.maximum(0, np.subtract(pixels, heights.shape)).tolist()
+        heights = np.pad(heights, [(0, n) for n in more], "symmetric" if is_mirrored else "wrap")
+    levelled_words = ", levelled" if table["level"] else ""
+    noted = f"{file.name}{levelled_words}; {axis_note(table['transpose'])}"
+    faults.notes += [f"disk.roughness.file: {note}" for note in (*said, noted)]
+    return heights
+
+
+def _cropped(
+    heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
+) -> Array | None:
+    """The patch of the window; as much of it as there is, if it is to be repeated."""
+    (i, j), (rows, columns) = table["crop"], pixels
+    if table["repeat"] != "no":
+        left = np.subtract(heights.shape, table["crop"])
+        rows, columns = np.minimum(pixels, np.maximum(left, 1)).tolist()
+    if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
+        faults.note(
+            "disk.roughness.crop",
+            f"a patch of {rows} × {columns} heights by x and y from {i}, {j} on reaches beyond "
+            f"the surface of {heights.shape[0]} × {heights.shape[1]}; begin at lower numbers, or "
+            "give fewer window.pixels",
+        )
+        return None
+    return heights[i : i + rows, j : j + columns]
+
+
+def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
+    """Heights with any holes filled; None if the scene refuses them, or all is a hole."""
+    holes = np.argwhere(~np.isfinite(heights))
+    if not len(holes):
+        return heights
+    if len(holes) == heights.size:
+        faults.note("disk.roughness.file", "all heights are missing; give another file")
+        return None
+    share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
+    if missing == "refuse":
+        i, j = holes[0].tolist()
+        problem = (
+            f"{share} are missing, the first at x {i}, y {j} (counted from 0); crop them off, or "
+            'give "fill"'
+        )
+        faults.note("disk.roughness.missing", problem)
+        return None
+    note = f"disk.roughness.file: {share} are missing and were filled from around them"
+    faults.notes.append(note)
+    return filled(heights)

@@ -16,12 +16,12 @@ from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
-from pipeline.scene.over import differing_inputs, notes_on_first_values, with_friction_scaled
+from pipeline.scene.over import notes_on_first_values, with_friction_scaled
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened, stored
-from pipeline.sweep.model import PART_OF, Sweep
+from pipeline.sweep.model import PART_OF, Sweep, differing_inputs
 from pipeline.sweep.physics import Effect, physics_of
 from pipeline.sweep.variants import Label, rows
 from tribo import InputError

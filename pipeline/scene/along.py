@@ -18,9 +18,9 @@ from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
-from pipeline.scene.over import column_of, differing_inputs, scene_with
+from pipeline.scene.over import column_of, scene_with
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Sweep, differing_inputs
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 

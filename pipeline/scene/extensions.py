@@ -44,17 +44,21 @@ def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
     """The document with what extensions add to it, and what they do to the sweep."""
     entries, extensions = document.entries(), list[Extend]()
     for name, paths in _NAMES.items():
-        for path in [path for path in paths if _is_named(entry_at(entries, path), path)][:1]:
-            with faults.at(path):
-                is_extra = name in extras.EXTRAS
-                module: Any = (
-                    extras.module(name, "entries")
-                    if is_extra
-                    else import_module(f"pipeline.scene.{name}")
-                )
-                document, extend = module.begin(document, faults)
-                extensions += [extend] if extend else []
+        named = [path for path in paths if _is_named(entry_at(entries, path), path)]
+        if not named:
+            continue
+        with faults.at(named[0]):
+            document, extend = _module(name).begin(document, faults)
+            extensions += [extend] if extend else []
+            continue
+        for path in paths:  # which nothing reads, so that no more is said of it
+            document = document.replaced(path, None)
     return document, extensions
+
+
+def _module(name: str) -> Any:
+    is_extra = name in extras.EXTRAS
+    return extras.module(name, "entries") if is_extra else import_module(f"pipeline.scene.{name}")
 
 
 def _is_named(entry: Any, path: str) -> bool:

@@ -1,7 +1,12 @@
-"""Headings of a laboratory's columns: the quantity that each stands for, and its unit."""
+"""Rows of a table below headings: the quantity that each column stands for, and its unit.
+
+Alone this reads plain CSV, whose headings name quantities exactly, with units in brackets. The
+extra of laboratories brings the other ways to write them, as its module ``headings``.
+"""
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -12,32 +17,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.laboratory.spreadsheet import Row, may_be_thousands, read_rows
+from pipeline import extras
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.kinds import OneOf
-from pipeline.scene.units import TURNS, UnitError, si_unit, to_si
+from pipeline.scene.units import UnitError, si_unit, to_si
 from tribo import InputError
+from tribo.errors import require_file
 
-_UNIT_AT_END = (
-    re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]"),
-    re.compile(r"(?P<title>.*?)\s*\((?P<unit>[^()]*(?:\([^()]*\)[^()]*)?)\)"),
-    re.compile(r"(?P<title>.*?)\s+in\s+(?P<unit>\S.*)"),
-    re.compile(r"(?P<title>.*?)\s+/\s*(?P<unit>\S.*)"),
-    re.compile(r"(?P<title>.*?),?\s+(?P<unit>\S+)"),
-    re.compile(r"(?P<title>.*?)_(?P<unit>k?N|m?s|min|m/s|mm/s|degC|K|rpm)"),
-    re.compile(r"(?P<title>[^/]*?)/(?P<unit>\S.*)"),
-    re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
-)
-"""Ways to write a unit. All but the first count only if what stands there is a unit."""
-_ROUND = re.compile(
-    r"(?:[^.]*\b)?\w*(radius|diameter|durchmesser|raggio|diametro|rayon)", re.IGNORECASE
-)
-_TRACK = re.compile(
-    r"track|spur|lauf(bahn|kreis|radius|durchmesser)|reib(bahn|kreis|radius|durchmesser|spur)"
-    r"|piste|pista|huella|wear (circle|path)",
-    re.IGNORECASE,
-)
+_IN_BRACKETS = re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]")
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
 UNITS = {
     "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
@@ -49,40 +37,6 @@ _EXACT = {
     "temperature.bulk": "bulk_temperature", "friction.coefficient": "friction",
     "temperature.critical": "critical_temperature",
 }  # fmt: skip
-_WORDS = {
-    "load": (
-        r"\b(load|force|normalkraft|kraft|last|belastung|charge|carico|carga|f ?n|f ?z|f)\b",
-        r"\b(friction|reib\w*|tangential\w*|cell|step|stage|stufe|rate|limit|f ?[rtxy])\b",
-    ),
-    "velocity": (
-        r"(\b(velocity|speed|v|vitesse)\b|geschw|velocit|velocidad)",
-        r"(\b(entrain\w*|roll\w*|mean|sum\w*|hydro\w*)\b|mittlere|summen)",
-    ),
-    "friction": (
-        r"(\b(cof|mu|µ|μ|friction)\b|reib(ungs)?(wert|zahl|koeff)|frottement|attrito|rozamiento)",
-        r"(\b(force|torque|work|power|energy)\b|kraft|moment)",
-    ),
-    "bulk_temperature": (
-        r"(\b(temp|temperature|bulk|t)\b|temperatur)",
-        r"(\b(contact|flash|room|ambient|crit\w*|krit\w*|max)\b"
-        r"|raum|umgebung|kontakt|blitz|grenz)",
-    ),
-    "critical_temperature": (
-        r"(\b(crit|krit)\w*\b.*temp|temp.*\b(crit|krit)\w*\b|grenztemperatur)", r"$^",
-    ),
-    "hold": (r"(\b(hold|dwell)\b|halte(zeit|dauer))", r"$^"),
-    "outcome": (
-        r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat|esito|resultado)\b"
-        r"|ergebnis|befund|bewertung|urteil|verschlei(ß|ss)(art|form)?$|fresse(r|n)\b)",
-        r"\b(volume|rate|scar|depth|width|coefficient)\b",
-    ),
-    "friction_force": (
-        r"((friction|tangential|frott|attrito) ?(force)?|reib\w*kraft|\bf ?[rtx]\b)",
-        r"\b(torque|work|power|energy)\b",
-    ),
-    "time": (r"(\b(time|t|zeit|temps)\b)", r"\b(of day|date|stamp)\b"),
-}  # fmt: skip
-"""Words by which a heading names a quantity, and words by which it means another one."""
 _SHOWN = 6  # rows of a fault that are named
 _ABSENT = "nan", "None", "NaT", "<NA>"  # what a cell of a data frame without a value is as text
 
@@ -108,18 +62,38 @@ class Heading:
         return self.text if is_within else f"{self.text} [{self.unit}]"
 
 
+class Row(NamedTuple):
+    """Cells of a row, and its number in the file."""
+
+    number: int
+    cells: list[str]
+
+
+class Rows(NamedTuple):
+    """Headings of a file, the rows below them that are not empty, and how it was read."""
+
+    heads: list[str]
+    rows: list[Row]  # with decimal points; without those of another length than the headings
+    decimal: str  # mark of decimals in the file
+    form: list[str]  # words on separators, decimals and encoding
+    faults: list[str]  # rows whose length is wrong
+
+
+@cache
+def _laboratory() -> Any:
+    """Module that reads what laboratories write; None where that extra is not there."""
+    return next(extras.modules("headings"), None)
+
+
 def heading_of(text: str) -> Heading:
-    """Split a heading into title and unit: in brackets, in parentheses, after / or "in"."""
+    """Split a heading into title and unit."""
     text = text.strip().strip('"')
-    for number, way in enumerate(_UNIT_AT_END):
-        if match := way.fullmatch(text):
-            unit = _usual_unit(match["unit"])
-            if number == 0 or unit in ("", "1") or (match["title"] and is_unit(unit)):
-                return Heading(text, match["title"].strip(" /"), unit)
-    return Heading(text, text, "")
+    if match := _IN_BRACKETS.fullmatch(text):
+        return Heading(text, match["title"].strip(" /"), usual_unit(match["unit"]))
+    return _laboratory().heading_of(text) if _laboratory() else Heading(text, text, "")
 
 
-def _usual_unit(unit: str) -> str:
+def usual_unit(unit: str) -> str:
     """Unit without parentheses around it, and with powers that are read as such."""
     unit = unit.strip()
     if unit.startswith("(") and unit.endswith(")"):
@@ -157,18 +131,20 @@ def columns_for(
         elif head in heads:
             places[name] = heads.index(head)
         else:
-            faults.append(f"columns.{name}: there is no column {_listed([head])}")
+            faults.append(f"columns.{name}: there is no column {listed([head])}")
     for name in (name for name in wanted if name not in named):
         free = [place for place in range(len(heads)) if place not in places.values()]
         found = [place for place in free if headings[place].name == name]
         if name == "friction":  # one in newton is a force
             found = [k for k in found if not (headings[k].unit and is_unit(headings[k].unit))]
         exact = [k for k in free if _is_another(headings[k], name, wanted)]
-        found = found or [k for k in free if k not in exact and _means(headings[k], name)]
+        if _laboratory():
+            others = [k for k in free if k not in exact]
+            found = found or [k for k in others if _laboratory().is_named(headings[k], name)]
         if len(found) == 1:
             places[name] = found[0]
         elif found:
-            several = _listed(heads[place] for place in found)
+            several = listed(heads[place] for place in found)
             faults.append(f'{len(found)} columns may be {name}: {several}; call one alone "{name}"')
     return places, faults
 
@@ -177,46 +153,17 @@ def _is_another(heading: Heading, name: str, wanted: Collection[str]) -> bool:
     """True if a heading names exactly another quantity that is wanted, in a unit of it."""
     is_named = heading.name in wanted and heading.name != name
     return is_named and not (
-        heading.unit and heading.name in UNITS and _misfit(heading, heading.name)
+        heading.unit and heading.name in UNITS and misfit(heading, heading.name)
     )
 
 
-def _means(heading: Heading, name: str) -> bool:
-    """True if the words of a heading are of a quantity, and its unit does not contradict."""
-    if name not in _WORDS:
-        return False
-    words, unit = _words(heading), UNITS.get(name)
-    of_it, of_another = _WORDS[name]
-    if not re.search(of_it, words) or re.search(of_another, words):
-        return False
-    if heading.unit:
-        return bool(unit) and not _misfit(heading, name)
-    # A lone letter without a unit, as t or v, may be anything.
-    return not unit or len(words) > 2
-
-
-def _misfit(heading: Heading, name: str) -> str:
+def misfit(heading: Heading, name: str) -> str:
     """Reason why the unit of a heading is not one of a quantity; empty if it is."""
     try:
         to_si(f"1 {heading.unit}", f"1 {UNITS[name]}")
     except UnitError as error:
         return str(error)
     return ""
-
-
-def _words(heading: Heading) -> str:
-    """Words of a title, without signs and digits between them."""
-    return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
-
-
-def _with_units_below(headings: list[Heading], rows: list[Row]) -> tuple[list[Heading], list[Row]]:
-    """Headings with the units of a first row that holds nothing else, and the other rows."""
-    first = rows[0].cells if rows else []
-    units = [heading_of(f"x [{cell.strip('[]()')}]").unit for cell in first]
-    if not any(units) or not all(is_unit(unit) for unit in units if unit):
-        return headings, rows
-    pairs = zip(headings, units, strict=True)
-    return [replace(one, unit=one.unit or unit) for one, unit in pairs], rows[1:]
 
 
 class CellFault(NamedTuple):
@@ -257,7 +204,7 @@ class Sheet:
 
     def doubt(self, cell: str) -> str:
         """Reason why a cell may be another number; empty if it is plain."""
-        if self.decimal != "," or not may_be_thousands(cell):
+        if self.decimal != "," or not _laboratory().may_be_thousands(cell):
             return ""
         number = cell.split(" ")[0]
         return (
@@ -338,11 +285,39 @@ def read_sheet(
         places, faults = columns_for([*map(heading_of, cells)], wanted, named)
         return is_log(places) and not (named and faults)
 
-    read = read_rows(path, is_heading, decimal, sheet_name)
-    headings, rows = _with_units_below([*map(heading_of, read.heads)], read.rows)
-    sheet = Sheet(headings, rows, {}, [], [*read.faults], read.decimal, read.form)
-    _take_velocity_of_turns(sheet)
+    needs_more = decimal or sheet_name or path.suffix.lower() != ".csv"
+    laboratory = extras.module("laboratory", "headings") if needs_more else _laboratory()
+    if laboratory:
+        read = laboratory.read_rows(path, is_heading, decimal, sheet_name)
+    else:
+        read = _read_csv(path)
+    headings = [*map(heading_of, read.heads)]
+    sheet = Sheet(headings, [*read.rows], {}, [], [*read.faults], read.decimal, read.form)
+    if laboratory:
+        laboratory.tidy(sheet)
     return _with_places(sheet, wanted, needed, named)
+
+
+def _read_csv(path: Path) -> Rows:
+    """Read the rows of plain CSV; lines that begin with ``#`` are comments."""
+    require_file(path)
+    try:
+        lines = [*csv.reader(path.read_text(encoding="utf-8-sig").splitlines())]
+    except (OSError, ValueError, csv.Error) as error:
+        raise InputError(f"{path} cannot be read: {error}; save it as CSV in UTF-8") from error
+    filled = [
+        Row(number, [*map(str.strip, cells)])
+        for number, cells in enumerate(lines, 1)
+        if any(cells) and not cells[0].startswith("#")
+    ]
+    heads = filled[0].cells if filled else []
+    faults = [
+        f"row {number}: {len(cells)} cells below {len(heads)} headings"
+        for number, cells in filled[1:]
+        if len(cells) != len(heads)
+    ]
+    rows = [row for row in filled[1:] if len(row.cells) == len(heads)]
+    return Rows(heads, rows, ".", [], faults)
 
 
 def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> Sheet:
@@ -379,53 +354,21 @@ def _with_places(
     missing = [name for name in needed if name not in places]
     if missing and sheet.headings and not faults:
         wrong = [
-            f'"{heading.text}": {misfit}'
+            f'"{heading.text}": {wrong_unit}'
             for heading in sheet.headings
             for name in missing
-            if heading.unit and _may_be(heading, name) and (misfit := _misfit(heading, name))
+            if heading.unit
+            and _laboratory()
+            and _laboratory().may_be(heading, name)
+            and (wrong_unit := misfit(heading, name))
         ]
         near = "".join(did_you_mean(heading.name, missing) for heading in sheet.headings)
-        columns = _listed(f"{n} [{UNITS[n]}]" if UNITS.get(n) else n for n in missing)
+        columns = listed(f"{n} [{UNITS[n]}]" if UNITS.get(n) else n for n in missing)
         hint = f" ({'; '.join(wrong)})" if wrong else near
-        faults = [f"no column {columns} in {_listed(one.text for one in sheet.headings)}{hint}"]
+        faults = [f"no column {columns} in {listed(one.text for one in sheet.headings)}{hint}"]
     return replace(sheet, places=places, faults=faults)
 
 
-def _may_be(heading: Heading, name: str) -> bool:
-    """True if the words or the unit of a heading are those of a quantity in another form."""
-    if name == "velocity" and heading.unit in TURNS:
-        return True
-    return name in UNITS and re.search(_WORDS[name][0], _words(heading)) is not None
-
-
-def _take_velocity_of_turns(sheet: Sheet) -> None:
-    """Put a velocity in place of a rotation, where a column has the radius or diameter."""
-    turning = [k for k, heading in enumerate(sheet.headings) if heading.unit in TURNS]
-    round_ = [k for k, heading in enumerate(sheet.headings) if _ROUND.fullmatch(heading.title)]
-    tracks = [k for k in round_ if _TRACK.search(sheet.headings[k].title)]
-    if len(turning) == 1 and round_ and len(tracks) != 1:
-        heads = [sheet.headings[k].text for k in round_]
-        sheet.of_rows.append(
-            f'column "{sheet.headings[turning[0]].text}" is a rotation, and none of '
-            f'{_listed(heads)} is surely its track; call that column "track diameter [mm]" or '
-            '"track radius [mm]", or give a velocity'
-        )
-    if len(turning) != 1 or len(tracks) != 1:
-        return
-    (turn,), (k,) = turning, tracks
-    track = sheet.headings[k]
-    is_radius = re.search(r"(radius|raggio|rayon)$", track.title.lower())
-    which = "radius" if is_radius else "diameter"
-    if not track.unit:
-        fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
-        sheet.of_rows.append(fault)
-        return
-    sheet.track = k
-    sheet.headings[turn] = heading_of("velocity")
-    for _, cells in sheet.rows:
-        at = f" at {which} {cells[k]} {track.unit}" if cells[k] else ""
-        cells[turn] = cells[turn] and f"{cells[turn]} rpm{at}"
-
-
-def _listed(texts: Iterable[str]) -> str:
+def listed(texts: Iterable[str]) -> str:
+    """Texts in quotes, one after the other."""
     return ", ".join(map(quoted, texts))

@@ -17,12 +17,11 @@ from pipeline.scene.extensions import Extend, Make, Reading
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import PART_OF, Sweep
+from pipeline.sweep.model import Sweep, differing_inputs
 from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
 from tribo import InputError
 
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
-_EVERYWHERE = {"name", "title", "notes", "variants"}
 _SAME = ("loads", "velocities", "variants", "unequal_bulks", "steps")
 
 
@@ -118,14 +117,6 @@ def with_friction_scaled(scene: Sweep, sweep: Sweep, changed: Container[str]) ->
         return scene
     corrections = replace(present, friction=own.friction)
     return scene.changed(conditions=replace(scene.conditions, corrections=corrections))
-
-
-def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
-    """Fields, and their values, in which another sweep differs from one."""
-    for name in PART_OF:
-        old, new = sweep.get(name), other.get(name)
-        if name not in _EVERYWHERE and old is not new and old != new:
-            yield name, new
 
 
 def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) -> Sweep:

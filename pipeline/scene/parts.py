@@ -4,26 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
-
 import tribo
-from pipeline.laboratory.surfaces import (
-    axis_note,
-    filled,
-    levelled,
-    oriented,
-    read_surface,
-    tilt_doubts,
-    tilts,
-)
+from pipeline import extras
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
-from pipeline.scene.units import display
 from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own
-from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
@@ -190,86 +177,12 @@ def roughness_of(
     if "file" in table:
         folder = document.file_of("disk.roughness.file").parent
         with faults.at("disk.roughness.file"):
-            heights = _heights(table, tables["window"] or {}, folder / table["file"], faults)
+            scans = extras.module("laboratory", "surfaces")
+            heights = scans.window_heights(
+                table, tables["window"] or {}, folder / table["file"], faults
+            )
             return None if heights is None else tribo.MeasuredRoughness(heights)
         return None
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)
     return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
-
-
-def _heights(
-    table: Mapping[str, Any], window: Mapping[str, Any], file: Path, faults: Faults
-) -> Array | None:
-    """Heights of a measured surface as the window needs them; None if that is impossible."""
-    surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
-    pixels, sides = window.get("pixels"), window.get("pixel_size")
-    if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
-        size = " × ".join(display(side, "µm") for side in surface.pixel_size)
-        problem = f"the pixels of disk.roughness.file are {size}; give those"
-        faults.note("window.pixel_size", problem)
-    heights: Array | None = surface.heights
-    if table["crop"] is not None and pixels:
-        heights = _cropped(surface.heights, table, pixels, faults)
-    if heights is None or (heights := _without_holes(heights, table["missing"], faults)) is None:
-        return None
-    said = surface.notes
-    if table["level"]:
-        level = levelled(heights)
-        if sides and min(heights.shape) > 1:
-            said += tilt_doubts(tilts(heights, level, sides))
-        heights = level
-    if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
-        is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
-        faults.notes.append(
-            f"disk.roughness.file: {heights.shape[0]} × {heights.shape[1]} heights were "
-            f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
-            f"{pixels[1]}, so that the surface repeats itself"
-        )
-        more = np.maximum(0, np.subtract(pixels, heights.shape)).tolist()
-        heights = np.pad(heights, [(0, n) for n in more], "symmetric" if is_mirrored else "wrap")
-    levelled_words = ", levelled" if table["level"] else ""
-    noted = f"{file.name}{levelled_words}; {axis_note(table['transpose'])}"
-    faults.notes += [f"disk.roughness.file: {note}" for note in (*said, noted)]
-    return heights
-
-
-def _cropped(
-    heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
-) -> Array | None:
-    """The patch of the window; as much of it as there is, if it is to be repeated."""
-    (i, j), (rows, columns) = table["crop"], pixels
-    if table["repeat"] != "no":
-        left = np.subtract(heights.shape, table["crop"])
-        rows, columns = np.minimum(pixels, np.maximum(left, 1)).tolist()
-    if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
-        faults.note(
-            "disk.roughness.crop",
-            f"a patch of {rows} × {columns} heights by x and y from {i}, {j} on reaches beyond "
-            f"the surface of {heights.shape[0]} × {heights.shape[1]}; begin at lower numbers, or "
-            "give fewer window.pixels",
-        )
-        return None
-    return heights[i : i + rows, j : j + columns]
-
-
-def _without_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
-    """Heights with any holes filled; None if the scene refuses them, or all is a hole."""
-    holes = np.argwhere(~np.isfinite(heights))
-    if not len(holes):
-        return heights
-    if len(holes) == heights.size:
-        faults.note("disk.roughness.file", "all heights are missing; give another file")
-        return None
-    share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
-    if missing == "refuse":
-        i, j = holes[0].tolist()
-        problem = (
-            f"{share} are missing, the first at x {i}, y {j} (counted from 0); crop them off, or "
-            'give "fill"'
-        )
-        faults.note("disk.roughness.missing", problem)
-        return None
-    note = f"disk.roughness.file: {share} are missing and were filled from around them"
-    faults.notes.append(note)
-    return filled(heights)

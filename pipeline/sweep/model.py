@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
 
@@ -267,6 +267,7 @@ PART_OF = {
     **{entry.name: part for part, kind in _PARTS.items() for entry in fields(kind)},
 }
 """Part of a sweep that has a field; empty for the sweep itself."""
+_EVERYWHERE = {"name", "title", "notes", "variants"}  # of which variants differ in none
 
 
 def _with_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> Any:
@@ -281,3 +282,11 @@ def _with_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> An
             "leave it out"
         )
     return replace(present, **{name: _with_inner(getattr(present, name), deeper, value, path)})
+
+
+def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
+    """Fields, and their values, in which another sweep differs from one."""
+    for name in PART_OF:
+        old, new = sweep.get(name), other.get(name)
+        if name not in _EVERYWHERE and old is not new and old != new:
+            yield name, new

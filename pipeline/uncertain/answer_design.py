@@ -60,12 +60,12 @@ def design(options: argparse.Namespace) -> Result:
     else:
         points = zip(limit.values, limit.probabilities, strict=True)
         frame = frame_of((f"{path} [{entry.unit}]", "probability"), points)
-        answer, text = limit.as_dict(), [_in_words(limit)]
+        answer, text = limit.as_dict(), [_word_limit(limit)]
     document = basis | answer | {"model_error": scatter.worded}
     document["direct"] = direct and asdict(direct)
     fits = not (samples.posterior and samples.posterior.misfit)
     document["confirmed"] = bool(fits and direct and direct.agrees_with(goal.risk))
-    text += [*(_on_check(goal, limit, at, direct, reason) if fits else ())]
+    text += [*(_describe_check(goal, limit, at, direct, reason) if fits else ())]
     text += [f"the model's own error: {scatter.worded}", *notes]
     draw = partial(pipeline.draw_design, limits, samples.ensemble)
     out = given.beside(options.store, "_design.png")
@@ -140,7 +140,7 @@ def _wanted(goal: Goal) -> str:
     return f"a risk of {100 * goal.risk:g} %"
 
 
-def _in_words(limit: Limit) -> str:
+def _word_limit(limit: Limit) -> str:
     """The limit of one entry, in a line."""
     path, place = limit.entry.path, limit.binding
     where = f"{_wanted(limit.goal)} at {place.load:g} N and {place.velocity:g} m/s"
@@ -161,7 +161,7 @@ def _in_words(limit: Limit) -> str:
     return f"{path} {sign} {_worded(limit.entry, limit.value)}{also} ({low} to {high}) for {where}"
 
 
-def _on_check(
+def _describe_check(
     goal: Goal, limit: Limit, at: Mapping[str, float], direct: Direct | None, reason: str
 ) -> Iterator[str]:
     """What direct simulations say of the limit."""

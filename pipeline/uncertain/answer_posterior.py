@@ -53,12 +53,12 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         weighed = pipeline.posterior(
             ensembles, discrepancy=options.discrepancy, **values_in(options, "scatter")
         )
-    document, text = weighed.as_dict(), list(_on_inputs(weighed))
-    frame = _in_si(weighed)
+    document, text = weighed.as_dict(), list(_describe_inputs(weighed))
+    frame = _summary_frame(weighed)
     with working("comparing the sweeps"):
         compared = list(contrasts(weighed))
     document["differences"] = [one._asdict() for one in compared]
-    text += map(_in_words, compared)
+    text += map(_word_contrast, compared)
     if options.next is None:
         command = ranking_command(stores, options.scatter, at)
         text.append(f"next: the test that tells most: {command}")
@@ -72,7 +72,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     return Result(document, text, warned, [frame], draw)
 
 
-def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
+def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     """Lines on each input, before and after, and on each test."""
     samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
     yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
@@ -88,7 +88,7 @@ def _on_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         yield "each test, beside the critical velocity that all tests together leave there:"
         yield short(_beside_tests(weighed))
     if weighed.evidence_gain is not None:
-        yield _on_discrepancy(weighed.evidence_gain)
+        yield _describe_discrepancy(weighed.evidence_gain)
     if weighed.fits and weighed.judged and any(CRITICAL in one.path for one in weighed.unknown):
         yield (
             "the model fits; velocities that are all read too high would look like a better oil, "
@@ -124,7 +124,7 @@ def _beside_tests(weighed: Posterior) -> pd.DataFrame:
     return frame_of(heads, rows)
 
 
-def _in_words(one: Contrast) -> str:
+def _word_contrast(one: Contrast) -> str:
     """Difference of two oils, in a line."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (
@@ -134,7 +134,7 @@ def _in_words(one: Contrast) -> str:
     return f"2 over 1: {one.what} {signed}; more with a probability of {one.probability:.2g}"
 
 
-def _on_discrepancy(gain: float) -> str:
+def _describe_discrepancy(gain: float) -> str:
     """What a discrepancy gains in evidence, in a line."""
     times = f"{math.exp(gain):.2g}" if abs(gain) < _SURE else f"10^{gain / math.log(10):.0f}"
     meaning = "neither is likelier"
@@ -143,7 +143,7 @@ def _on_discrepancy(gain: float) -> str:
     return f"with the discrepancy the tests are {times} times as likely: {meaning}"
 
 
-def _in_si(weighed: Posterior) -> pd.DataFrame:
+def _summary_frame(weighed: Posterior) -> pd.DataFrame:
     """Mean and spread of each input before and after, in SI."""
     heads = "input", "unit", "before mean", "before sd", "after mean", "after sd"
     rows = (

@@ -33,7 +33,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
     frame = _indices(indices)
     text = [
         *notes,
-        *_on_indices(indices, frame),
+        *_describe_indices(indices, frame),
         f"next: {most.path} moves the boundary most; tests to make: "
         f"{ranking_command([options.store], options.scatter, given.at_in(options), target)}",
     ]
@@ -61,7 +61,7 @@ def _indices(indices: Sensitivity) -> pd.DataFrame:
     )
 
 
-def _on_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+def _describe_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     """The frame, and what its numbers rest on."""
     yield short(frame)
     if not np.isfinite(indices.total).all():

@@ -19,10 +19,9 @@ from pipeline.scene.extensions import Extend, Make, Reading
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
-from pipeline.scene.over import differing_inputs
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.limits import MOST_INPUTS
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Sweep, differing_inputs
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.samples import (
     REACH,

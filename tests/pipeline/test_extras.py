@@ -1,5 +1,6 @@
 """What is left without the folder of an extra."""
 
+import ast
 import json
 import os
 import re
@@ -95,3 +96,41 @@ def test_without_all_extras_a_sweep_runs_and_is_resumed(tmp_path):
         done = copy.irg("run", "first_try", *SMALL, "-o", "first.zarr")
         assert done.returncode == 0, done.stderr
     assert copy.irg("boundary", "first.zarr").returncode == 0
+    (tmp_path / "duty.csv").write_text("load [N],velocity [m/s],shift\n600,2.2,early\n")
+    told = copy.irg("margin", "first.zarr", "--points", "duty.csv", "--json").stdout
+    assert json.loads(told)["margins"]["shift"] == ["early"]
+    assert copy.irg("trade", "first_try", "--base", "draft", *SMALL[:2]).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("scene", "extra"),
+    [
+        ("[unknown]\n'friction.coefficient' = { mean = 0.1, sd = 0.01 }", "uncertain"),
+        ("[[tested]]\nfile = 'log.csv'", "laboratory"),
+        ("[sweep]\nalong = 'duty.xlsx'", "laboratory"),
+        ("[disk.roughness]\nfile = 'scan.npy'\nheight_unit = 'um'", "laboratory"),
+    ],
+)
+def test_a_scene_that_needs_an_extra_asks_for_it(scene, extra, tmp_path):
+    copy = Copy(tmp_path, [extra])
+    without = "without = ['measured', 'disk.roughness']"
+    (tmp_path / "scene.toml").write_text(f"extends = 'irg_transition'\n{without}\n{scene}\n")
+    done = copy.irg("check", "scene.toml")
+    assert done.returncode == 2
+    assert f"needs the extra {extra}; put back its folder" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_extras_stand_on_public_names_of_the_core():
+    wrong = []
+    for extra in EXTRAS:
+        others = {*EXTRAS} - {extra}
+        for file in (ROOT / "pipeline" / extra).rglob("*.py"):
+            for line in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                if isinstance(line, ast.ImportFrom) and (line.module or "").startswith("pipeline"):
+                    place = [*line.module.split("."), ""][1]
+                    names = [one.name for one in line.names]
+                    is_private = place != extra and any(name.startswith("_") for name in names)
+                    if place in others or is_private:
+                        wrong.append(f"{file}: {line.module} {names}")
+    assert wrong == []

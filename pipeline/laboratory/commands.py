@@ -1,0 +1,60 @@
+"""The commands of the extra, and their options."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeline.cli import options as o
+from pipeline.cli import values
+from pipeline.cli.options import Command, Option
+
+_SCAN = (
+    Option(
+        "scan", metavar="SCAN", type=Path, help="heights: .npy, text, or the file of an instrument"
+    ),
+    Option(
+        "--height-unit", metavar="UNIT",
+        help='unit of the heights, like "um", where the file gives none or a wrong one',
+    ),
+    Option(
+        "--pixel-size", metavar="DX[,DY]", type=values.sides,
+        help='sides of a pixel along x and y, like "0.8 um" or "0.8 um,0.9 um", where the file '
+        "gives none; after --transpose",
+    ),
+    o.flag("--transpose", "exchange x and y of the file"),
+)  # fmt: skip
+_TESTS = (
+    Option(
+        "log", metavar="LOG", type=Path,
+        help="log of tests, or a trace of friction over time: .csv, .txt or .xlsx",
+    ),
+    Option(
+        "--column", metavar="ENTRY=HEADING", type=values.pair, action="append", default=[],
+        help='column of an entry that was not recognised, like "load=Normalkraft F_N / N"; may be '
+        "repeated",
+    ),
+    Option(
+        "--word", metavar="WORD=OUTCOME", type=values.word, action="append", default=[],
+        help="what a word of the log means, like Fresser=severe; may be repeated",
+    ),
+    Option(
+        "--where", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
+        help='rows to take, like "oil=FVA 3"; may be repeated',
+    ),
+    o.SHEET,
+    Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
+)  # fmt: skip
+
+COMMANDS = (
+    Command(
+        "run", "surface", "pipeline.laboratory.answer:surface",
+        "describe a scan: roughness, lay, correlation lengths; print a table for random surfaces "
+        "like it",
+        'scan.npy --height-unit um --pixel-size "0.8 um"', _SCAN,
+    ),
+    Command(
+        "run", "tests", "pipeline.laboratory.answer:tests",
+        "print what is understood of a laboratory's log, and the lines of a scene for it",
+        "log.csv --word Fresser=severe", _TESTS,
+    ),
+)  # fmt: skip

@@ -1,0 +1,141 @@
+"""Headings as laboratories write them, in several languages, and what follows from columns."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from pipeline.laboratory.spreadsheet import may_be_thousands as may_be_thousands
+from pipeline.laboratory.spreadsheet import read_rows as read_rows
+from pipeline.scene.headings import UNITS, Heading, Sheet, is_unit, listed, misfit, usual_unit
+from pipeline.scene.headings import heading_of as split_heading
+from pipeline.scene.units import TURNS
+
+_UNIT_AT_END = (
+    re.compile(r"(?P<title>.*?)\s*\((?P<unit>[^()]*(?:\([^()]*\)[^()]*)?)\)"),
+    re.compile(r"(?P<title>.*?)\s+in\s+(?P<unit>\S.*)"),
+    re.compile(r"(?P<title>.*?)\s+/\s*(?P<unit>\S.*)"),
+    re.compile(r"(?P<title>.*?),?\s+(?P<unit>\S+)"),
+    re.compile(r"(?P<title>.*?)_(?P<unit>k?N|m?s|min|m/s|mm/s|degC|K|rpm)"),
+    re.compile(r"(?P<title>[^/]*?)/(?P<unit>\S.*)"),
+    re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
+)
+"""Ways to write a unit. They count only if what stands there is one."""
+_ROUND = re.compile(
+    r"(?:[^.]*\b)?\w*(radius|diameter|durchmesser|raggio|diametro|rayon)", re.IGNORECASE
+)
+_TRACK = re.compile(
+    r"track|spur|lauf(bahn|kreis|radius|durchmesser)|reib(bahn|kreis|radius|durchmesser|spur)"
+    r"|piste|pista|huella|wear (circle|path)",
+    re.IGNORECASE,
+)
+_WORDS = {
+    "load": (
+        r"\b(load|force|normalkraft|kraft|last|belastung|charge|carico|carga|f ?n|f ?z|f)\b",
+        r"\b(friction|reib\w*|tangential\w*|cell|step|stage|stufe|rate|limit|f ?[rtxy])\b",
+    ),
+    "velocity": (
+        r"(\b(velocity|speed|v|vitesse)\b|geschw|velocit|velocidad)",
+        r"(\b(entrain\w*|roll\w*|mean|sum\w*|hydro\w*)\b|mittlere|summen)",
+    ),
+    "friction": (
+        r"(\b(cof|mu|µ|μ|friction)\b|reib(ungs)?(wert|zahl|koeff)|frottement|attrito|rozamiento)",
+        r"(\b(force|torque|work|power|energy)\b|kraft|moment)",
+    ),
+    "bulk_temperature": (
+        r"(\b(temp|temperature|bulk|t)\b|temperatur)",
+        r"(\b(contact|flash|room|ambient|crit\w*|krit\w*|max)\b"
+        r"|raum|umgebung|kontakt|blitz|grenz)",
+    ),
+    "critical_temperature": (
+        r"(\b(crit|krit)\w*\b.*temp|temp.*\b(crit|krit)\w*\b|grenztemperatur)", r"$^",
+    ),
+    "hold": (r"(\b(hold|dwell)\b|halte(zeit|dauer))", r"$^"),
+    "outcome": (
+        r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat|esito|resultado)\b"
+        r"|ergebnis|befund|bewertung|urteil|verschlei(ß|ss)(art|form)?$|fresse(r|n)\b)",
+        r"\b(volume|rate|scar|depth|width|coefficient)\b",
+    ),
+    "friction_force": (
+        r"((friction|tangential|frott|attrito) ?(force)?|reib\w*kraft|\bf ?[rtx]\b)",
+        r"\b(torque|work|power|energy)\b",
+    ),
+    "time": (r"(\b(time|t|zeit|temps)\b)", r"\b(of day|date|stamp)\b"),
+}  # fmt: skip
+"""Words by which a heading names a quantity, and words by which it means another one."""
+
+
+def heading_of(text: str) -> Heading:
+    """Split a heading into title and unit: in parentheses, after / or "in"."""
+    for way in _UNIT_AT_END:
+        if match := way.fullmatch(text):
+            unit = usual_unit(match["unit"])
+            if unit in ("", "1") or (match["title"] and is_unit(unit)):
+                return Heading(text, match["title"].strip(" /"), unit)
+    return Heading(text, text, "")
+
+
+def is_named(heading: Heading, name: str) -> bool:
+    """True if the words of a heading are of a quantity, and its unit does not contradict."""
+    if name not in _WORDS:
+        return False
+    words, unit = _words(heading), UNITS.get(name)
+    of_it, of_another = _WORDS[name]
+    if not re.search(of_it, words) or re.search(of_another, words):
+        return False
+    if heading.unit:
+        return bool(unit) and not misfit(heading, name)
+    # A lone letter without a unit, as t or v, may be anything.
+    return not unit or len(words) > 2
+
+
+def may_be(heading: Heading, name: str) -> bool:
+    """True if the words or the unit of a heading are those of a quantity in another form."""
+    if name == "velocity" and heading.unit in TURNS:
+        return True
+    return name in UNITS and re.search(_WORDS[name][0], _words(heading)) is not None
+
+
+def _words(heading: Heading) -> str:
+    """Words of a title, without signs and digits between them."""
+    return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
+
+
+def tidy(sheet: Sheet) -> None:
+    """Take units from a first row that holds nothing else, and a velocity from a rotation."""
+    first = sheet.rows[0].cells if sheet.rows else []
+    units = [split_heading(f"x [{cell.strip('[]()')}]").unit for cell in first]
+    if any(units) and all(is_unit(unit) for unit in units if unit):
+        pairs = zip(sheet.headings, units, strict=True)
+        sheet.headings = [replace(one, unit=one.unit or unit) for one, unit in pairs]
+        del sheet.rows[0]
+    _take_velocity_of_turns(sheet)
+
+
+def _take_velocity_of_turns(sheet: Sheet) -> None:
+    """Put a velocity in place of a rotation, where a column has the radius or diameter."""
+    turning = [k for k, heading in enumerate(sheet.headings) if heading.unit in TURNS]
+    round_ = [k for k, heading in enumerate(sheet.headings) if _ROUND.fullmatch(heading.title)]
+    tracks = [k for k in round_ if _TRACK.search(sheet.headings[k].title)]
+    if len(turning) == 1 and round_ and len(tracks) != 1:
+        heads = [sheet.headings[k].text for k in round_]
+        sheet.of_rows.append(
+            f'column "{sheet.headings[turning[0]].text}" is a rotation, and none of '
+            f'{listed(heads)} is surely its track; call that column "track diameter [mm]" or '
+            '"track radius [mm]", or give a velocity'
+        )
+    if len(turning) != 1 or len(tracks) != 1:
+        return
+    (turn,), (k,) = turning, tracks
+    track = sheet.headings[k]
+    is_radius = re.search(r"(radius|raggio|rayon)$", track.title.lower())
+    which = "radius" if is_radius else "diameter"
+    if not track.unit:
+        fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
+        sheet.of_rows.append(fault)
+        return
+    sheet.track = k
+    sheet.headings[turn] = split_heading("velocity")
+    for _, cells in sheet.rows:
+        at = f" at {which} {cells[k]} {track.unit}" if cells[k] else ""
+        cells[turn] = cells[turn] and f"{cells[turn]} rpm{at}"
