@@ -31,9 +31,8 @@ class Group(NamedTuple):
 
 
 class Command(NamedTuple):
-    """A command: its group, its function as ``module:name``, its help, and its options."""
+    """A command: its name, its function as ``module:name``, its help, and its options."""
 
-    group: str
     name: str
     function: str
     purpose: str

@@ -20,40 +20,41 @@ from pipeline.cli import options as o
 from pipeline.cli.completion import completer
 from pipeline.cli.options import Command
 
-GROUPS = ("run", "ask", "show", "look after")
+FIRST = ("new", "check", "run", "status", "boundary", "margin", "plot", "help")
+"""Commands that everybody needs, in the order of work."""
 _AT = '--load "500 N" --velocity "2 m/s"'
 
 COMMANDS = (
     Command(
-        "run", "new", "begin:new",
+        "new", "begin:new",
         "write a scene to start from; --full has every entry",
         "scene.toml --from twin_disc", o.OF_NEW,
     ),
     Command(
-        "run", "run", "sweeps:run", "run or resume the sweep of a scene",
+        "run", "sweeps:run", "run or resume the sweep of a scene",
         "scene.toml --accuracy 2%", (*o.OF_SCENE, *o.OF_RUN),
     ),
     Command(
-        "run", "check", "sweeps:check", "print the meaning of a scene, and the cost of its sweep",
+        "check", "sweeps:check", "print the meaning of a scene, and the cost of its sweep",
         "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY, o.TABLE),
     ),
     Command(
-        "look after", "status", "stores:status",
+        "status", "stores:status",
         "count the points done, failed and pending; or list the stores and scenes of a folder",
         "results", (o.STORE_OR_FOLDER,),
     ),
     Command(
-        "look after", "verify", "stores:verify", "read a whole store and name each damaged point",
+        "verify", "stores:verify", "read a whole store and name each damaged point",
         "results/scene.zarr --repair", (o.STORE, o.REPAIR),
     ),
     Command(
-        "ask", "boundary", "margins:boundary",
+        "boundary", "margins:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (o.STORE, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS),
     ),
     Command(
-        "ask", "margin", "margins:margin",
+        "margin", "margins:margin",
         "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
         (
@@ -62,27 +63,27 @@ COMMANDS = (
         ),
     ),
     Command(
-        "look after", "diff", "stores:diff",
+        "diff", "stores:diff",
         "differences between two stores: of scenes, boundaries and points",
         "results/scene.zarr results/other.zarr",
         (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION, o.OWN_LAWS),
     ),
     Command(
-        "ask", "vary", "studies:vary",
+        "vary", "studies:vary",
         "find the boundary for each value of some inputs, one input at a time",
         "scene.toml --over friction.coefficient=0.08,0.12 --over wear.specific_wear_rate=-20%,+20%",
         (*o.OF_SCENE, o.OVER, o.PHYSICS, o.FIGURE_OR_TABLE, *o.KEPT),
     ),
     Command(
-        "run", "point", "points:point", "simulate one point", f"scene.toml {_AT}",
+        "point", "points:point", "simulate one point", f"scene.toml {_AT}",
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY, o.TABLE),
     ),
     Command(
-        "ask", "trade", "studies:trade", "measure speed against accuracy",
+        "trade", "studies:trade", "measure speed against accuracy",
         "scene.toml -o trade.png", o.OF_TRADE,
     ),
     Command(
-        "show", "plot", "figures:plot", "draw a figure of a store",
+        "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, *o.OF_PLOT, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
@@ -90,7 +91,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "look after", "help", "begin:help_", "print a page of the documentation, or list them",
+        "help", "begin:help_", "print a page of the documentation, or list them",
         "first-hour", (o.TOPIC,),
     ),
 )  # fmt: skip
@@ -156,16 +157,20 @@ def whole_parser() -> argparse.ArgumentParser:
 
 
 def _listed() -> Iterator[str]:
-    """Commands by their groups, with their purposes."""
-    for group in GROUPS:
-        yield f"{group}:"
-        for command in commands():
-            if command.group == group:
-                begin = f"  {command.name:<13} "
-                rest = " " * len(begin)
-                yield textwrap.fill(
-                    command.purpose, 78, initial_indent=begin, subsequent_indent=rest
-                )
+    """Commands with their purposes: those that everybody needs, the others, and those of extras."""
+    named = {command.name: command for command in COMMANDS}
+    others = [command for command in COMMANDS if command.name not in FIRST]
+    groups = {
+        "what everybody needs": [named[name] for name in FIRST],
+        "further": others,
+        "extras": commands()[len(COMMANDS) :],
+    }
+    for group, members in groups.items():
+        yield from [f"{group}:"] if members else ()
+        for command in members:
+            begin = f"  {command.name:<13} "
+            rest = " " * len(begin)
+            yield textwrap.fill(command.purpose, 78, initial_indent=begin, subsequent_indent=rest)
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -10,7 +10,7 @@ from pipeline.cli.options import Command, Option
 
 COMMANDS = (
     Command(
-        "ask", "gears", "pipeline.gears.answer:gears",
+        "gears", "pipeline.gears.answer:gears",
         "follow the contact of a pair of gears along its mesh, write its scene, simulate FZG's "
         "test or a duty spectrum",
         'fzg_a --set "duty.torque=302 N m" --scene mesh.toml',

@@ -47,13 +47,13 @@ _TESTS = (
 
 COMMANDS = (
     Command(
-        "run", "surface", "pipeline.laboratory.answer:surface",
+        "surface", "pipeline.laboratory.answer:surface",
         "describe a scan: roughness, lay, correlation lengths; print a table for random surfaces "
         "like it",
         'scan.npy --height-unit um --pixel-size "0.8 um"', _SCAN,
     ),
     Command(
-        "run", "tests", "pipeline.laboratory.answer:tests",
+        "tests", "pipeline.laboratory.answer:tests",
         "print what is understood of a laboratory's log, and the lines of a scene for it",
         "log.csv --word Fresser=severe", _TESTS,
     ),

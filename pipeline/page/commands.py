@@ -7,7 +7,7 @@ from pipeline.cli.options import Command, Option
 
 COMMANDS = (
     Command(
-        "show", "explore", "pipeline.page.answer:explore",
+        "explore", "pipeline.page.answer:explore",
         "write a page to explore a store in a browser",
         "results/scene.zarr -o page.html",
         (

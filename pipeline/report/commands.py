@@ -7,7 +7,7 @@ from pipeline.cli.options import Command
 
 COMMANDS = (
     Command(
-        "show", "report", "pipeline.report.answer:report",
+        "report", "pipeline.report.answer:report",
         "write a report for people without the tool, as HTML that a browser prints",
         "results/scene.zarr --points duty.csv -o report.html",
         (

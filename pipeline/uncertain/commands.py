@@ -65,20 +65,20 @@ _DESIGN = (
 
 COMMANDS = (
     Command(
-        "ask", "infer", "pipeline.uncertain.answer_infer:infer",
+        "infer", "pipeline.uncertain.answer_infer:infer",
         "find the critical temperature from measured transitions, or a wear rate from a contact "
         "width; from a store of samples, all unknown inputs by the transitions and tests",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
         (*_INFER, o.AT),
     ),
     Command(
-        "ask", "sensitivity", "pipeline.uncertain.answer_sensitivity:sensitivity",
+        "sensitivity", "pipeline.uncertain.answer_sensitivity:sensitivity",
         "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
         "results/uncertain.zarr -o sensitivity.png",
         (o.STORE, o.FIGURE_OR_TABLE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
-        "ask", "design", "pipeline.uncertain.answer_design:design",
+        "design", "pipeline.uncertain.answer_design:design",
         "find the value of an unknown input that makes severe wear unlikely enough",
         'results/uncertain.zarr --load "500 N" --velocity "2 m/s" --risk 1% --over '
         "disk.roughness.correlation_length",
