@@ -59,6 +59,7 @@ from .thermal import QUANTILES as QUANTILES
 from .thermal import Bulk as Bulk
 from .thermal import ConductingHalfSpace as ConductingHalfSpace
 from .thermal import Criterion as Criterion
+from .thermal import Disc as Disc
 from .thermal import Rule as Rule
 from .thermal import Stem as Stem
 from .thermal import contact_quantiles as contact_quantiles

@@ -8,15 +8,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
 from pipeline.scene.units import display
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Bulk, Corrections, Ramp, SelfAffineRoughness, Track, Wear
+from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -24,7 +22,6 @@ from tribo.simulation.point_warnings import (
     FEWEST_TURNS,
     WIDEST,
 )
-from tribo.thermal import bulk_warming, rim_warming, track_warming
 
 _MATERIAL: dict[str, tuple[Any, ...]] = {
     "elastic_modulus": ("elastic modulus", 1e-9, 1, 1200, "GPa"),
@@ -37,7 +34,6 @@ _MATERIAL: dict[str, tuple[Any, ...]] = {
 _USUAL_BULK = 223.15, 523.15  # −50 to 250 °C, where oils are used
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
-_WIDTH_ERROR = 0.05  # of the warming of a disc, beyond which it is told
 _MOST_RISE = 2.0  # of the mean plane over the window, in Rq
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
@@ -49,7 +45,6 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
         *_of_wear(sweep, facts),
         *_of_tests(sweep),
         *_of_motion(sweep),
-        *_of_widths(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
         *_of_contact(sweep, facts),
         *_of_heat(sweep, facts),
@@ -134,59 +129,6 @@ def _of_motion(sweep: Sweep) -> Iterator[str]:
                 f"the {body} is at rest, so that no earlier turn warms its track of "
                 f"{1e3 * track.length:.4g} mm: leave out the {body}'s diameter or track_length"
             )
-
-
-def _of_widths(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    """Discs of a width whose heat is counted twice, in the track and the capacity, or not whole."""
-    scene, corrections = sweep.scene, sweep.conditions.corrections or Corrections()
-    bulks = {"pin": corrections.pin_bulk, "disk": corrections.disk_bulk}
-    is_held = isinstance(scene.loading, Ramp) and scene.loading.hold > 0
-    velocity, load = max(sweep.plane.velocities), max(sweep.plane.loads)
-    time, speeds = facts.duration.high, scene.velocities_at(velocity)
-    half = sweep.conditions.friction * load * velocity / 2  # of the heat [W]
-    for body, track in tracks_of(sweep).items():
-        bulk, speed = bulks[body], abs(getattr(speeds, body))
-        if not (track.body_width and speed and (is_held or bulk)):
-            continue
-        counted = half * _warming_counted(track, bulk, speed, time)
-        whole = half * rim_warming(
-            time,
-            track.length / (2 * math.pi),
-            track.body_width,
-            track.thermal_diffusivity,
-            track.heat_capacity,
-            bulk.loss if bulk else 0.0,
-        )
-        if abs(counted / whole - 1) < _WIDTH_ERROR:
-            continue
-        remedy = f"it warms as a whole, which a width does not know: give {body}.capacity"
-        if counted > whole:
-            remedy = "one heat is counted twice: leave out the width, or the capacity"
-        yield (
-            f"half of the heat of {load:g} N at {velocity:g} m/s warms the {body} by "
-            f"{counted:.3g} K in {time:.3g} s by what is given, its width and "
-            f"{'its capacity' if bulk else 'a hold'}; a disc that is heated around its rim would "
-            f"warm by {whole:.3g} K: {remedy}"
-        )
-
-
-def _warming_counted(track: Track, bulk: Bulk | None, speed: float, time: float) -> float:
-    """Warming of a track by a watt of heat over some time, as corrections count it [K]."""
-    times = np.array([0.0, time])
-    turns = track_warming(
-        time,
-        track.length / speed,
-        (times, np.full(2, 1 / speed)),
-        track.width or track.body_width or math.inf,
-        track.thermal_diffusivity,
-        track.heat_capacity,
-        track.body_width or math.inf,
-    )
-    if not bulk:
-        return turns
-    if not bulk.capacity:
-        return turns + bulk.resistance
-    return turns + bulk_warming(times, np.ones(2), (0.0, 1.0), (None, bulk))[1]
 
 
 def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:

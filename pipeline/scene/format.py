@@ -58,6 +58,7 @@ OIL_WORKS = "-53 degC", "627 degC"
 BULK = Quantity("a temperature", "25 degC", ends=OIL_WORKS)
 CRITICAL = Quantity("a temperature", "145 degC")
 CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
+HEAT_TRANSFER = Quantity("a heat transfer coefficient", "50 W/(m^2 K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
 
@@ -90,14 +91,8 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
     """Entries of a body on the heat that stays in it."""
     return {
         "track_length": Optional(length(example),
-            f"Length of the track {track}, which earlier turns have warmed; without it each turn "
-            "meets a cold track. It takes effect after the simulation."),
-        "diameter": Optional(length("100 mm"),
-            f"Diameter of the track around the {body}, whose circumference is the length of the "
-            "track; in place of `track_length`."),
-        "width": Optional(length("20 mm"),
-            f"Width of the {body} across the track, which is in its middle: heat of earlier turns "
-            "does not leave by its sides. By default it is much wider than the contact."),
+            f"Length of the track {track}, on a plate, which earlier turns have warmed; without it "
+            "each turn meets a cold track. It takes effect after the simulation."),
         "capacity": Optional(
             Either(Quantity("a heat capacity", "650 J/K"), Table({
                 "diameter": Entry(length("150 mm")),
@@ -108,6 +103,18 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
         "loss": Optional(Quantity("a heat loss per kelvin", "2 W/K"),
             f"Heat that the {body} loses to oil, air and holder for each kelvin above where it "
             "starts; none by default. It takes effect after the simulation."),
+        "diameter": Optional(length("100 mm"),
+            f"Diameter of the {body} as a disc that its turns heat around the rim, and that warms "
+            "as a whole; in place of `track_length`, `capacity` and `loss`. It takes effect after "
+            "the simulation."),
+        "width": Optional(length("20 mm"), "Width of the disc, which it needs."),
+        "bore": Optional(length("30 mm"), "Diameter of the hole of a ring; none by default."),
+        "rim_loss": Optional(HEAT_TRANSFER,
+            "Heat that the rim of the disc loses to oil and air, for each area and kelvin."),
+        "face_loss": Optional(HEAT_TRANSFER, "That of each of its faces."),
+        "shaft_loss": Optional(Quantity("a heat loss per kelvin", "5 W/K"),
+            "Heat that the disc loses to its shaft for each kelvin, at the bore, or evenly over a "
+            "disc without one."),
     }
 
 

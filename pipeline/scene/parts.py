@@ -27,6 +27,8 @@ from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
+DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
+"""Entries of a body that is a disc."""
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
@@ -134,8 +136,11 @@ def _ring_of(
     body: Mapping[str, Any], pin: tribo.Pin, material: tribo.Material
 ) -> tribo.Track | None:
     """The track around a body of a material; None if its table gives none."""
+    if body["diameter"]:
+        sizes = {name: body[name] for name in DISC if body[name] is not None}
+        return tribo.Track.under(pin, material, tribo.Disc(**sizes))
     length = track_of(body)
-    return tribo.Track.under(pin, material, length, body["width"]) if length else None
+    return tribo.Track.under(pin, material, length) if length else None
 
 
 def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | None:

@@ -18,6 +18,7 @@ from tribo import (
     Criterion,
     Crowned,
     Cylinder,
+    Disc,
     ElasticHalfSpace,
     Fidelity,
     Grid,
@@ -260,7 +261,15 @@ REFUSALS = {
     **{
         f"track {name}": (lambda name=name: replace(TRACK, **{name: 0.0}), f"{name} is 0.0")
         for name in (field.name for field in fields(Track))
+        if name != "disc"
     },
+    "disc diameter": (lambda: Disc(diameter=0.0, width=1.0), "diameter is 0.0"),
+    "disc width": (lambda: Disc(diameter=1.0, width=0.0), "width is 0.0"),
+    "disc loss": (lambda: Disc(diameter=1.0, width=1.0, rim_loss=-1.0), "rim_loss is -1.0"),
+    "bore": (lambda: Disc(diameter=1.0, width=1.0, bore=1.0), "bore is 1 m; it must be smaller"),
+    "disc and bulk": (lambda: Corrections(
+        track=replace(TRACK, disc=Disc(diameter=1.0, width=1.0)), disk_bulk=Bulk(1.0)),
+        "keeps the same heat; give one of them"),
     "history": (lambda: Fidelity(heat_model="history", history_coarsening=2), "so it must be 1"),
     "motions": (Motion, "exactly one of them must be given"),
     "both motions": (lambda: Motion(slide_roll_ratio=0.5, entrainment_velocity=2.0),
