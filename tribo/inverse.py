@@ -274,7 +274,7 @@ def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) 
         pin=Ball(radius, AISI_316),
         disk=AISI_316,
         pixels=Grid((64, 64), (side, side), periodic=(False, False)),
-        loading=Ramp(normal_load, normal_load, hold=duration, hold_steps=1),
+        loading=Ramp(normal_load, normal_load, hold=duration),
         fidelity=Fidelity(pixels_per_element=1, increments=1, contact_tolerance=1e-6),
     )
 

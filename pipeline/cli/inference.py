@@ -293,6 +293,4 @@ def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
             f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
             f"{load:g} N"
         )
-    return sweep.changed(
-        loading=replace(sweep.scene.loading, hold=duration - ramp, hold_steps=None)
-    )
+    return sweep.changed(loading=replace(sweep.scene.loading, hold=duration - ramp, stops=()))

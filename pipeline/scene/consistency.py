@@ -233,7 +233,7 @@ def _of_steps(sound: Sound, increments: int) -> Misfits:
     for name, tests in (("measured", measured), ("tested", tested)):
         for number, test in enumerate(tests or ()):
             if test["hold"]:
-                held = replace(ramp, hold=test["hold"], hold_steps=None)
+                held = replace(ramp, hold=test["hold"])
                 ways.append((f"{name}[{number}].hold", held, test["load"]))
     for key, way, load in ways:
         try:

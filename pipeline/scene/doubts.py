@@ -86,6 +86,10 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
     yield "the bulk temperature", conditions.bulk_temperature, 1, *_USUAL_BULK, "K"
     for body, track in tracks_of(sweep).items():
         yield f"the {body}'s track", track.length, 1e3, 20, 10_000, "mm"
+    kept = conditions.corrections or Corrections()
+    for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
+        if bulk and bulk.capacity:
+            yield f"the {body}'s heat capacity", bulk.capacity, 1, 0.5, 1e6, "J/K"
     if isinstance(scene.wear, Wear) and scene.wears:
         rate = scene.wear.specific_wear_rate
         yield "the specific wear rate", rate, 1e9, 1e-11, 1e-2, "mm³/(N m)"

@@ -31,7 +31,6 @@ from pipeline.scene.kinds import (
     kind_of,
 )
 from pipeline.sweep.limits import MOST_SAMPLES, MOST_SCENES
-from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of
 
 USUAL_PRESET = "standard"
@@ -230,10 +229,8 @@ LOADING = Either(
             "Rate at which the load grows from 0."),
         "reference_load": Entry(Quantity("a load", "750 N"), _REFERENCE_LOAD),
         "hold": Optional(DURATION,
-            "Time for which each load is held once it is reached.", default=0.0),
-        "hold_steps": Optional(Whole(at_least=1, at_most=MOST_STEPS),
-            "Number of steps of the hold; by default as few as are no longer than those of the "
-            "ramp."),
+            "Time for which each load is held once it is reached, in steps that grow.",
+            default=0.0),
     }, form="ramp"),
     Table({
         "file": Entry(Text(),

@@ -32,15 +32,29 @@ DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
+def tested_holds(tables: Mapping[str, Any]) -> tuple[float, ...]:
+    """Durations at the full load of the tests that samples are compared with [s]."""
+    if not entry_at(tables, "sweep.samples"):
+        return ()
+    tests = [*(tables["measured"] or ()), *(tables["tested"] or ())]
+    return tuple(sorted({test["hold"] for test in tests if test and test["hold"]}))
+
+
 def loading_of(
-    table: Mapping[str, Any] | None, document: Document, faults: Faults
+    table: Mapping[str, Any] | None,
+    document: Document,
+    faults: Faults,
+    stops: tuple[float, ...] = (),
 ) -> Loading | None:
-    """The ramp or the recorded load; a note says by which line a record was fitted."""
+    """The ramp or the recorded load; a note says by which line a record was fitted.
+
+    Steps of a hold end at the stops that are shorter [s].
+    """
     if table is None or faults.touch("loading"):
         return None
     with faults.at("loading.file" if "file" in table else "loading"):
         if "file" not in table:
-            return tribo.Ramp(**table)
+            return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
         folder = document.file_of("loading.file").parent
         record = tribo.read_load(folder / table["file"], table["reference_load"])
         if not table["fit"]:

@@ -23,6 +23,7 @@ from pipeline.scene.parts import (
     oil_of,
     realizations_of,
     roughness_of,
+    tested_holds,
     wear_of,
 )
 from pipeline.scene.reference import meanings
@@ -141,8 +142,10 @@ class _Reader:
             [entry_at(tables, path) for path in ("disk.roughness", "disk.surface", "window")],
             lambda: roughness_of(tables, self.document, self.laws, faults),
         )
+        stops = tested_holds(tables)
         loading = self._once(
-            [tables["loading"]], lambda: loading_of(tables["loading"], self.document, faults)
+            [tables["loading"], stops],
+            lambda: loading_of(tables["loading"], self.document, faults, stops),
         )
         check_tables(tables, fidelity, roughness, faults)
         oil = oil_of(tables["oil"], faults)

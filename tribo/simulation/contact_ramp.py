@@ -168,11 +168,18 @@ def contacts(
             state, course = end.value
             break
         yield state if keeps_heat else replace(state, heat=None)
+    is_worn, reached = velocity != 0, None
     for station in stations[len(way) :]:
+        if station.holding and reached and not (is_worn or scene.remembers_heat):
+            is_asked = station is stations[-1] or station.index in asked
+            yield replace(_still(reached, station, velocity), is_asked=is_asked)
+            continue
         before, state = state, advanced(state, station)
         is_reached = station.normal_load == normal_load and not station.holding
         if station is stations[-1] or is_reached or station.index in asked:
-            yield _shown(levels, more_elements, before, state, station, velocity, course)
+            shown = _shown(levels, more_elements, before, state, station, velocity, course)
+            reached = shown if is_reached else reached
+            yield shown
         elif state.heat is not None and not keeps_heat:
             yield replace(state, heat=None)  # that might be of other elements than the last
         else:
@@ -237,8 +244,21 @@ def _unworn(
         after = _advanced(levels, velocity, before, station)
         return _shown(levels, more_elements, before, after, station, velocity)
 
-    contact = unworn_contact((mechanics(scene), normal_load, station), compute)
-    return replace(contact, sliding_distance=abs(velocity) * station.time)
+    # What bears a load is the same whenever it does.
+    contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)
+    return _still(contact, station, velocity)
+
+
+def _still(contact: State, station: Station, velocity: float) -> State:
+    """A contact that nothing has worn since, at a later station of its load."""
+    return replace(
+        contact,
+        time=station.time,
+        impulse=station.impulse,
+        index=station.index,
+        on_trunk=station.on_trunk,
+        sliding_distance=abs(velocity) * station.time,
+    )
 
 
 class _MoreElements:

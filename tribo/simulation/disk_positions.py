@@ -87,7 +87,7 @@ def passes(
 
     The contact at the disk's own position is solved too, last, where it is to be observed.
     """
-    if not wear:
+    if not wear or not distance:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
         return
     runge_kutta = WEAR_SCHEMES[scheme or scene.fidelity.wear_scheme]

@@ -294,17 +294,12 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
     )
 
 
-def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
-    """Durations of the steps so far, those of the hold or those before it [s]."""
+def _longest_step(scene: Scene, state: State) -> float:
+    """Duration of the longest step so far [s]."""
     if state.on_trunk:
-        return [] if holding else [state.time / state.index] * state.index
-    stations = stations_so_far(scene, state)
-    times = [0.0, *(station.time for station in stations)]
-    return [
-        station.time - before
-        for before, station in zip(times, stations, strict=False)
-        if station.holding == holding
-    ]
+        return state.time / state.index
+    times = [0.0, *(station.time for station in stations_so_far(scene, state))]
+    return float(np.diff(times).max(initial=0.0))
 
 
 def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
@@ -317,15 +312,13 @@ def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     wear = scene.wear_at(velocity, (0.0, state.sliding_distance))
     if not wear:
         return
-    for holding, name in ((False, "increments"), (True, "steps of the hold")):
-        lengths = _step_lengths(scene, state, holding)
-        distance = velocity * max(lengths, default=0.0)
-        stiffness = wear.stiffness(solid, distance / parts(scene, wear, distance))
-        if stiffness >= EXPLICIT_LIMIT:
-            count = len(lengths) if holding else fidelity.increments
-            yield (
-                WarningKind.UNSTABLE_WEAR,
-                f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
-                f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
-                f"{int(count * stiffness / EXPLICIT_LIMIT) + 1} {name}, or another wear scheme",
-            )
+    distance = velocity * _longest_step(scene, state)
+    stiffness = wear.stiffness(solid, distance / parts(scene, wear, distance))
+    if stiffness >= EXPLICIT_LIMIT:
+        yield (
+            WarningKind.UNSTABLE_WEAR,
+            f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
+            f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
+            f"{int(fidelity.increments * stiffness / EXPLICIT_LIMIT) + 1} increments, or another "
+            "wear scheme",
+        )

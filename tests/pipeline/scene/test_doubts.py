@@ -54,6 +54,11 @@ def ramped(reference):
     return SMOOTH.changed(loads=(750.0,), loading=tribo.Ramp(150.0, reference))
 
 
+def kept(capacity):
+    corrections = tribo.Corrections(disk_bulk=tribo.Bulk(capacity))
+    return SMOOTH.changed(conditions=replace(SMOOTH.conditions, corrections=corrections))
+
+
 def with_test(load):
     velocity = max(SMOOTH.plane.velocities)
     return SMOOTH.changed(loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
@@ -96,6 +101,7 @@ USUAL = [
     ("oil's kinematic", 0.5e-6, 0.1, lambda v: said_of(oiled(v))),
     ("oil's density", 500.0, 2000.0, lambda v: said_of(dense(v))),
     ("loading.reference_load is", 7.5, 75e3, lambda v: said_of(ramped(v))),
+    ("the disk's heat capacity", 0.5, 1e6, lambda v: said_of(kept(v))),
     ("the test of", 20.0, 7500.0, lambda v: said_of(with_test(v))),
 ]
 

@@ -111,7 +111,6 @@ PLACES = {
     "loading.rate": lambda v: replace(RAMP, rate=v),
     "loading.reference_load": lambda v: replace(RAMP, reference_load=v),
     "loading.hold": lambda v: replace(RAMP, hold=v),
-    "loading.hold_steps": lambda v: replace(RAMP, hold_steps=v),
     "motion.track_length": lambda v: tribo.Motion(slide_roll_ratio=1.0, track_length=v),
     "wear.specific_wear_rate": tribo.Wear,
     "oil.temperatures": lambda v: tribo.Oil((v, 400.0), (32e-6, 5e-6), 866.0),

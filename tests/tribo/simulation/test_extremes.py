@@ -530,7 +530,12 @@ def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
         scene = replace(
             scene,
             wear=Wear(wear_rate, pattern),
-            loading=Ramp(600.0 / duration, 600.0, hold=steps * duration, hold_steps=steps),
+            loading=Ramp(
+                600.0 / duration,
+                600.0,
+                hold=steps * duration,
+                stops=tuple(duration * number for number in range(1, steps)),
+            ),
         )
         *_, state = simulate(scene, 600.0, 1.25)
         kinds = [warning.kind for warning in warnings(scene, state)]
