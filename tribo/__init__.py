@@ -65,6 +65,7 @@ from .thermal import Stem as Stem
 from .thermal import contact_quantiles as contact_quantiles
 from .thermal import failed_share as failed_share
 from .thermal import partition_heat as partition_heat
+from .wear import LAWS as LAWS
 from .wear import RunningIn as RunningIn
 from .wear import Wear as Wear
 from .wear import WearLaw as WearLaw

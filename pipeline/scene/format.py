@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import get_type_hints
+from dataclasses import fields
+from typing import Any, get_type_hints
 
 import tribo
 from pipeline.scene.compounds import (
@@ -18,6 +19,7 @@ from pipeline.scene.compounds import (
     Tables,
     fields_of,
 )
+from pipeline.scene.faults import quoted
 from pipeline.scene.kinds import (
     Flag,
     Number,
@@ -190,7 +192,7 @@ MEASURED_SURFACE = Table({
 def own_law(meaning: str, form: str = "") -> Table:
     """Entries of a law that is code, with its meaning."""
     return Table({
-        "law": Entry(Text(), f"{meaning} It is code, which runs only with `--own-laws`."),
+        "law": Entry(Text(), f"{meaning} Your own is code, which runs only with `--own-laws`."),
         "parameters": Optional(ByPath(Scalar(), "names"),
             "Names and values that it is made with, in SI units.", default={}),
     }, form=form)
@@ -253,15 +255,45 @@ MOTION = Table({
         "the circumference of its radius."),
 })
 
+WEAR_PATTERN = kind_of(get_type_hints(tribo.Wear)["pattern"])
+_BY_UNIT = {"m^2/N": ANY_WEAR_RATE, "m": length("100 m")}
+
+
+def _law_form(name: str) -> Table:
+    """Entries of a law that ships, by the fields of its class."""
+    law: Any = tribo.LAWS[name]
+    meanings = {key: entry.meaning for key, entry in fields_of(law).items()}
+    entries: dict[str, Entry] = {
+        "law": Entry(OneOf((name,)), "Name of a law that ships."),
+    }
+    for one in fields(law):
+        if one.name == "pattern":
+            entries[one.name] = Optional(WEAR_PATTERN, meanings[one.name], default=one.default)
+        else:
+            entries[one.name] = Entry(_BY_UNIT[one.metadata["unit"]], meanings[one.name])
+    return Table(entries, form=name)
+
+
+def _wear_form(table: Any) -> int:
+    """Place of the form that a table of wear has."""
+    law = table.get("law") if isinstance(table, dict) else None
+    return 2 + [*tribo.LAWS].index(law) if law in [*tribo.LAWS] else int(law is not None)
+
+
 WEAR = Either(
     Table({
         "specific_wear_rate": Entry(ANY_WEAR_RATE, "Worn volume per load and sliding distance."),
-        "pattern": Entry(kind_of(get_type_hints(tribo.Wear)["pattern"]),
+        "pattern": Entry(WEAR_PATTERN,
             'Wear of the pin: "swept" by the mean pressure along y, or over positions of the disk '
             'where y is free, since the roughness moves past it; "local" each element by its own '
             "pressure."),
     }, form="Archard's wear"),
-    own_law('Module and name of the law, such as "laws:RunningIn".', form="own law"),
+    own_law(
+        f"Name of a law by the distance slid, {', '.join(map(quoted, tribo.LAWS))}; or module and "
+        'name of your own, such as "laws:Fading".', form="own law",
+    ),
+    *map(_law_form, tribo.LAWS),
+    when=_wear_form,
 )
 
 OIL = Table({
@@ -438,8 +470,8 @@ FORMAT = Table({
         "Motion of both bodies; without it the pin is at rest. Give one of `slide_roll_ratio` and "
         "`entrainment_velocity`."),
     "wear": Optional(WEAR,
-        "Archard's wear of the pin, or [a law of your own](OWN_LAWS.md); no wear without the "
-        "table."),
+        "Archard's wear of the pin, a law by the distance slid, or [one of your own](OWN_LAWS.md); "
+        "no wear without the table."),
     "oil": Optional(OIL,
         "The lubricant, which says only which crossings lie in boundary lubrication. In place of "
         'the table `oil = "NAME"` takes one of the [library](../pipeline/scene/library.toml).'),

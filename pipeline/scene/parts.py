@@ -67,12 +67,15 @@ def loading_of(
 
 
 def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
-    """Archard's wear, or a user's own law."""
+    """Archard's wear, a law that ships, or a user's own."""
     if table is None or faults.touch("wear"):
         return None
     if "law" not in table:
         return tribo.Wear(**table)
     with faults.at("wear.law"):
+        if table["law"] in tribo.LAWS:
+            law: Any = tribo.LAWS[table["law"]]
+            return law(**{name: value for name, value in table.items() if name != "law"})
         return laws.named(WEAR, table["law"], table["parameters"])
 
 

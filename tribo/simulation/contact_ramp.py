@@ -98,7 +98,7 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     if scene.remembers_heat:
         return "heat_model is 'history': temperatures depend on the heat of all the steps before"
     if scene.wears_by_law:
-        return "the wear follows a law of your own, by the distance slid"
+        return "the wear follows a law by the distance slid"
     if scene.wears and len({scene.windows_worn(velocity) for velocity in velocities}) > 1:
         return "the pin rolls at some of the velocities and stands still at others"
     return None
