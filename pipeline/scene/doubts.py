@@ -15,6 +15,7 @@ from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
+from tribo.simulation.pins import sizes_of
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -78,9 +79,10 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
             yield f"{owner} {words}", getattr(material, name), *usual
         share = material.hardness / material.elastic_modulus
         yield f"{owner} hardness", share, 1, *USUAL_HARDNESS, "times the elastic modulus"
-    yield "the pin's radius", pin.radius, 1e3, 0.1, 1000, "mm"
-    yield "the pin's crown radius", pin.crown_radius, 1e3, 0.1, 100_000, "mm"
-    yield "the pin's length", pin.length, 1e3, 0.1, 1000, "mm"
+    for size in sizes_of(pin):
+        longest = 1000 if size in ("radius", "length") else 100_000
+        words = f"the pin's {size.replace('_', ' ')}"
+        yield words, getattr(pin, size), 1e3, 0.1, longest, "mm"
     yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 1, 0, 1, ""
     yield "the highest velocity", max(plane.velocities), 1, 0, 100, "m/s"
     yield "the bulk temperature", conditions.bulk_temperature, 1, *_USUAL_BULK, "K"

@@ -147,6 +147,11 @@ PIN = Either(
         **_ROUND,
         "crown_radius": Optional(length("100 mm"),
             "Radius across sliding of a crowned pin, which it needs."),
+        **{
+            size: Optional(length("100 mm"), f"Size of a {shape} pin, which it needs.")
+            for shape in tribo.PINS for size in sizes_of(shape)
+            if size not in ("radius", "length", "crown_radius")
+        },
         **_OF_PIN,
     }, form="ball or crowned pin"),
     when=lambda pin: isinstance(pin, dict) and _ends_along_y(pin.get("shape")),
