@@ -30,6 +30,7 @@ from .numerics import Grid as Grid
 from .simulation import PINS as PINS
 from .simulation import PRESETS as PRESETS
 from .simulation import Ball as Ball
+from .simulation import Conditions as Conditions
 from .simulation import Corrections as Corrections
 from .simulation import Crowned as Crowned
 from .simulation import Cylinder as Cylinder
@@ -39,7 +40,9 @@ from .simulation import Pin as Pin
 from .simulation import Scene as Scene
 from .simulation import State as State
 from .simulation import Track as Track
+from .simulation import Verdict as Verdict
 from .simulation import WarningKind as WarningKind
+from .simulation import judge as judge
 from .simulation import measures as measures
 from .simulation import simulate as simulate
 from .simulation import warnings as warnings

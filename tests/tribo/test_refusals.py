@@ -42,6 +42,7 @@ from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
 from tribo.contact import elastic_influence
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
+from tribo.simulation.verdict import rise_limit
 from tribo.surface import autocorrelation_lengths
 from tribo.surface.topography import block_average
 from tribo.thermal import (
@@ -262,6 +263,15 @@ REFUSALS = {
         for name in (field.name for field in fields(Track))
         if name != "disc"
     },
+    "friction of conditions": (lambda: tribo.Conditions(friction=-0.1, bulk_temperature=298.0),
+                               "friction is -0.1"),
+    "bulk of conditions": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=-1.0),
+                           "bulk_temperature is -1.0 K"),
+    "critical": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=298.0,
+                                          critical_temperature=290.0),
+                 "critical_temperature is 290 K; it must be above the bulk temperature, 298 K"),
+    "no limit": (lambda: rise_limit(tribo.Conditions(friction=0.1, bulk_temperature=298.0)),
+                 "critical_temperature is None"),
     "disc diameter": (lambda: Disc(diameter=0.0, width=1.0), "diameter is 0.0"),
     "disc width": (lambda: Disc(diameter=1.0, width=0.0), "width is 0.0"),
     "disc loss": (lambda: Disc(diameter=1.0, width=1.0, rim_loss=-1.0), "rim_loss is -1.0"),
@@ -333,6 +343,7 @@ ELSEWHERE = {
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
     "inverse.rig_heating InputError": "the rig always touches; for the type checker",
+    "verdict.judge InputError": "a point always touches; for the type checker",
     "errors.of_law": "an error of tribo, passed on as it is",
 }
 """Refusals, by function and class, that are not in the table: where they are tested, or why not."""
