@@ -21,6 +21,7 @@ from pipeline.analysis.dataset import (
     judged_dims,
     read_conditions,
     scene_sweep,
+    stored_sweep,
 )
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.margin import NOT_DECIDED, Margin
@@ -36,6 +37,7 @@ from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
+from pipeline.sweep.wear_rates import note_on_wear
 from tribo import InputError
 
 
@@ -188,7 +190,8 @@ def boundary(options: argparse.Namespace) -> Result:
         document |= _on_samples(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)
-        cold = turns_left_out(ds, crossings)
+        left_out = turns_left_out(ds, crossings), note_on_wear(stored_sweep(ds))
+        cold = "; ".join(filter(None, left_out)) or None
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
         text += ["", f"compute more of the boundary with: {command}"] if command else []

@@ -14,6 +14,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
+from pipeline.sweep.wear_rates import note_on_wear
 from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.pins import sizes_of
 from tribo.simulation.point_warnings import (
@@ -107,7 +108,9 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
 
 
 def _of_wear(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    """A pin that keeps its shape, or turns too seldom to wear evenly."""
+    """A pin that keeps its shape, turns too seldom to wear evenly, or wears as at another bulk."""
+    if note := note_on_wear(sweep):
+        yield note
     scene = sweep.scene
     if scene.wear is None:
         yield (

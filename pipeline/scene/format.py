@@ -48,6 +48,7 @@ def one_or_two(kind: Quantity) -> Either:
     return Either(kind, List(kind, length=2))
 
 
+WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
 ANY_WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True)
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
@@ -292,6 +293,11 @@ WEAR = Either(
             'Wear of the pin: "swept" by the mean pressure along y, or over positions of the disk '
             'where y is free, since the roughness moves past it; "local" each element by its own '
             "pressure."),
+        "by_temperature": Optional(List(Table({
+            "temperature": Entry(TEMPERATURE, "Bulk temperature."),
+            "specific_wear_rate": Entry(WEAR_RATE, "Specific wear rate there."),
+        })), "Wear rates at bulk temperatures, where they are known: an answer at another `bulk` "
+             "than that of `specific_wear_rate` says so.", default=()),
     }, form="Archard's wear"),
     own_law(
         f"Name of a law by the distance slid, {', '.join(map(quoted, tribo.LAWS))}; or module and "

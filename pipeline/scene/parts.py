@@ -56,7 +56,7 @@ def loading_of(
         if "file" not in table:
             return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
         folder = document.file_of("loading.file").parent
-        record = tribo.read_load(folder / table["file"], table["reference_load"])
+        record = tribo.loading.read_load(folder / table["file"], table["reference_load"])
         if not table["fit"]:
             return record
         rate, onset = record.linear_fit()
@@ -71,12 +71,18 @@ def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
     if table is None or faults.touch("wear"):
         return None
     if "law" not in table:
-        return tribo.Wear(**table)
+        return tribo.Wear(table["specific_wear_rate"], table["pattern"])
     with faults.at("wear.law"):
         if table["law"] in tribo.LAWS:
             law: Any = tribo.LAWS[table["law"]]
             return law(**{name: value for name, value in table.items() if name != "law"})
         return laws.named(WEAR, table["law"], table["parameters"])
+
+
+def wear_rates(table: Mapping[str, Any] | None) -> tuple[tuple[float, float], ...]:
+    """Bulk temperatures [K] and the specific wear rates there [m²/N]."""
+    known = (table or {}).get("by_temperature", ())
+    return tuple((one["temperature"], one["specific_wear_rate"]) for one in known)
 
 
 def criterion_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Own | None:

@@ -25,6 +25,7 @@ from pipeline.scene.parts import (
     roughness_of,
     tested_holds,
     wear_of,
+    wear_rates,
 )
 from pipeline.scene.reference import meanings
 from pipeline.scene.shipped import scene_path
@@ -172,6 +173,7 @@ class _Reader:
                 friction_band=tables["friction"]["band"],
                 same_rig=tables["friction"]["same_rig"],
                 model_scatter=tables["model"] and tables["model"]["scatter"],
+                wear_by_temperature=wear_rates(tables["wear"]),
                 oil=oil,
                 preset=preset,
                 sources=taken,
