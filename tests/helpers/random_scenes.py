@@ -9,7 +9,6 @@ import numpy as np
 from tribo import (
     Ball,
     Cylinder,
-    ElasticHalfSpace,
     Fidelity,
     Grid,
     Material,
@@ -22,6 +21,7 @@ from tribo import (
     contact_modulus,
     simulate,
 )
+from tribo.contact import ElasticHalfSpace
 from tribo.loading import MeasuredLoad
 
 EPSILON = np.finfo(float).eps

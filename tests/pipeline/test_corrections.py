@@ -8,6 +8,7 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.laboratory import compared
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
@@ -188,6 +189,15 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
         with pytest.raises(pipeline.SceneFileError) as error:
             pipeline.load_scene(tmp_path / "plain.toml", overrides=entries | wrong)
         assert problem in str(error.value)
+
+
+def test_a_disc_has_the_entries_of_its_scene():
+    entries = scene_entries(
+        pipeline.load_scene("twin_disc", overrides={"disk.shaft_loss": "5 W/K"})
+    )
+    assert entries["disk.shaft_loss"] == "5 W/K"
+    assert entries["pin.diameter"] == "100 mm"
+    assert not any(".disc" in path or "stops" in path for path in entries)
 
 
 def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):

@@ -44,8 +44,8 @@ class Pin(Protocol):
 
     Examples
     --------
-    >>> import tribo
-    >>> pin: Pin = Ball(radius=10e-3, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> pin: Pin = Ball(radius=10e-3, material=tribo.inverse.AISI_316)
     >>> pin.words, f"{pin.hertz(10.0, 115e9).half_width * 1e6:.0f} µm"
     ('ball, radius 10 mm', '87 µm')
     """
@@ -97,8 +97,8 @@ class Cylinder:
 
     Examples
     --------
-    >>> import tribo
-    >>> pin = tribo.Cylinder(radius=2e-3, length=3.4e-3, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> pin = tribo.Cylinder(radius=2e-3, length=3.4e-3, material=tribo.inverse.AISI_316)
     >>> pin.length
     0.0034
     """
@@ -128,8 +128,8 @@ class Cylinder:
 
         Examples
         --------
-        >>> import tribo
-        >>> worn = Cylinder(2e-3, 3.4e-3, tribo.AISI_316).worn(90e-6, 2.8e-12)
+        >>> import tribo.inverse
+        >>> worn = Cylinder(2e-3, 3.4e-3, tribo.inverse.AISI_316).worn(90e-6, 2.8e-12)
         >>> f"{1e6 * worn.width:.0f} µm wide, {1e6 * worn.depth:.2f} µm deep"
         '295 µm wide, 4.19 µm deep'
         """
@@ -161,8 +161,8 @@ class Ball:
 
     Examples
     --------
-    >>> import tribo
-    >>> ball = tribo.Ball(radius=10e-3, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> ball = tribo.Ball(radius=10e-3, material=tribo.inverse.AISI_316)
     >>> ball.radius
     0.01
     """
@@ -217,8 +217,8 @@ class Crowned:
 
     Examples
     --------
-    >>> import tribo
-    >>> roller = tribo.Crowned(radius=10e-3, crown_radius=0.5, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> roller = tribo.Crowned(radius=10e-3, crown_radius=0.5, material=tribo.inverse.AISI_316)
     >>> roller.crown_radius
     0.5
     """
@@ -275,7 +275,7 @@ def _worn_ellipse(half_width: float, volume: float, radius: float, longer: float
 
 
 PINS: dict[str, type[Pin]] = {"cylinder": Cylinder, "ball": Ball, "crowned": Crowned}
-"""Shapes of the pin, by their names in a scene file."""
+"""Shapes of the pin by name."""
 
 
 def sizes_of(shape: str | Pin) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ class PointWarning(NamedTuple):
 
     Examples
     --------
-    >>> import tribo
+    >>> import tribo.inverse
     >>> PointWarning(tribo.WarningKind.CONTACT_AT_EDGE, "give a wider window").kind.label
     'contact at edge'
     """
@@ -102,8 +102,8 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 
     Examples
     --------
-    >>> import tribo
-    >>> scene = tribo.critical_temperature_rig()
+    >>> import tribo.inverse
+    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> [warning.kind.label for warning in tribo.warnings(scene, state)]
     []
@@ -143,11 +143,11 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
     fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
     across = min(_extent(state.pressure, axis) for axis in axes)
     if 0 < across < fewest:
-        smaller = "window.pixel_size" if on_pixels(scene, state) else "fidelity.pixels_per_element"
+        smaller = "pixels" if on_pixels(scene, state) else "elements"
         yield (
             WarningKind.COARSE_PIXELS,
             f"the contact is {across} elements across at {state.normal_load:g} N; with fewer than "
-            f"{fewest} the rise is mostly too low, by 5 to 70 %, whatever the fidelity: give a "
+            f"{fewest} the rise is mostly too low, by 5 to 70 %, whatever the fidelity: give "
             f"smaller {smaller}",
         )
     if isinstance(scene.roughness, SelfAffineRoughness):
@@ -161,8 +161,8 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
             yield (
                 WarningKind.COARSE_PIXELS,
                 f"the roughness has a correlation length of {' and '.join(short)}; below "
-                f"{FEWEST_PIXELS:g} its slopes depend on the pixels: give a smaller "
-                "window.pixel_size or a longer disk.roughness.correlation_length",
+                f"{FEWEST_PIXELS:g} its slopes depend on the pixels: give smaller "
+                "pixels or a longer correlation length",
             )
 
 
@@ -242,8 +242,8 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     if smallest:
         text += (
             "the decisive temperature is that of the hottest of these, and differs by several "
-            "percent from surface to surface and with smaller pixels: compute several surfaces "
-            "([sweep] realizations), or give a larger window or a smaller pixel_size"
+            "percent from surface to surface and with smaller pixels: compute several surfaces, "
+            "or give a larger window or smaller pixels"
         )
     else:
         text += (

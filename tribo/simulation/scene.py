@@ -240,7 +240,7 @@ class Scene:
 
     @property
     def heated_length(self) -> HeatedLength:
-        """Length along y that is heated [m], for `tribo.ConductingHalfSpace`."""
+        """Length along y that is heated [m], for `tribo.thermal.ConductingHalfSpace`."""
         if self.fidelity.heat_kernel == "nearest-image":
             return "nearest-image"
         if self.pin.length is not None and self.fidelity.heat_kernel == "pin":

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, in_house_style
-from tribo import InputError, Ramp, Wear, rig_heating, specific_wear_rate
+from tribo import InputError, Ramp, Wear
+from tribo.inverse import rig_heating, specific_wear_rate
 from tribo.types import Array
 from workflows.paper.publication import (
     RIG_HEATING,

@@ -224,7 +224,7 @@ def test_the_failed_fraction_is_the_share_hotter_than_critical(copy):
     contact = state.pressure > 0
     counted = np.mean(298.15 + 0.1 * state.heat.rise[contact] > critical)
     assert abs(fraction - counted) < 0.02  # between quantiles it is interpolated
-    share = tribo.failed_share(state.heat.rise_quantile, (critical - 298.15) / 0.1)
+    share = tribo.thermal.failed_share(state.heat.rise_quantile, (critical - 298.15) / 0.1)
     assert fraction == pytest.approx(share, abs=1e-12)
 
 

@@ -20,7 +20,8 @@ from pipeline.sweep.severity import (
     worst_rises,
 )
 from tests.helpers import tiny
-from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp, critical_temperature
+from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp
+from tribo.inverse import critical_temperature
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
 EVEN = 2000.0 * np.array(QUANTILES)

@@ -8,15 +8,8 @@ import pytest
 
 import pipeline
 from pipeline.sweep.surface import Lubrication
-from tribo import (
-    Ball,
-    Crowned,
-    MeasuredRoughness,
-    Motion,
-    Oil,
-    lubrication_regime,
-    minimum_point_film,
-)
+from tribo import Ball, Crowned, MeasuredRoughness, Motion, Oil, lubrication_regime
+from tribo.material import minimum_point_film
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
 WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))

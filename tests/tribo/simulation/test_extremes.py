@@ -19,25 +19,24 @@ from tests.tribo.thermal.influence import thermal_influence
 from tribo import (
     Ball,
     ConvergenceError,
-    ElasticHalfSpace,
     Fidelity,
     Grid,
     InputError,
     Material,
     MeasuredRoughness,
     Ramp,
-    RangeError,
     WarningKind,
     Wear,
     measures,
-    self_affine,
     simulate,
-    solve_contact,
     warnings,
 )
 from tribo.analytic import uniform_flux_rise
+from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.errors import RangeError
 from tribo.loading import MeasuredLoad
 from tribo.simulation import heat
+from tribo.surface import self_affine
 
 TABLE = Path(__file__).parents[3] / "workflows" / "EXTREMES.md"
 SOLVED = "solved"

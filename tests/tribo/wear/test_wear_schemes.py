@@ -11,7 +11,6 @@ from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     PRESETS,
     Cylinder,
-    ElasticHalfSpace,
     Fidelity,
     Grid,
     MeasuredLoad,
@@ -22,6 +21,7 @@ from tribo import (
     simulate,
     warnings,
 )
+from tribo.contact import ElasticHalfSpace
 from tribo.loading import Station
 from tribo.simulation import advance, start
 from tribo.wear import WEAR_SCHEMES, RollingWear
