@@ -116,9 +116,10 @@ def critical_temperature(
 
     Examples
     --------
-    >>> import tribo
-    >>> scene = tribo.critical_temperature_rig()
-    >>> oil = tribo.critical_temperature(scene, [(10.0, 0.065, 0.1)], bulk_temperature=298.15)
+    >>> import tribo.inverse
+    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> tests = [(10.0, 0.065, 0.1)]
+    >>> oil = tribo.inverse.critical_temperature(scene, tests, bulk_temperature=298.15)
     >>> f"{oil.mean:.0f} K"
     '305 K'
     """
@@ -196,11 +197,11 @@ def specific_wear_rate(
 
     Examples
     --------
-    >>> import tribo
-    >>> scene = tribo.critical_temperature_rig()
-    >>> rate = tribo.specific_wear_rate(scene, 185e-6, normal_load=10.0, velocity=0.065)
+    >>> import tribo.inverse
+    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> rate = tribo.inverse.specific_wear_rate(scene, 185e-6, normal_load=10.0, velocity=0.065)
     >>> f"{rate.lowest:.1e} to {rate.highest:.1e} m²/N"
-    '1.4e-17 to 3.2e-17 m²/N'
+    '1.4e-17 to 3.3e-17 m²/N'
     """
     grid = scene.grid
     if scene.velocities_at(velocity).pin:
@@ -261,8 +262,8 @@ def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) 
 
     Examples
     --------
-    >>> import tribo
-    >>> scene = tribo.critical_temperature_rig()
+    >>> import tribo.inverse
+    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> f"{0.1 * state.heat.max_rise:.1f} K at friction 0.1"
     '7.5 K at friction 0.1'
@@ -274,7 +275,7 @@ def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) 
         pin=Ball(radius, AISI_316),
         disk=AISI_316,
         pixels=Grid((64, 64), (side, side), periodic=(False, False)),
-        loading=Ramp(normal_load, normal_load, hold=duration, hold_steps=1),
+        loading=Ramp(normal_load, normal_load, hold=duration),
         fidelity=Fidelity(pixels_per_element=1, increments=1, contact_tolerance=1e-6),
     )
 

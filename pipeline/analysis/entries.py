@@ -30,6 +30,8 @@ _PATHS = {
     "conditions.disk_temperature": "temperature.bulk.disk",
     "conditions.corrections.friction": "friction.by_velocity",
     "conditions.corrections.stem": "pin.stem",
+    "conditions.corrections.track.disc": "disk",
+    "conditions.corrections.pin_track.disc": "pin",
     "conditions.corrections.track": "disk.track",
     "conditions.corrections.pin_track": "pin.track",
     "conditions.corrections.pin_bulk": "pin",
@@ -38,7 +40,7 @@ _PATHS = {
 }
 """Paths in the scene file of what a sweep calls otherwise, the more special ones first."""
 _NOT_SHOWN = (
-    "friction_heat", "unequal_bulks", "conditions.corrections.course",
+    "friction_heat", "unequal_bulks", "loading.stops", "conditions.corrections.course",
     "conditions.corrections.motion", "conditions.corrections.rate", "conditions.own_criterion",
 )  # fmt: skip
 """Paths of values that follow from other entries."""

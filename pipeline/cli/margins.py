@@ -15,7 +15,14 @@ import xarray as xr
 import pipeline
 from pipeline.analysis import frames, laboratory
 from pipeline.analysis.boundary import turns_left_out
-from pipeline.analysis.dataset import Kind, judged_dims, read_conditions, scene_sweep, sweep_kind
+from pipeline.analysis.dataset import (
+    Kind,
+    judged_dims,
+    read_conditions,
+    scene_sweep,
+    stored_sweep,
+    sweep_kind,
+)
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margins import LONG, Judged, counts_in_words, judged, margin_frame
@@ -29,6 +36,7 @@ from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
+from pipeline.sweep.wear_rates import note_on_wear
 from tribo import InputError
 
 
@@ -179,7 +187,8 @@ def boundary(options: argparse.Namespace) -> Result:
         document |= _tell_basis(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)
-        cold = turns_left_out(ds, crossings)
+        left_out = turns_left_out(ds, crossings), note_on_wear(stored_sweep(ds))
+        cold = "; ".join(filter(None, left_out)) or None
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
         text += ["", f"compute more of the boundary with: {command}"] if command else []

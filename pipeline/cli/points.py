@@ -26,6 +26,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
+from pipeline.sweep.wear_rates import note_on_wear
 from tribo import measures
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ def point(options: argparse.Namespace) -> Result:
     is_refined = not sweep.about.selection and result.state.pressure.shape != result.shape
     relative = error_of_point(flags, result.state.time, promised, is_refined)
     error = relative.times(rise)
+    left_out = note_on_turns(sweep, options.load, options.velocity), note_on_wear(sweep)
     judged, commands = None, list[str]()
     distance = None if critical is None else critical - decisive
     usual = sweep.about.model_scatter
@@ -76,7 +78,7 @@ def point(options: argparse.Namespace) -> Result:
         "model_error": model.worded,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": decisive > MELTS,
-        "not_counted": note_on_turns(sweep, options.load, options.velocity),
+        "not_counted": "; ".join(filter(None, left_out)) or None,
         "wall_time": result.wall_time,
         "next": commands,
         **selected(sweep),

@@ -14,8 +14,9 @@ import numpy as np
 from pipeline.gears.involute import Involutes
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.rules import friction_coefficient
-from tribo import analytic, contact_modulus, minimum_line_film
+from tribo import analytic, contact_modulus
 from tribo.analytic.heat import ROLLING_SLIDING_PEAK
+from tribo.material import minimum_line_film
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +68,7 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
     section; the load normal to the flanks is K T/(rb1 cos βb), K the load factor. A pair of teeth
     carries the share `load_share` of it on a line of b/cos βb. Hertz after Johnson, *Contact
     Mechanics*, Eqs. 4.43 and 4.45; flash temperature after `flash_rise`; film after
-    `tribo.minimum_line_film` (Dowson & Higginson) with the oil at the bulk temperature.
+    `tribo.material.minimum_line_film` (Dowson & Higginson) with the oil at the bulk temperature.
 
     Parameters
     ----------

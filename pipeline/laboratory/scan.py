@@ -22,8 +22,15 @@ from pipeline.laboratory.surfaces import (
     tilts,
 )
 from pipeline.scene.units import in_si
-from tribo import InputError, average_roughness, fit_self_affine, rms_height
-from tribo.surface import AutocorrelationLengths, SelfAffineFit, autocorrelation_lengths
+from tribo import InputError
+from tribo.surface import (
+    AutocorrelationLengths,
+    SelfAffineFit,
+    autocorrelation_lengths,
+    average_roughness,
+    fit_self_affine,
+    rms_height,
+)
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness
@@ -237,7 +244,8 @@ def surface_statistics(
 
     Examples
     --------
-    >>> from tribo import Grid, self_affine
+    >>> from tribo import Grid
+    >>> from tribo.surface import self_affine
     >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
     >>> np.save("results/scan.npy", heights * 1e6)
     >>> print(surface_statistics("results/scan.npy", "um", ("1 um", "1 um")).toml)

@@ -107,13 +107,15 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """One of several kinds: the first, unless a value satisfies `when` or has another one's form.
+    """One of several kinds: the first, unless `when` has another for it, or it has another's form.
+
+    `when` gives the number of a value's kind, or True for the second.
 
     Of tables a value has the form of that one which has most of the keys that the first lacks.
     """
 
     def __init__(
-        self, usual: Kind, *others: Kind, when: Callable[[Any], bool] | None = None
+        self, usual: Kind, *others: Kind, when: Callable[[Any], int] | None = None
     ) -> None:
         self.kinds, self._when = (usual, *others), when
 
@@ -124,7 +126,7 @@ class Either(Kind):
         """The kind that a value is to be read as."""
         usual, *others = self.kinds
         if self._when:
-            return others[0] if self._when(value) else usual
+            return self.kinds[self._when(value)]
         if not isinstance(usual, Table):
             fits = (isinstance(value, list if isinstance(x, List) else dict) for x in others)
             return next(itertools.compress(others, fits), usual)

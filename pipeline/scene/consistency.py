@@ -12,10 +12,12 @@ from typing import Any
 import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import library
-from pipeline.scene.parts import Roughness, track_of
+from pipeline.scene.parts import DISC, Roughness, track_of
 from pipeline.scene.units import display
 from tribo.simulation.pins import sizes_of
 
+_PLATE = "track_length", "capacity", "loss"
+"""Entries of a body that is a plate."""
 _ALIKE = 0.01  # by which two lengths of one track may differ
 Sound = Callable[..., list[Any]]
 Misfits = Iterator[tuple[str, ...]]
@@ -150,21 +152,7 @@ def _of_motion(sound: Sound) -> Misfits:
 
 def _of_tracks(sound: Sound) -> Misfits:
     for body in ("pin", "disk"):
-        length, diameter = sound(f"{body}.track_length", f"{body}.diameter")
-        if length and diameter:
-            yield (
-                f"{body}.diameter",
-                f"{display(diameter, 'mm')} stands beside a track_length of "
-                f"{display(length, 'mm')}; give one of them",
-                f"{body}.track_length",
-            )
-        width, contact = sound(f"{body}.width", "pin.length")
-        if width and not (length or diameter):
-            problem = "no heat of earlier turns is there to flow across it; give a diameter, too"
-            yield f"{body}.width", f"{display(width, 'mm')}, but {problem}, or leave it out"
-        elif width and contact and width < contact:
-            problem = f"is narrower than the contact, {display(contact, 'mm')} of pin.length"
-            yield f"{body}.width", f"{display(width, 'mm')} {problem}; give at least that"
+        yield from _of_disc(body, sound)
     motion, pin = sound("motion", "pin")
     around = track_of(pin) if pin else None
     if not around:
@@ -181,6 +169,34 @@ def _of_tracks(sound: Sound) -> Misfits:
             "motion.track_length",
             f"{display(worn, 'mm')} is not the {display(around, 'mm')} of {key}; leave it out",
         )
+
+
+def _of_disc(body: str, sound: Sound) -> Misfits:
+    """A disc of all that it needs, and said in one way."""
+    sizes = dict(zip(DISC, sound(*(f"{body}.{name}" for name in DISC)), strict=True))
+    diameter, width, bore = (sizes[name] for name in DISC[:3])
+    plate = dict(zip(_PLATE, sound(*(f"{body}.{name}" for name in _PLATE)), strict=True))
+    both = [name for name in _PLATE if plate[name] is not None]
+    given = [name for name in DISC if sizes[name] is not None]
+    if diameter and both:
+        yield (
+            f"{body}.diameter",
+            f"{display(diameter, 'mm')} of a disc stands beside {' and '.join(both)} of a plate, "
+            "which would count one heat twice; give one of them",
+            f"{body}.{both[0]}",
+        )
+    elif given and not diameter:
+        problem = f"belongs to a disc; give {body}.diameter and {body}.width, or leave it out"
+        yield f"{body}.{given[0]}", problem
+    elif diameter and not width:
+        yield f"{body}.width", "missing; a disc of a diameter needs it"
+    elif diameter and bore and not bore < diameter:
+        problem = f"is not smaller than the diameter, {display(diameter, 'mm')}"
+        yield f"{body}.bore", f"{display(bore, 'mm')} {problem}; give less"
+    (contact,) = sound("pin.length")
+    if diameter and width and contact and width < contact:
+        problem = f"is narrower than the contact, {display(contact, 'mm')} of pin.length"
+        yield f"{body}.width", f"{display(width, 'mm')} {problem}; give at least that"
 
 
 def _of_conditions(sound: Sound) -> Misfits:
@@ -217,7 +233,7 @@ def _of_steps(sound: Sound, increments: int) -> Misfits:
     for name, tests in (("measured", measured), ("tested", tested)):
         for number, test in enumerate(tests or ()):
             if test["hold"]:
-                held = replace(ramp, hold=test["hold"], hold_steps=None)
+                held = replace(ramp, hold=test["hold"])
                 ways.append((f"{name}[{number}].hold", held, test["load"]))
     for key, way, load in ways:
         try:

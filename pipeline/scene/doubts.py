@@ -8,15 +8,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
 from pipeline.scene.units import display
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Bulk, Corrections, Ramp, SelfAffineRoughness, Track, Wear
+from pipeline.sweep.wear_rates import note_on_wear
+from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
+from tribo.simulation.pins import sizes_of
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -24,7 +24,6 @@ from tribo.simulation.point_warnings import (
     FEWEST_TURNS,
     WIDEST,
 )
-from tribo.thermal import bulk_warming, rim_warming, track_warming
 
 _MATERIAL: dict[str, tuple[Any, ...]] = {
     "elastic_modulus": ("elastic modulus", 1e-9, 1, 1200, "GPa"),
@@ -37,7 +36,6 @@ _MATERIAL: dict[str, tuple[Any, ...]] = {
 _USUAL_BULK = 223.15, 523.15  # −50 to 250 °C, where oils are used
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
-_WIDTH_ERROR = 0.05  # of the warming of a disc, beyond which it is told
 _MOST_RISE = 2.0  # of the mean plane over the window, in Rq
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
@@ -49,7 +47,6 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
         *_of_wear(sweep, facts),
         *_of_tests(sweep),
         *_of_motion(sweep),
-        *_of_widths(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
         *_of_contact(sweep, facts),
         *_of_heat(sweep, facts),
@@ -83,14 +80,19 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
             yield f"{owner} {words}", getattr(material, name), *usual
         share = material.hardness / material.elastic_modulus
         yield f"{owner} hardness", share, 1, *USUAL_HARDNESS, "times the elastic modulus"
-    yield "the pin's radius", pin.radius, 1e3, 0.1, 1000, "mm"
-    yield "the pin's crown radius", pin.crown_radius, 1e3, 0.1, 100_000, "mm"
-    yield "the pin's length", pin.length, 1e3, 0.1, 1000, "mm"
+    for size in sizes_of(pin):
+        longest = 1000 if size in ("radius", "length") else 100_000
+        words = f"the pin's {size.replace('_', ' ')}"
+        yield words, getattr(pin, size), 1e3, 0.1, longest, "mm"
     yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 1, 0, 1, ""
     yield "the highest velocity", max(plane.velocities), 1, 0, 100, "m/s"
     yield "the bulk temperature", conditions.bulk_temperature, 1, *_USUAL_BULK, "K"
     for body, track in tracks_of(sweep).items():
         yield f"the {body}'s track", track.length, 1e3, 20, 10_000, "mm"
+    kept = conditions.corrections or Corrections()
+    for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
+        if bulk and bulk.capacity:
+            yield f"the {body}'s heat capacity", bulk.capacity, 1, 0.5, 1e6, "J/K"
     if isinstance(scene.wear, Wear) and scene.wears:
         rate = scene.wear.specific_wear_rate
         yield "the specific wear rate", rate, 1e9, 1e-11, 1e-2, "mm³/(N m)"
@@ -106,7 +108,9 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
 
 
 def _of_wear(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    """A pin that keeps its shape, or turns too seldom to wear evenly."""
+    """A pin that keeps its shape, turns too seldom to wear evenly, or wears as at another bulk."""
+    if note := note_on_wear(sweep):
+        yield note
     scene = sweep.scene
     if scene.wear is None:
         yield (
@@ -134,59 +138,6 @@ def _of_motion(sweep: Sweep) -> Iterator[str]:
                 f"the {body} is at rest, so that no earlier turn warms its track of "
                 f"{1e3 * track.length:.4g} mm: leave out the {body}'s diameter or track_length"
             )
-
-
-def _of_widths(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    """Discs of a width whose heat is counted twice, in the track and the capacity, or not whole."""
-    scene, corrections = sweep.scene, sweep.conditions.corrections or Corrections()
-    bulks = {"pin": corrections.pin_bulk, "disk": corrections.disk_bulk}
-    is_held = isinstance(scene.loading, Ramp) and scene.loading.hold > 0
-    velocity, load = max(sweep.plane.velocities), max(sweep.plane.loads)
-    time, speeds = facts.duration.high, scene.velocities_at(velocity)
-    half = sweep.conditions.friction * load * velocity / 2  # of the heat [W]
-    for body, track in tracks_of(sweep).items():
-        bulk, speed = bulks[body], abs(getattr(speeds, body))
-        if not (track.body_width and speed and (is_held or bulk)):
-            continue
-        counted = half * _warming_counted(track, bulk, speed, time)
-        whole = half * rim_warming(
-            time,
-            track.length / (2 * math.pi),
-            track.body_width,
-            track.thermal_diffusivity,
-            track.heat_capacity,
-            bulk.loss if bulk else 0.0,
-        )
-        if abs(counted / whole - 1) < _WIDTH_ERROR:
-            continue
-        remedy = f"it warms as a whole, which a width does not know: give {body}.capacity"
-        if counted > whole:
-            remedy = "one heat is counted twice: leave out the width, or the capacity"
-        yield (
-            f"half of the heat of {load:g} N at {velocity:g} m/s warms the {body} by "
-            f"{counted:.3g} K in {time:.3g} s by what is given, its width and "
-            f"{'its capacity' if bulk else 'a hold'}; a disc that is heated around its rim would "
-            f"warm by {whole:.3g} K: {remedy}"
-        )
-
-
-def _warming_counted(track: Track, bulk: Bulk | None, speed: float, time: float) -> float:
-    """Warming of a track by a watt of heat over some time, as corrections count it [K]."""
-    times = np.array([0.0, time])
-    turns = track_warming(
-        time,
-        track.length / speed,
-        (times, np.full(2, 1 / speed)),
-        track.width or track.body_width or math.inf,
-        track.thermal_diffusivity,
-        track.heat_capacity,
-        track.body_width or math.inf,
-    )
-    if not bulk:
-        return turns
-    if not bulk.capacity:
-        return turns + bulk.resistance
-    return turns + bulk_warming(times, np.ones(2), (0.0, 1.0), (None, bulk))[1]
 
 
 def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:

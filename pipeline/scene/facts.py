@@ -6,7 +6,6 @@ the width within 12 %.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, get_origin, get_type_hints
@@ -15,7 +14,7 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
-from tribo import Corrections, InputError, Track, analytic, contact_modulus
+from tribo import Corrections, InputError, Track, contact_modulus
 from tribo.types import Array
 from tribo.wear import wear_over
 
@@ -160,19 +159,11 @@ def _duration(sweep: Sweep, load: float) -> tuple[float, float]:
 def _worn(sweep: Sweep, half_widths: Array, worn_volumes: Array) -> tuple[Array, Array]:
     """Width of the smooth, worn contact and depth of the wear [m]."""
     pin, hertz = sweep.scene.pin, 2 * half_widths
-    radius, length = pin.radius, pin.length
+    length = pin.length
     if sweep.scene.velocities_at(
         max(sweep.plane.velocities)
     ).pin:  # wears all around, and stays round
         along_y = hertz / 1.5 if length is None else length
         return hertz + 0 * worn_volumes, worn_volumes / (sweep.scene.track_length * along_y)
-    if length is None:
-        # The flat of a paraboloid of both radii is an ellipse as much longer as their root.
-        longer = math.sqrt((pin.crown_radius or radius) / radius)
-        flat = np.vectorize(analytic.worn_point_width)(worn_volumes / longer, radius)
-        width = (hertz**4 + flat**4) ** 0.25
-        return width, 8 * worn_volumes / (math.pi * width**2 * longer)
-    area = worn_volumes / length
-    flat = np.vectorize(analytic.worn_line_width)(area, radius)
-    width = np.cbrt(hertz**3 + flat**3)
-    return width, 1.5 * area / width
+    width, depth = np.vectorize(pin.worn, otypes=[float, float])(half_widths, worn_volumes)
+    return width, depth

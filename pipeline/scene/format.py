@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import get_type_hints
+from dataclasses import fields
+from typing import Any, get_type_hints
 
 import tribo
 from pipeline.scene.compounds import (
@@ -18,6 +19,7 @@ from pipeline.scene.compounds import (
     Tables,
     fields_of,
 )
+from pipeline.scene.faults import quoted
 from pipeline.scene.kinds import (
     Flag,
     Number,
@@ -31,7 +33,6 @@ from pipeline.scene.kinds import (
     kind_of,
 )
 from pipeline.sweep.limits import MOST_SAMPLES, MOST_SCENES
-from tribo.loading.ramp import MOST_STEPS
 from tribo.simulation.pins import sizes_of
 
 USUAL_PRESET = "standard"
@@ -47,6 +48,7 @@ def one_or_two(kind: Quantity) -> Either:
     return Either(kind, List(kind, length=2))
 
 
+WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
 ANY_WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True)
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
@@ -58,6 +60,7 @@ OIL_WORKS = "-53 degC", "627 degC"
 BULK = Quantity("a temperature", "25 degC", ends=OIL_WORKS)
 CRITICAL = Quantity("a temperature", "145 degC")
 CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
+HEAT_TRANSFER = Quantity("a heat transfer coefficient", "50 W/(m^2 K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
 
@@ -90,14 +93,8 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
     """Entries of a body on the heat that stays in it."""
     return {
         "track_length": Optional(length(example),
-            f"Length of the track {track}, which earlier turns have warmed; without it each turn "
-            "meets a cold track. It takes effect after the simulation."),
-        "diameter": Optional(length("100 mm"),
-            f"Diameter of the track around the {body}, whose circumference is the length of the "
-            "track; in place of `track_length`."),
-        "width": Optional(length("20 mm"),
-            f"Width of the {body} across the track, which is in its middle: heat of earlier turns "
-            "does not leave by its sides. By default it is much wider than the contact."),
+            f"Length of the track {track}, on a plate, which earlier turns have warmed; without it "
+            "each turn meets a cold track. It takes effect after the simulation."),
         "capacity": Optional(
             Either(Quantity("a heat capacity", "650 J/K"), Table({
                 "diameter": Entry(length("150 mm")),
@@ -108,6 +105,18 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
         "loss": Optional(Quantity("a heat loss per kelvin", "2 W/K"),
             f"Heat that the {body} loses to oil, air and holder for each kelvin above where it "
             "starts; none by default. It takes effect after the simulation."),
+        "diameter": Optional(length("100 mm"),
+            f"Diameter of the {body} as a disc that its turns heat around the rim, and that warms "
+            "as a whole; in place of `track_length`, `capacity` and `loss`. It takes effect after "
+            "the simulation."),
+        "width": Optional(length("20 mm"), "Width of the disc, which it needs."),
+        "bore": Optional(length("30 mm"), "Diameter of the hole of a ring; none by default."),
+        "rim_loss": Optional(HEAT_TRANSFER,
+            "Heat that the rim of the disc loses to oil and air, for each area and kelvin."),
+        "face_loss": Optional(HEAT_TRANSFER, "That of each of its faces."),
+        "shaft_loss": Optional(Quantity("a heat loss per kelvin", "5 W/K"),
+            "Heat that the disc loses to its shaft for each kelvin, at the bore, or evenly over a "
+            "disc without one."),
     }
 
 
@@ -139,6 +148,11 @@ PIN = Either(
         **_ROUND,
         "crown_radius": Optional(length("100 mm"),
             "Radius across sliding of a crowned pin, which it needs."),
+        **{
+            size: Optional(length("100 mm"), f"Size of a {shape} pin, which it needs.")
+            for shape in tribo.PINS for size in sizes_of(shape)
+            if size not in ("radius", "length", "crown_radius")
+        },
         **_OF_PIN,
     }, form="ball or crowned pin"),
     when=lambda pin: isinstance(pin, dict) and _ends_along_y(pin.get("shape")),
@@ -184,7 +198,7 @@ MEASURED_SURFACE = Table({
 def own_law(meaning: str, form: str = "") -> Table:
     """Entries of a law that is code, with its meaning."""
     return Table({
-        "law": Entry(Text(), f"{meaning} It is code, which runs only with `--own-laws`."),
+        "law": Entry(Text(), f"{meaning} Your own is code, which runs only with `--own-laws`."),
         "parameters": Optional(ByPath(Scalar(), "names"),
             "Names and values that it is made with, in SI units.", default={}),
     }, form=form)
@@ -223,10 +237,8 @@ LOADING = Either(
             "Rate at which the load grows from 0."),
         "reference_load": Entry(Quantity("a load", "750 N"), _REFERENCE_LOAD),
         "hold": Optional(DURATION,
-            "Time for which each load is held once it is reached.", default=0.0),
-        "hold_steps": Optional(Whole(at_least=1, at_most=MOST_STEPS),
-            "Number of steps of the hold; by default as few as are no longer than those of the "
-            "ramp."),
+            "Time for which each load is held once it is reached, in steps that grow.",
+            default=0.0),
     }, form="ramp"),
     Table({
         "file": Entry(Text(),
@@ -249,15 +261,50 @@ MOTION = Table({
         "the circumference of its radius."),
 })
 
+WEAR_PATTERN = kind_of(get_type_hints(tribo.Wear)["pattern"])
+_BY_UNIT = {"m^2/N": ANY_WEAR_RATE, "m": length("100 m")}
+
+
+def _law_form(name: str) -> Table:
+    """Entries of a law that ships, by the fields of its class."""
+    law: Any = tribo.LAWS[name]
+    meanings = {key: entry.meaning for key, entry in fields_of(law).items()}
+    entries: dict[str, Entry] = {
+        "law": Entry(OneOf((name,)), "Name of a law that ships."),
+    }
+    for one in fields(law):
+        if one.name == "pattern":
+            entries[one.name] = Optional(WEAR_PATTERN, meanings[one.name], default=one.default)
+        else:
+            entries[one.name] = Entry(_BY_UNIT[one.metadata["unit"]], meanings[one.name])
+    return Table(entries, form=name)
+
+
+def _wear_form(table: Any) -> int:
+    """Place of the form that a table of wear has."""
+    law = table.get("law") if isinstance(table, dict) else None
+    return 2 + [*tribo.LAWS].index(law) if law in [*tribo.LAWS] else int(law is not None)
+
+
 WEAR = Either(
     Table({
         "specific_wear_rate": Entry(ANY_WEAR_RATE, "Worn volume per load and sliding distance."),
-        "pattern": Entry(kind_of(get_type_hints(tribo.Wear)["pattern"]),
+        "pattern": Entry(WEAR_PATTERN,
             'Wear of the pin: "swept" by the mean pressure along y, or over positions of the disk '
             'where y is free, since the roughness moves past it; "local" each element by its own '
             "pressure."),
+        "by_temperature": Optional(List(Table({
+            "temperature": Entry(TEMPERATURE, "Bulk temperature."),
+            "specific_wear_rate": Entry(WEAR_RATE, "Specific wear rate there."),
+        })), "Wear rates at bulk temperatures, where they are known: an answer at another `bulk` "
+             "than that of `specific_wear_rate` says so.", default=()),
     }, form="Archard's wear"),
-    own_law('Module and name of the law, such as "laws:RunningIn".', form="own law"),
+    own_law(
+        f"Name of a law by the distance slid, {', '.join(map(quoted, tribo.LAWS))}; or module and "
+        'name of your own, such as "laws:Fading".', form="own law",
+    ),
+    *map(_law_form, tribo.LAWS),
+    when=_wear_form,
 )
 
 OIL = Table({
@@ -434,8 +481,8 @@ FORMAT = Table({
         "Motion of both bodies; without it the pin is at rest. Give one of `slide_roll_ratio` and "
         "`entrainment_velocity`."),
     "wear": Optional(WEAR,
-        "Archard's wear of the pin, or [a law of your own](OWN_LAWS.md); no wear without the "
-        "table."),
+        "Archard's wear of the pin, a law by the distance slid, or [one of your own](OWN_LAWS.md); "
+        "no wear without the table."),
     "oil": Optional(OIL,
         "The lubricant, which says only which crossings lie in boundary lubrication. In place of "
         'the table `oil = "NAME"` takes one of the [library](../pipeline/scene/library.toml).'),

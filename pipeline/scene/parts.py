@@ -14,20 +14,36 @@ from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
+DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
+"""Entries of a body that is a disc."""
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
+def tested_holds(tables: Mapping[str, Any]) -> tuple[float, ...]:
+    """Durations at the full load of the tests that samples are compared with [s]."""
+    if not entry_at(tables, "sweep.samples"):
+        return ()
+    tests = [*(tables["measured"] or ()), *(tables["tested"] or ())]
+    return tuple(sorted({test["hold"] for test in tests if test and test["hold"]}))
+
+
 def loading_of(
-    table: Mapping[str, Any] | None, document: Document, faults: Faults
+    table: Mapping[str, Any] | None,
+    document: Document,
+    faults: Faults,
+    stops: tuple[float, ...] = (),
 ) -> Loading | None:
-    """The ramp or the recorded load; a note says by which line a record was fitted."""
+    """The ramp or the recorded load; a note says by which line a record was fitted.
+
+    Steps of a hold end at the stops that are shorter [s].
+    """
     if table is None or faults.touch("loading"):
         return None
     with faults.at("loading.file" if "file" in table else "loading"):
         if "file" not in table:
-            return tribo.Ramp(**table)
+            return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
         folder = document.file_of("loading.file").parent
-        record = tribo.read_load(folder / table["file"], table["reference_load"])
+        record = tribo.loading.read_load(folder / table["file"], table["reference_load"])
         if not table["fit"]:
             return record
         rate, onset = record.linear_fit()
@@ -38,13 +54,22 @@ def loading_of(
 
 
 def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
-    """Archard's wear, or a user's own law."""
+    """Archard's wear, a law that ships, or a user's own."""
     if table is None or faults.touch("wear"):
         return None
     if "law" not in table:
-        return tribo.Wear(**table)
+        return tribo.Wear(table["specific_wear_rate"], table["pattern"])
     with faults.at("wear.law"):
+        if table["law"] in tribo.LAWS:
+            law: Any = tribo.LAWS[table["law"]]
+            return law(**{name: value for name, value in table.items() if name != "law"})
         return laws.named(WEAR, table["law"], table["parameters"])
+
+
+def wear_rates(table: Mapping[str, Any] | None) -> tuple[tuple[float, float], ...]:
+    """Bulk temperatures [K] and the specific wear rates there [m²/N]."""
+    known = (table or {}).get("by_temperature", ())
+    return tuple((one["temperature"], one["specific_wear_rate"]) for one in known)
 
 
 def criterion_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Own | None:
@@ -121,8 +146,11 @@ def _ring_of(
     body: Mapping[str, Any], pin: tribo.Pin, material: tribo.Material
 ) -> tribo.Track | None:
     """The track around a body of a material; None if its table gives none."""
+    if body["diameter"]:
+        sizes = {name: body[name] for name in DISC if body[name] is not None}
+        return tribo.Track.under(pin, material, tribo.Disc(**sizes))
     length = track_of(body)
-    return tribo.Track.under(pin, material, length, body["width"]) if length else None
+    return tribo.Track.under(pin, material, length) if length else None
 
 
 def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | None:

@@ -23,7 +23,9 @@ from pipeline.scene.parts import (
     oil_of,
     realizations_of,
     roughness_of,
+    tested_holds,
     wear_of,
+    wear_rates,
 )
 from pipeline.scene.reference import meanings
 from pipeline.scene.shipped import scene_path
@@ -141,8 +143,10 @@ class _Reader:
             [entry_at(tables, path) for path in ("disk.roughness", "disk.surface", "window")],
             lambda: roughness_of(tables, self.document, self.laws, faults),
         )
+        stops = tested_holds(tables)
         loading = self._once(
-            [tables["loading"]], lambda: loading_of(tables["loading"], self.document, faults)
+            [tables["loading"], stops],
+            lambda: loading_of(tables["loading"], self.document, faults, stops),
         )
         check_tables(tables, fidelity, roughness, faults)
         oil = oil_of(tables["oil"], faults)
@@ -169,6 +173,7 @@ class _Reader:
                 friction_band=tables["friction"]["band"],
                 same_rig=tables["friction"]["same_rig"],
                 model_scatter=tables["model"] and tables["model"]["scatter"],
+                wear_by_temperature=wear_rates(tables["wear"]),
                 oil=oil,
                 preset=preset,
                 sources=taken,

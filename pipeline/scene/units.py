@@ -56,6 +56,7 @@ _UNITS = {
     "K W-1": ("1e-12", "1e12", {"K/W": "1"}),
     "J K-1": ("1e-12", "1e12", {"J/K": "1"}),
     "W K-1": ("1e-12", "1e12", {"W/K": "1"}),
+    "W m-2 K-1": ("1e-9", "1e9", {"W/(m^2 K)": "1"}),
 }  # fmt: skip
 """Smallest and largest value in a scene by unit of SI as CF writes it, and values of usual units.
 

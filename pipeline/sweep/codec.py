@@ -20,13 +20,16 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Own, Reference, refer
-from tribo import PINS, InputError, Surface, WearLaw
+from tribo import LAWS, PINS, InputError, Surface, WearLaw
 from tribo.errors import shortened
 from tribo.simulation.pins import Pin
 from tribo.types import Array
 
 Arrays = dict[str, Array]
 """Arrays of a sweep by their digests."""
+_OF_PROTOCOL: dict[Any, dict[str, Any]] = {Pin: PINS, WearLaw: LAWS, Surface: {}}
+_CODE: dict[Any, tuple[Any, ...]] = {Pin: (), WearLaw: (Reference,), Surface: (Reference,)}
+"""Classes that ship of each protocol, and what stands for a user's own."""
 _GREATEST = {float: sys.float_info.max, int: 2**63 - 1}
 
 
@@ -134,7 +137,7 @@ def _kind(name: str) -> Any:
 def _kinds() -> dict[str, Any]:
     """Classes found from field to field of a sweep and of pins, and those derived from them."""
     found: dict[str, Any] = {}
-    waiting: list[Any] = [Sweep, *PINS.values()]
+    waiting: list[Any] = [Sweep, *PINS.values(), *LAWS.values()]
     while waiting:
         kind = waiting.pop()
         waiting += get_args(kind)
@@ -161,8 +164,8 @@ def fits(value: Any, hint: Any) -> bool:
     origin, inner = get_origin(hint), get_args(hint)
     if hint is Any:
         return True
-    if hint in (Pin, Surface, WearLaw):  # protocols
-        return isinstance(value, (*PINS.values(),) if hint is Pin else Reference)
+    if hint in _OF_PROTOCOL:
+        return isinstance(value, (*_OF_PROTOCOL[hint].values(), *_CODE[hint]))
     if origin in (Union, UnionType):
         return any(fits(value, one) for one in inner)
     if origin is Literal:

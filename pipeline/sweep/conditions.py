@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
-from tribo import BULK_RATIOS, Corrections, Criterion, InputError, MeasuredLoad, Ramp
+from tribo import Corrections, Criterion, InputError, MeasuredLoad, Ramp
+from tribo.simulation.verdict import Bulks
 from tribo.types import Array
 
 Bulk = float | str | Mapping[str, float | str]
@@ -30,7 +31,7 @@ _NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
 
 
 @dataclass(frozen=True, slots=True)
-class Conditions:
+class Conditions(Bulks):
     """Conditions that turn a rise at friction 1 into mild or severe wear.
 
     Attributes
@@ -124,37 +125,6 @@ class Conditions:
     def criterion_hash(self) -> str | None:
         """SHA-256 of the text of the user's criterion."""
         return self.own_criterion.digest if self.own_criterion else None
-
-    @property
-    def bulk_difference(self) -> float:
-        """Bulk temperature of the disk less that of the pin [K]."""
-        disk = self.disk_temperature
-        return 0.0 if disk is None else disk - self.bulk_temperature
-
-    @property
-    def coldest_bulk_temperature(self) -> float:
-        """Bulk temperature of the colder body, from which rises count [K]."""
-        return self.bulk_temperature + min(0.0, self.bulk_difference)
-
-    @property
-    def mean_bulk_temperature(self) -> float:
-        """Mean of both bodies' bulk temperatures [K]: that of the oil between them."""
-        return self.bulk_temperature + self.bulk_difference / 2
-
-    @property
-    def rise_factor(self) -> float:
-        """Factor of the rise at friction 1: the friction.
-
-        Without friction unequal bulk temperatures still warm one of the bodies. Then it is so small
-        that their ratio to it is the largest one that is kept.
-        """
-        return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
-
-    @property
-    def bulk_ratio(self) -> float:
-        """Difference of the bulk temperatures over what the rise is multiplied by [K]."""
-        difference = self.bulk_difference
-        return difference / self.rise_factor if difference else 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data, with the name and hash of the user's criterion."""

@@ -229,7 +229,7 @@ class Sweep:
                 f"hold is {duration:g} s, but the load follows a record, which ends when it ends; "
                 "leave out the hold, or give a loading with rate and reference_load"
             )
-        return self.changed(loading=replace(self.scene.loading, hold=duration, hold_steps=None))
+        return self.changed(loading=replace(self.scene.loading, hold=duration, stops=()))
 
     def on_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed alone; itself if None."""

@@ -23,7 +23,16 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final, NamedTuple
 
-from tribo import InputError, MeasuredRoughness, Rule, Scene, SelfAffineRoughness, Surface, WearLaw
+from tribo import (
+    LAWS,
+    InputError,
+    MeasuredRoughness,
+    Rule,
+    Scene,
+    SelfAffineRoughness,
+    Surface,
+    WearLaw,
+)
 from tribo.surface import UnknownHeights
 
 GROUP: Final = "irg_transition.laws"
@@ -198,7 +207,7 @@ def refer(law: Any) -> Reference:
 def own_laws(scene: Scene) -> dict[str, Reference]:
     """Name, parameters and hash of a scene's own laws, by the field of the scene."""
     laws = {}
-    if scene.wears_by_law:
+    if scene.wears_by_law and not isinstance(scene.wear, (*LAWS.values(),)):
         laws["wear"] = refer(scene.wear)
     if not isinstance(scene.roughness, SelfAffineRoughness | MeasuredRoughness | None):
         laws["roughness"] = refer(scene.roughness)

@@ -55,6 +55,8 @@ _EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
         {
             "pin.track_length": "earlier turns of the pin",
             "disk.track_length": "earlier turns of the disk",
+            "pin.diameter": "disc of the pin",
+            "disk.diameter": "disc of the disk",
         },
         {"track": None, "pin_track": None},
     ),
@@ -194,10 +196,12 @@ def _pin_turns(sweep: Sweep) -> bool:
     return any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
 
 
-def _of_bulk(sweep: Sweep, present: Corrections) -> _Sized | None:
+def _of_bulk(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Heat capacities of disk and rolling pin, as discs of a usual size, without a loss."""
     scene = sweep.scene
     bodies: dict[str, tuple[float, Material]] = {}
+    if any(track and track.disc for track in (present.track, present.pin_track)):
+        return "a disc warms as a whole, by the heat of its earlier turns"
     if not present.disk_bulk:
         around = present.track.length if present.track else _TRACK
         bodies["disk"] = around / math.pi, scene.disk
@@ -368,6 +372,6 @@ def on_cold_bodies(bodies: tuple[str, ...], around: float, by_how_much: str) -> 
     entries = " and ".join(f"{body}.diameter" for body in bodies)
     return (
         f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
-        f"track: on tracks of {1e3 * around:.3g} mm they would {by_how_much}; give {entries}, or "
-        "track_length"
+        f"track: on tracks of {1e3 * around:.3g} mm they would {by_how_much}; give {entries} and "
+        "width, or track_length"
     )

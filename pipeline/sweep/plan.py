@@ -20,10 +20,19 @@ import numpy as np
 from pipeline.sweep.about import as_lines, on_point
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.severity import Verdict, verdict
+from pipeline.sweep.severity import verdict
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
-from tribo import BULK_RATIOS, QUANTILES, Scene, State, TriboError, measures, warnings
+from tribo import (
+    BULK_RATIOS,
+    QUANTILES,
+    Scene,
+    State,
+    TriboError,
+    Verdict,
+    measures,
+    warnings,
+)
 from tribo.simulation import Note, PointWarning, Trunks, contacts, heat
 from tribo.types import Array
 

@@ -8,23 +8,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from pipeline.sweep.conditions import Conditions, in_celsius
-from tribo import Criterion, InputError, Scene, State, failed_share
+from tribo import InputError, Scene, State, Verdict
 from tribo.simulation import moment_of
+from tribo.simulation import verdict as tribo_verdict
 from tribo.simulation.corrections import NEEDED
-from tribo.thermal import with_bulk_ratio
-from tribo.types import Array, Indices
+from tribo.simulation.verdict import RISES as RISES
+from tribo.simulation.verdict import above_colder as above_colder
+from tribo.simulation.verdict import worst_moment as worst_moment
+from tribo.thermal import failed_share
+from tribo.types import Array
 
 if TYPE_CHECKING:
     import xarray as xr
-
-RISES = ("max_rise", "mean_rise", "rise_quantile")
-"""Columns that depend on the bulk temperatures where these differ."""
 
 MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
 
@@ -37,17 +38,6 @@ MOLTEN = (
 Rise = TypeVar("Rise", float, Array, "xr.DataArray")
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """Mild or severe wear at a point at its worst moment; None where the limit is not known."""
-
-    is_severe: bool | None
-    time: float  # of the worst moment, from the start of the ramp [s]
-    decisive_temperature: float  # [K]
-    max_temperature: float  # [K]
-    failed_fraction: float | None  # share of the contact area above the critical temperature
-
-
 def contact_temperature(rise: Rise, conditions: Conditions) -> Rise:
     """Temperature of the contact [K], from its rise at friction 1 [K]."""
     return conditions.coldest_bulk_temperature + conditions.rise_factor * rise
@@ -55,10 +45,8 @@ def contact_temperature(rise: Rise, conditions: Conditions) -> Rise:
 
 def rise_limit(conditions: Conditions) -> float:
     """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction."""
-    if conditions.rise_factor == 0:
-        return math.inf
-    warming = conditions.known_critical_temperature() - conditions.coldest_bulk_temperature
-    return warming / conditions.rise_factor
+    conditions.known_critical_temperature()
+    return tribo_verdict.rise_limit(conditions)
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
@@ -77,13 +65,6 @@ def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
     return float(conditions.decisive.rise(momentary_rises(scene, state, conditions)))
 
 
-def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
-    """Step of the highest rise (..., n_step) from when the load is reached on; else the last."""
-    counts = np.isfinite(rise) & (normal_load >= load)
-    step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
-    return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
-
-
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
     """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
 
@@ -98,18 +79,9 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
 
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
     """Mild or severe wear at a point, by its columns and the load that it is named after [N]."""
-    columns = at_bulks(columns, conditions)
-    rises = conditions.decisive.rise(columns)
-    worst = int(worst_moment(rises, columns["normal_load"], load))
-    rise, quantiles = float(rises[worst]), columns["rise_quantile"][worst]
-    judged = conditions.critical_temperature is not None
-    return Verdict(
-        is_severe=Criterion.is_severe(rise, rise_limit(conditions)) if judged else None,
-        time=float(columns["time"][worst]),
-        decisive_temperature=contact_temperature(rise, conditions),
-        max_temperature=contact_temperature(float(quantiles[-1]), conditions),
-        failed_fraction=failed_fraction(quantiles, conditions) if judged else None,
-    )
+    if conditions.bulk_ratio:
+        require_bulks(columns, conditions)
+    return tribo_verdict.verdict(columns, load, conditions)
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
@@ -129,13 +101,6 @@ def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str,
         return columns
     require_bulks(columns, conditions)
     return above_colder(columns, ratio)
-
-
-def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
-    """Columns with rises at friction 1 above the colder body, at a bulk ratio [K]."""
-    above_pin = with_bulk_ratio(columns, bulk_ratio)
-    pin = max(0.0, -bulk_ratio)
-    return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:

@@ -29,15 +29,10 @@ def _usual(sweep: Sweep) -> Steps:
 
 
 def _warms_in_hold(sweep: Sweep) -> bool:
-    """The load is held, and a body of some variant has a heat capacity."""
+    """The load is held, and a body of some variant keeps heat."""
     loading = sweep.scene.loading
     if not isinstance(loading, Ramp) or not loading.hold:
         return False
     several = (sweep.variant(name) for name in sweep.variants.names)
-    bulks = (
-        bulk
-        for one in several
-        if (held := one.conditions.corrections)
-        for bulk in (held.pin_bulk, held.disk_bulk)
-    )
-    return any(bulk.capacity for bulk in bulks if bulk)
+    kept = (one.conditions.corrections for one in several)
+    return any(corrections.keeps_heat for corrections in kept if corrections)

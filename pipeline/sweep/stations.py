@@ -7,15 +7,11 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from tribo import MeasuredLoad, Scene
 from tribo.loading import Station
 
 Steps = Literal["course", "end"]
 """Every step of a point, or those alone that can decide."""
-
-_MOST_OF_HOLD = 60  # moments of a hold at which a wearing contact and a warming body are judged
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +33,7 @@ class Stations:
         if self.steps == "course":
             is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
             return frozenset(step.index for step in (way if is_own else held))
-        kept = [held[place].index for place in _growing(len(held))] if self.judges_hold else []
+        kept = [step.index for step in held] if self.judges_hold else []
         reached = max((step.time for step in way if not step.holding), default=0.0)
         tested = (
             step.index
@@ -66,10 +62,3 @@ def ramp_of(scene: Scene) -> Hashable:
     fewest = scene.fidelity.fewest_elements
     memory = scene.remembers_steps, scene.remembers_heat, fewest > 0
     return scene.loading, scene.fidelity.increments, *memory
-
-
-def _growing(count: int) -> set[int]:
-    """Places of all steps of a hold; of very many those at times that grow by a ratio."""
-    if count <= _MOST_OF_HOLD:
-        return {*range(count)}
-    return {*(np.geomspace(1, count, _MOST_OF_HOLD).round().astype(int) - 1).tolist()}

@@ -18,11 +18,9 @@ from tribo import (
     Motion,
     Oil,
     SelfAffineRoughness,
-    analytic,
     contact_modulus,
-    minimum_line_film,
-    minimum_point_film,
 )
+from tribo.simulation.pins import OilEntry, Pin
 from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
@@ -145,12 +143,10 @@ class Lubrication:
     """Quantities that the film parameter Λ depends on, of smooth bodies before any wear."""
 
     oil: Oil  # with a pressure-viscosity coefficient
-    radius: float  # of the pin [m]
-    length: float | None  # of a cylinder [m]; None for any other pin
+    pin: Pin
     contact_modulus: float  # [Pa]
     rms_height: float  # of the disk [m]
     motion: Motion | None = None  # None if the pin is at rest
-    crown_radius: float | None = None  # of a crowned roller, across the motion [m]
 
     @classmethod
     def of(cls, sweep: Sweep) -> Self | None:
@@ -167,7 +163,7 @@ class Lubrication:
         if surface is None or surface.rq == 0:
             return None
         modulus = contact_modulus(pin.material, scene.disk)
-        return cls(oil, pin.radius, pin.length, modulus, surface.rq, scene.motion, pin.crown_radius)
+        return cls(oil, pin, modulus, surface.rq, scene.motion)
 
     def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
         """Minimum film thickness at a load [N], a sliding velocity [m/s] and a temperature [K] [m].
@@ -177,17 +173,8 @@ class Lubrication:
         both = self.motion.velocities(velocity) if self.motion else (0.0, velocity)
         viscosity = self.oil.viscosity(temperature)
         coefficient = self.oil.pressure_coefficient(temperature)
-        oil = abs(sum(both)) / 2, viscosity, coefficient
-        if self.length is None:
-            solids = self.radius, self.contact_modulus, self.ellipticity
-            return minimum_point_film(*oil, load, *solids)
-        return minimum_line_film(*oil, load / self.length, self.radius, self.contact_modulus)
-
-    @property
-    def ellipticity(self) -> float:
-        """Width of a point contact across the motion over that along it (Hertz)."""
-        shape = self.radius, None, self.crown_radius
-        return analytic.hertz_contact(1.0, self.contact_modulus, *shape).aspect  # at any load
+        oil = OilEntry(abs(sum(both)) / 2, viscosity, coefficient)
+        return self.pin.film_thickness(oil, load, self.contact_modulus)
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
         """Film parameter Λ of loads [N] and velocities [m/s], broadcast; NaN without a load."""

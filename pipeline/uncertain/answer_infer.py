@@ -16,7 +16,8 @@ from pipeline.scene.units import display
 from pipeline.sweep.model import Sweep
 from pipeline.uncertain.answer_posterior import posterior
 from pipeline.uncertain.critical_temperature import CriticalTemperatures
-from tribo import InputError, Ramp, specific_wear_rate
+from tribo import InputError, Ramp
+from tribo.inverse import specific_wear_rate
 
 
 def infer(options: argparse.Namespace) -> Result:
@@ -168,6 +169,4 @@ def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
             f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
             f"{load:g} N"
         )
-    return sweep.changed(
-        loading=replace(sweep.scene.loading, hold=duration - ramp, hold_steps=None)
-    )
+    return sweep.changed(loading=replace(sweep.scene.loading, hold=duration - ramp, stops=()))

@@ -19,8 +19,9 @@ from pipeline.store.write import opened, stored
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import contact_temperature
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
-from tribo import Criterion, InputError, Transition
+from tribo import Criterion, InputError
 from tribo.errors import require_positive
+from tribo.inverse import Transition
 
 _PLACE = ("normal_load", "velocity")
 
@@ -84,7 +85,7 @@ def critical_temperatures(
     """Find the temperature that the failing share exceeds at each measured transition.
 
     A good model gives the same at all of them: the critical temperature of the lubricant, where
-    no rig can measure it (see `tribo.critical_temperature`).
+    no rig can measure it (see `tribo.inverse.critical_temperature`).
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ def critical_temperatures(
     Raises
     ------
     InputError
-        If no transition was measured, or for a reason of `tribo.critical_temperature`.
+        If no transition was measured, or for a reason of `tribo.inverse.critical_temperature`.
 
     Examples
     --------

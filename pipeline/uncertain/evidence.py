@@ -55,8 +55,7 @@ def require_possible(ensemble: Ensemble) -> None:
         if hold not in ensemble.by_hold:
             raise InputError(
                 f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: give "
-                "loading.hold of the longest test, and for a shorter one loading.hold_steps of "
-                "which one ends with it"
+                "loading.hold of the longest test, and run the samples with it"
             )
         if "load_scatter" in test and len(ensemble.loads) < 2:
             raise InputError(

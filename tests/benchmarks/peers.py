@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo import ElasticHalfSpace, Grid, self_affine, solve_contact
+from tribo import Grid
+from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.numerics import padded_shape
+from tribo.surface import self_affine
 
 CONTACT_MODULUS = 115.385e9
 HARDNESS = 6.6e9

@@ -20,7 +20,7 @@ from tests.benchmarks.peers import (
     rough,
     sphere,
 )
-from tribo import solve_contact
+from tribo.contact import solve_contact
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # others' own
 

@@ -9,7 +9,6 @@ import numpy as np
 from tribo import (
     Ball,
     Cylinder,
-    ElasticHalfSpace,
     Fidelity,
     Grid,
     Material,
@@ -22,6 +21,7 @@ from tribo import (
     contact_modulus,
     simulate,
 )
+from tribo.contact import ElasticHalfSpace
 from tribo.loading import MeasuredLoad
 
 EPSILON = np.finfo(float).eps
@@ -138,9 +138,9 @@ def random_loading(draw, rate, reference):
     kind = draw.either("ramp", "ramp", "ramp", "hold", "record")
     if kind == "ramp":
         return lambda: Ramp(rate, reference)
-    hold, steps = reference / rate * draw.rng.uniform(), draw.integer(1, 3)
+    hold, stop = reference / rate * draw.rng.uniform(), draw.rng.uniform()
     if kind == "hold":
-        return lambda: Ramp(rate, reference, hold=hold, hold_steps=steps)
+        return lambda: Ramp(rate, reference, hold=hold, stops=(stop * hold,))
     times = np.cumsum(draw.rng.uniform(0.1, 1.0, 6)) * reference / rate
     loads = np.sort(draw.rng.uniform(-0.1, 1.0, 6)) * reference
     return lambda: MeasuredLoad(times, loads)

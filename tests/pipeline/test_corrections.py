@@ -8,6 +8,7 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.laboratory import compared
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
@@ -138,7 +139,13 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
         ("disk.track_length=0 m", "above 0"),
         ("disk.track_length=2 mm", "times the width of the contact"),
         ("pin.track_length=314 mm", "the pin is at rest"),
-        ("disk.width=20 mm", "no heat of earlier turns"),
+        ("disk.width=20 mm", "belongs to a disc"),
+        ("disk={diameter='90 mm', material='steel'}", "disk.width: missing"),
+        ("disk={diameter='9 cm', width='1 cm', bore='9 cm', material='steel'}", "not smaller"),
+        ("disk={diameter='9 cm', width='1 cm', capacity='65 J/K', material='steel'}",
+         "disk.diameter: 90 mm of a disc stands beside capacity of a plate"),
+        ("disk={diameter='9 cm', width='1 cm', rim_loss='2 W/K', material='steel'}",
+         "cannot be converted to W/(m^2 K)"),
         ("disk={diameter='9 cm', width='3 mm', material='steel'}", "narrower than the contact"),
         ("disk.loss=2 W", "cannot be converted to W/K"),
         ("disk.capacity={diameter='3 mm'}", "disk.capacity.thickness: missing"),
@@ -164,7 +171,7 @@ def test_a_rod_does_not_hold_a_pin_that_turns(tmp_path, irg):
 def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     """A diameter stands for its circumference, over which the pin's wear spreads, too."""
     (tmp_path / "plain.toml").write_text(SCENE)
-    entries = {"motion": {"slide_roll_ratio": 0.5}, "pin.diameter": "10 cm"}
+    entries = {"motion": {"slide_roll_ratio": 0.5}, "pin.diameter": "10 cm", "pin.width": "1 cm"}
     entries |= {"disk.track_length": "40 cm"}
     scene = pipeline.load_scene(tmp_path / "plain.toml", overrides=entries)
     corrections = scene.conditions.corrections
@@ -172,13 +179,25 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     assert corrections.track.length == 0.4
     assert corrections.motion == scene.scene.motion
     for wrong, problem in (
-        ({"pin.track_length": "314 mm"}, "pin.diameter: 100 mm stands beside a track_length"),
+        (
+            {"pin.track_length": "314 mm"},
+            "pin.diameter: 100 mm of a disc stands beside track_length",
+        ),
         ({"motion.track_length": "200 mm"}, "motion.track_length: 200 mm is not the 314.159 mm"),
         ({"pin.diameter": "0.5 mm"}, "pin.diameter: the track is 1.571 mm long"),
     ):
         with pytest.raises(pipeline.SceneFileError) as error:
             pipeline.load_scene(tmp_path / "plain.toml", overrides=entries | wrong)
         assert problem in str(error.value)
+
+
+def test_a_disc_has_the_entries_of_its_scene():
+    entries = scene_entries(
+        pipeline.load_scene("twin_disc", overrides={"disk.shaft_loss": "5 W/K"})
+    )
+    assert entries["disk.shaft_loss"] == "5 W/K"
+    assert entries["pin.diameter"] == "100 mm"
+    assert not any(".disc" in path or "stops" in path for path in entries)
 
 
 def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):

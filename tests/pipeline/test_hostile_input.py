@@ -38,8 +38,8 @@ def fifo(tmp_path):
 
 def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     for read in (
-        lambda: tribo.read_heights(fifo("a.npy"), 1.0),
-        lambda: tribo.read_load(fifo("a.csv")),
+        lambda: tribo.surface.read_heights(fifo("a.npy"), 1.0),
+        lambda: tribo.loading.read_load(fifo("a.csv")),
         lambda: read_surface(fifo("a.x3p")),
     ):
         with pytest.raises(tribo.InputError, match="not a file"):

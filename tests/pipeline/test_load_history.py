@@ -11,7 +11,6 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import momentary_rise
-from pipeline.sweep.station_choice import choose_stations
 from tests.helpers import tiny
 from tests.helpers.sweeps import deciding, with_fields
 from tests.pipeline.conftest import commit_all
@@ -105,14 +104,12 @@ def test_any_part_of_a_sweep_has_the_temperatures_that_it_has_in_the_whole(tmp_p
 def test_a_hold_that_warms_a_body_is_judged_inside():
     warming = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=3.0, loss=1.0))
     conditions = Conditions(0.1, 298.15, 418.15, corrections=warming)
-    ramp = tribo.Ramp(150.0, 750.0, hold=100.0, hold_steps=40)
+    ramp = tribo.Ramp(150.0, 750.0, hold=100.0)
     wear = tribo.Wear(1e-16)
     held = tiny.sweep(loading=ramp, wear=wear, loads=(600.0,), conditions=conditions)
     result = pipeline.run_point(held, 600.0, 1.0)
-    assert len(result.columns["time"]) == 41  # where the load is reached, and each step
+    steps = [step for step in ramp.stations(600.0, held.scene.fidelity.increments) if step.holding]
+    assert len(result.columns["time"]) == 1 + len(steps)  # where the load is reached, too
     assert 4.0 < result.verdict(conditions).time < 104.0
     without = held.changed(conditions=replace(conditions, corrections=None))
     assert len(pipeline.run_point(without, 600.0, 1.0).columns["time"]) == 2
-    coarse = held.changed(loading=tribo.Ramp(150.0, 750.0, hold=100.0, hold_steps=4000))
-    many = choose_stations(coarse).asked(coarse.scene, 600.0)
-    assert 50 < len(many) <= 61

@@ -25,7 +25,8 @@ from tests.helpers import stores as helpers
 from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all
-from tribo import Grid, self_affine
+from tribo import Grid
+from tribo.surface import self_affine
 
 NEAR = 0.05  # relative, of straight lines
 ERROR = 0.08  # of velocities by preset draft, as its page says

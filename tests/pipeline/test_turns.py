@@ -7,7 +7,7 @@ import pipeline
 from pipeline.sweep.physics import note_on_turns
 from tests.pipeline.conftest import commit_all
 
-COLD = {"without": ["pin.diameter", "disk.diameter"]}
+COLD = {"without": ["pin.diameter", "pin.width", "disk.diameter", "disk.width"]}
 AROUND = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BOTH = "earlier turns of the pin and the disk are not counted"
 
@@ -27,14 +27,15 @@ def test_bodies_that_do_not_both_roll_or_have_tracks_say_nothing():
     assert note_on_turns(pipeline.load_scene("twin_disc")) is None
     at_rest = AROUND | {"motion.slide_roll_ratio": 2.0}
     assert note_on_turns(pipeline.load_scene("twin_disc", overrides=COLD | at_rest)) is None
-    one = pipeline.load_scene("twin_disc", overrides={"without": ["disk.diameter"]})
+    one = pipeline.load_scene("twin_disc", overrides={"without": ["disk.diameter", "disk.width"]})
     assert note_on_turns(one).startswith("earlier turns of the disk are not counted")
 
 
 def test_commands_say_what_a_scene_of_cold_discs_leaves_out(tmp_path, irg):
     scene, store = tmp_path / "cold.toml", tmp_path / "cold.zarr"
     scene.write_text(
-        'extends = "twin_disc"\nwithout = ["pin.diameter", "disk.diameter"]\n'
+        'extends = "twin_disc"\n'
+        'without = ["pin.diameter", "pin.width", "disk.diameter", "disk.width"]\n'
         'motion.track_length = "314 mm"\nfidelity.preset = "draft"\n'
         'sweep.loads = ["3 kN"]\nsweep.velocities = ["4 m/s", "5 m/s", "6 m/s", "7 m/s"]\n'
     )
@@ -45,7 +46,7 @@ def test_commands_say_what_a_scene_of_cold_discs_leaves_out(tmp_path, irg):
     said = irg("boundary", store, "--json")
     assert "would move the critical velocities by -25 to -25 %" in said["not_counted"]
     cold = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item()
-    warm = {"pin.diameter": "100 mm", "disk.diameter": "100 mm"}
+    warm = {"pin.track_length": "314.159 mm", "disk.track_length": "314.159 mm"}
     commit_all(store, pipeline.load_scene(scene, overrides=warm))
     assert irg("boundary", store, "--json")["not_counted"] is None
     moved = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item() / cold - 1

@@ -53,7 +53,11 @@ def shipped(seed):
     roughness, radius = scene.roughness, around(1e3 * scene.pin.radius, 1.5)
     own = {
         "ball_on_disk": {"window.pixels": [300, 300], "window.pixel_size": ["2 um", "2 um"]},
-        "twin_disc": {"window.pixels": [1440, 96], "pin.diameter": f"{4 * radius} mm"},
+        "twin_disc": {
+            "window.pixels": [1440, 96],
+            "pin.diameter": f"{4 * radius} mm",
+            "pin.width": "10 mm",
+        },
         "oil_a": {"window.pixels": [720, 160]},
         "first_try": {"window.pixels": [576, 160]},
     }

@@ -138,7 +138,7 @@ def hertz(pin, disk, pressure):
     if isinstance(pin, tribo.Cylinder):
         half_width = 2 * pin.radius * pressure / modulus
         return math.pi / 2 * half_width * pressure * pin.length, (half_width, half_width)
-    crown = pin.crown_radius or pin.radius
+    crown = getattr(pin, "crown_radius", pin.radius)
     half_width = math.pi * pressure * math.sqrt(pin.radius * crown) / (2 * modulus)
     oblong = (crown / pin.radius) ** (1 / 3)
     load = 2 / 3 * math.pi * pressure * half_width**2

@@ -7,21 +7,16 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import last, small_scene
-from tribo import (
+from tribo import QUANTILES, Grid, InputError, Wear, contact_modulus, measures
+from tribo.analytic import hertz_point_peak_pressure, hertz_point_radius
+from tribo.inverse import (
     AISI_316,
-    QUANTILES,
-    Grid,
-    InputError,
     Transition,
-    Wear,
-    contact_modulus,
     critical_temperature,
     critical_temperature_rig,
-    measures,
     rig_heating,
     specific_wear_rate,
 )
-from tribo.analytic import hertz_point_peak_pressure, hertz_point_radius
 
 BULK, CRITICAL = 25.0, 145.0
 DECISIVE = QUANTILES.index(0.9)

@@ -18,7 +18,7 @@ from tribo import (
     Criterion,
     Crowned,
     Cylinder,
-    ElasticHalfSpace,
+    Disc,
     Fidelity,
     Grid,
     MeasuredLoad,
@@ -31,22 +31,22 @@ from tribo import (
     Track,
     TriboError,
     Wear,
-    minimum_line_film,
-    minimum_point_film,
-    partition_heat,
     simulate,
-    solve_contact,
 )
 from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
-from tribo.contact import elastic_influence
+from tribo.contact import ElasticHalfSpace, elastic_influence, solve_contact
+from tribo.inverse import critical_temperature, specific_wear_rate
+from tribo.material import minimum_line_film, minimum_point_film
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
-from tribo.surface import autocorrelation_lengths
+from tribo.simulation.verdict import rise_limit
+from tribo.surface import autocorrelation_lengths, fit_self_affine, read_heights, self_affine
 from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
     Rule,
     contact_quantiles,
+    partition_heat,
     rise_exceeded,
     with_bulk_ratio,
 )
@@ -56,7 +56,7 @@ from tribo.wear.laws import require_wear, wear_over
 GRID, FREE = Grid((6, 5), (1e-6, 1e-6)), Grid((6, 5), (1e-6, 1e-6), (False, False))
 ZERO, ON = np.zeros(GRID.shape), np.ones(GRID.shape, bool)
 WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 15e-9))
-RIG = tribo.critical_temperature_rig()
+RIG = tribo.inverse.critical_temperature_rig()
 INFINITE = math.inf
 
 
@@ -158,23 +158,23 @@ REFUSALS = {
         for name in (load, "radius")
     },
     # surfaces, wear, loading
-    "hurst": (lambda: tribo.self_affine(GRID, 1e-7, 1.2, 1e-6, 0), "hurst_exponent is 1.2"),
-    "single": (lambda: tribo.self_affine(Grid((1, 1), (1.0, 1.0)), 1e-7, 0.8, 1e-6, 0),
+    "hurst": (lambda: self_affine(GRID, 1e-7, 1.2, 1e-6, 0), "hurst_exponent is 1.2"),
+    "single": (lambda: self_affine(Grid((1, 1), (1.0, 1.0)), 1e-7, 0.8, 1e-6, 0),
                "a single element has no roughness"),
-    "ra": (lambda: tribo.self_affine(GRID, 0.0, 0.8, 1e-6, 0), "ra is 0.0"),
+    "ra": (lambda: self_affine(GRID, 0.0, 0.8, 1e-6, 0), "ra is 0.0"),
     **{
         f"length {axis}": (
-            lambda lengths=lengths: tribo.self_affine(GRID, 1e-7, 0.8, lengths, 0),
+            lambda lengths=lengths: self_affine(GRID, 1e-7, 0.8, lengths, 0),
             f"correlation_length_{axis} is 0.0",
         )
         for axis, lengths in (("x", (0.0, 1e-6)), ("y", (1e-6, 0.0)))
     },
-    "flat": (lambda: tribo.fit_self_affine(np.zeros((99, 99)), (1.0, 1.0)), "rms_height is 0.0"),
+    "flat": (lambda: fit_self_affine(np.zeros((99, 99)), (1.0, 1.0)), "rms_height is 0.0"),
     "uncorrelated": (lambda: autocorrelation_lengths(ZERO, (1.0, 1.0)), "rms_height is 0.0"),
-    "unit": (lambda: tribo.read_heights("heights.csv", unit=0.0), "unit is 0.0"),
-    "seed": (lambda: tribo.self_affine(GRID, 1e-7, 0.8, 1e-6, -1), "seed is -1"),
+    "unit": (lambda: read_heights("heights.csv", unit=0.0), "unit is 0.0"),
+    "seed": (lambda: self_affine(GRID, 1e-7, 0.8, 1e-6, -1), "seed is -1"),
     "blocks": (lambda: block_average(ZERO, 4), "6 × 5 pixels cannot be averaged 4 × 4"),
-    "few heights": (lambda: tribo.fit_self_affine(ZERO, (1.0, 1.0)), "6 × 5 heights are too few"),
+    "few heights": (lambda: fit_self_affine(ZERO, (1.0, 1.0)), "6 × 5 heights are too few"),
     "one row": (lambda: MeasuredRoughness(np.zeros(3)), "must be a two-dimensional array"),
     "text": (lambda: MeasuredRoughness(np.array([["a"]])), "must hold real numbers"),
     "hole": (lambda: MeasuredRoughness([[1.0], [math.inf]]), "1 of 2 places, the first at (1, 0)"),
@@ -195,10 +195,9 @@ REFUSALS = {
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
     "reference": (lambda: Ramp(1.0, 0.0), "reference_load is 0.0"),
     "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),
-    "no hold steps": (lambda: Ramp(1.0, 1.0, 1.0, 0), "hold_steps is 0"),
+    "stops": (lambda: Ramp(1.0, 1.0, 1.0, (-1.0,)), "stops is (-1.0,)"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
-    "hold steps": (lambda: Ramp(1.0, 1.0, 1.0, 10**7), "hold_steps is 10000000"),
-    "steps": (lambda: list(Ramp(150.0, 750.0, hold=1e6).stations(600.0, 100)),
+    "steps": (lambda: list(Ramp(1.0, 1e-9).stations(600.0, 100)),
               "at most 100000 are allowed"),
     "no load": (lambda: list(Ramp(1.0, 1.0).stations(0.0, 9)), "normal_load is 0.0"),
     "no numbers": (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
@@ -260,7 +259,24 @@ REFUSALS = {
     **{
         f"track {name}": (lambda name=name: replace(TRACK, **{name: 0.0}), f"{name} is 0.0")
         for name in (field.name for field in fields(Track))
+        if name != "disc"
     },
+    "friction of conditions": (lambda: tribo.Conditions(friction=-0.1, bulk_temperature=298.0),
+                               "friction is -0.1"),
+    "bulk of conditions": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=-1.0),
+                           "bulk_temperature is -1.0 K"),
+    "critical": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=298.0,
+                                          critical_temperature=290.0),
+                 "critical_temperature is 290 K; it must be above the bulk temperature, 298 K"),
+    "no limit": (lambda: rise_limit(tribo.Conditions(friction=0.1, bulk_temperature=298.0)),
+                 "critical_temperature is None"),
+    "disc diameter": (lambda: Disc(diameter=0.0, width=1.0), "diameter is 0.0"),
+    "disc width": (lambda: Disc(diameter=1.0, width=0.0), "width is 0.0"),
+    "disc loss": (lambda: Disc(diameter=1.0, width=1.0, rim_loss=-1.0), "rim_loss is -1.0"),
+    "bore": (lambda: Disc(diameter=1.0, width=1.0, bore=1.0), "bore is 1 m; it must be smaller"),
+    "disc and bulk": (lambda: Corrections(
+        track=replace(TRACK, disc=Disc(diameter=1.0, width=1.0)), disk_bulk=Bulk(1.0)),
+        "keeps the same heat; give one of them"),
     "history": (lambda: Fidelity(heat_model="history", history_coarsening=2), "so it must be 1"),
     "motions": (Motion, "exactly one of them must be given"),
     "both motions": (lambda: Motion(slide_roll_ratio=0.5, entrainment_velocity=2.0),
@@ -294,14 +310,14 @@ REFUSALS = {
     "factor": (lambda: Corrections(friction=((1.0, -1.0),)), "each must be finite and ≥ 0"),
     "oxide": (lambda: Corrections(film_resistance=-1.0), "film_resistance is -1.0"),
     "no heat": (lambda: moment_of(RIG, start(RIG), None), "ended without a temperature"),
-    "transitions": (lambda: tribo.critical_temperature(RIG, [], 298.0), "at least one is needed"),
-    "bulks": (lambda: tribo.critical_temperature(RIG, [(1.0, 1.0, 0.1)], math.nan),
+    "transitions": (lambda: critical_temperature(RIG, [], 298.0), "at least one is needed"),
+    "bulks": (lambda: critical_temperature(RIG, [(1.0, 1.0, 0.1)], math.nan),
               "both must be finite"),
-    "no transition friction": (lambda: tribo.critical_temperature(RIG, [(1.0, 1.0, 0.0)], 298.0),
+    "no transition friction": (lambda: critical_temperature(RIG, [(1.0, 1.0, 0.0)], 298.0),
                                "friction is 0.0"),
-    "rolls": (lambda: tribo.specific_wear_rate(scene(motion=Motion(slide_roll_ratio=1.0)),
+    "rolls": (lambda: specific_wear_rate(scene(motion=Motion(slide_roll_ratio=1.0)),
                                                3e-4, 600.0, 1.25), "makes its contact no wider"),
-    "width": (lambda: tribo.specific_wear_rate(RIG, 1.0, 10.0, 0.065), "it must lie between"),
+    "width": (lambda: specific_wear_rate(RIG, 1.0, 10.0, 0.065), "it must lie between"),
 }  # fmt: skip
 
 ELSEWHERE = {
@@ -325,6 +341,7 @@ ELSEWHERE = {
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
     "inverse.rig_heating InputError": "the rig always touches; for the type checker",
+    "verdict.judge InputError": "a point always touches; for the type checker",
     "errors.of_law": "an error of tribo, passed on as it is",
 }
 """Refusals, by function and class, that are not in the table: where they are tested, or why not."""

@@ -60,8 +60,8 @@ class ContactSolution:
     >>> import tribo
     >>> grid = tribo.Grid((65, 1), (4e-6, 1e-3))
     >>> separation = grid.coordinates(0)[:, None] ** 2 / (2 * 8e-3)
-    >>> solid = tribo.ElasticHalfSpace(grid, 115e9)
-    >>> contact = tribo.solve_contact(solid, separation, normal_load=100.0)
+    >>> solid = tribo.contact.ElasticHalfSpace(grid, 115e9)
+    >>> contact = tribo.contact.solve_contact(solid, separation, normal_load=100.0)
     >>> f"{contact.pressure.max() / 1e9:.2f} GPa", contact.residual < 1e-8
     ('0.68 GPa', True)
     """

@@ -5,25 +5,26 @@ for, and each load branches off the last station of the trunk below it with one 
 load far below the reference load would then take few steps, and so has a trunk of smaller
 increments: halved until the load takes a quarter of the steps that the reference load takes. Which
 trunk leads to a load depends on nothing else, so no point depends on which other loads there are.
-A hold at constant load belongs to its point.
+
+A hold at constant load belongs to its point. Its steps grow with the time since the load began:
+what wears, conducts and warms in it changes by about as much in each, since all of it goes by the
+ratio of times, or of impulses.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tribo.errors import InputError, require_integer, require_positive
 
 MOST_STEPS = 100_000
-"""Steps that a load or a hold may take; more are an oversight."""
-
-
-_CURES = {
-    "hold": ("s", "Give a shorter hold, or hold_steps"),
-    "load": ("N", "Choose fewer increments or a higher reference_load"),
-}
+"""Steps that a load may take; more are an oversight."""
+# Logarithm by which the impulse grows in as many steps of a hold as there are increments. Of 18
+# holds of 4 to 300 s, smooth and rough on 60 rows of elements, with 1e-16 to 1e-14 m²/N, `standard`
+# left the rise within 2.4 % of that of eight times as many steps on the pixels.
+_GROWTH = 4.0
 _FEWEST_SHARE = 0.25  # of the increments up to the reference load, that a load takes at least
 
 
@@ -75,36 +76,32 @@ class Ramp:
         Load that the trunk reaches in the scene's number of increments [N].
     hold : float, optional
         Duration for which each point's load goes on once it is reached [s].
-    hold_steps : int, optional
-        Steps of the hold; if not given, as few as are no longer than those of the trunk.
+    stops : tuple of float, optional
+        Durations of the hold at which a step ends in any case [s]; those beyond it do not count.
 
     Examples
     --------
-    >>> ramp = Ramp(rate=150.0, reference_load=750.0, hold=4.0, hold_steps=2)
-    >>> for station in ramp.stations(200.0, increments=10):
+    >>> ramp = Ramp(rate=150.0, reference_load=750.0, hold=4.0)
+    >>> for station in ramp.stations(200.0, increments=5):
     ...     print(f"{station.normal_load:g} N at {station.time:.4f} s")
-    75 N at 0.5000 s
     150 N at 1.0000 s
     200 N at 1.3333 s
-    200 N at 3.3333 s
+    200 N at 1.9420 s
+    200 N at 3.1062 s
     200 N at 5.3333 s
     """
 
     rate: float
     reference_load: float
     hold: float = 0.0
-    hold_steps: int | None = None
+    stops: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate, reference_load=self.reference_load)
         if not 0 <= self.hold < math.inf:
             raise InputError(f"hold is {self.hold!r} s; it must be finite and at least 0")
-        if self.hold_steps is not None:
-            require_integer(1, hold_steps=self.hold_steps)
-            if self.hold_steps > MOST_STEPS:
-                raise InputError(
-                    f"hold_steps is {self.hold_steps}; it must be at most {MOST_STEPS}"
-                )
+        if not all(0 <= stop < math.inf for stop in self.stops):
+            raise InputError(f"stops is {self.stops!r}; each must be finite and at least 0")
 
     def increment(self, normal_load: float, increments: int) -> float:
         """Load by which each step of the trunk that leads to a load is higher [N].
@@ -132,23 +129,35 @@ class Ramp:
         require_integer(1, increments=increments)
         for station in self._rise(normal_load, increments):
             yield station  # `yield from` would not keep the last one
-        if self.hold:
-            step = self.increment(normal_load, increments) / self.rate
-            steps = self.hold_steps or _whole(math.ceil, "hold", self.hold, step)
-            for number in range(1, steps + 1):
-                yield Station(
-                    normal_load,
-                    station.time + self.hold * number / steps,
-                    on_trunk=False,
-                    index=station.index + number,
-                    impulse=station.impulse + normal_load * self.hold * number / steps,
-                    holding=True,
-                )
+        for number, held in enumerate(self._held(station.time / 2, increments), 1):
+            yield Station(
+                normal_load,
+                station.time + held,
+                on_trunk=False,
+                index=station.index + number,
+                impulse=station.impulse + normal_load * held,
+                holding=True,
+            )
+
+    def _held(self, before: float, increments: int) -> Iterator[float]:
+        """Durations at the full load at which steps of the hold end [s].
+
+        Before, the load has had the impulse of so long a time at the full one.
+        """
+        begin, before = 0.0, max(before, 1e-15 * self.hold)  # of a ramp that takes no time
+        stops = {stop for stop in (*self.stops, self.hold) if 0 < stop <= self.hold}
+        for end in sorted(stops):
+            grown = math.log1p((end - begin) / (before + begin))
+            steps = max(1, math.ceil(increments * grown / _GROWTH * (1 - 1e-12)))
+            for step in range(1, steps):
+                yield begin + (before + begin) * math.expm1(grown * step / steps)
+            yield end
+            begin = end
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
         """Stations of the trunk, and the one at `normal_load`."""
         increment = self.increment(normal_load, increments)
-        last = _whole(math.floor, "load", normal_load, increment)
+        last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):
             load = index * increment
             if math.isclose(load, normal_load, rel_tol=1e-12):
@@ -163,13 +172,12 @@ class Ramp:
         return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 
 
-def _whole(rounded: Callable[[float], int], name: str, whole: float, step: float) -> int:
-    """Number of steps that make up the whole; a whole number where it is one but for rounding."""
-    steps = whole / step if step > 0 else math.inf
+def _whole_steps(load: float, step: float) -> int:
+    """Number of whole steps up to a load [N]."""
+    steps = load / step if step > 0 else math.inf
     if not steps <= MOST_STEPS:
-        unit, cure = _CURES[name]
         raise InputError(
-            f"{name} is {whole:g} {unit}, which takes {steps:.3g} steps of {step:.3g} {unit}; at "
-            f"most {MOST_STEPS} are allowed. {cure}"
+            f"load is {load:g} N, which takes {steps:.3g} steps of {step:.3g} N; at most "
+            f"{MOST_STEPS} are allowed. Choose fewer increments or a higher reference_load"
         )
-    return rounded(steps * (1 - 1e-12 if rounded is math.ceil else 1 + 1e-12))
+    return math.floor(steps * (1 + 1e-12))

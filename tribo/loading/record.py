@@ -265,7 +265,7 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
     Examples
     --------
     >>> import tribo
-    >>> record = tribo.read_load("workflows/fig8_load_record.csv")
+    >>> record = tribo.loading.read_load("workflows/fig8_load_record.csv")
     >>> len(record.times), f"{max(record.loads):.0f} N"
     (300, '605 N')
     """

@@ -32,3 +32,6 @@ from tribo.simulation.step_measures import measures as measures
 from tribo.simulation.temperature import heat as heat
 from tribo.simulation.trunks import Note as Note
 from tribo.simulation.trunks import Trunks as Trunks
+from tribo.simulation.verdict import Conditions as Conditions
+from tribo.simulation.verdict import Verdict as Verdict
+from tribo.simulation.verdict import judge as judge

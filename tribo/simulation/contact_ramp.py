@@ -45,9 +45,9 @@ def wear_number(scene: Scene, velocity: float) -> float:
 
     Examples
     --------
-    >>> import tribo
+    >>> import tribo.inverse
     >>> from dataclasses import replace
-    >>> mild = tribo.critical_temperature_rig()
+    >>> mild = tribo.inverse.critical_temperature_rig()
     >>> worn = replace(mild, wear=tribo.Wear(2e-15))
     >>> wear_number(mild, 0.5), wear_number(worn, 0.5)
     (0.0, 1e-15)
@@ -65,9 +65,9 @@ def mechanics(scene: Scene) -> Scene:
 
     Examples
     --------
-    >>> import tribo
+    >>> import tribo.inverse
     >>> from dataclasses import replace
-    >>> scene = tribo.critical_temperature_rig()
+    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> insulating = replace(scene, disk=replace(scene.disk, thermal_conductivity=5.0))
     >>> mechanics(insulating) == mechanics(scene)
     True
@@ -86,9 +86,9 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
 
     Examples
     --------
-    >>> import tribo
+    >>> import tribo.inverse
     >>> from dataclasses import replace
-    >>> scene = tribo.critical_temperature_rig()
+    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> print(inseparable(scene, (0.1, 0.2)))
     None
     >>> history = replace(scene.fidelity, heat_model="history", history_coarsening=1)
@@ -98,7 +98,7 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     if scene.remembers_heat:
         return "heat_model is 'history': temperatures depend on the heat of all the steps before"
     if scene.wears_by_law:
-        return "the wear follows a law of your own, by the distance slid"
+        return "the wear follows a law by the distance slid"
     if scene.wears and len({scene.windows_worn(velocity) for velocity in velocities}) > 1:
         return "the pin rolls at some of the velocities and stands still at others"
     return None
@@ -133,9 +133,9 @@ def contacts(
     --------
     Twice the wear rate at half the velocity:
 
-    >>> import tribo
+    >>> import tribo.inverse
     >>> from dataclasses import replace
-    >>> scene = tribo.critical_temperature_rig()
+    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> one, other = (replace(scene, wear=tribo.Wear(k, "local")) for k in (1e-15, 2e-15))
     >>> *_, slow = contacts(other, normal_load=10.0, velocity=0.1)
     >>> *_, fast = contacts(one, normal_load=10.0, velocity=0.2)
@@ -168,11 +168,18 @@ def contacts(
             state, course = end.value
             break
         yield state if keeps_heat else replace(state, heat=None)
+    is_worn, reached = velocity != 0, None
     for station in stations[len(way) :]:
+        if station.holding and reached and not (is_worn or scene.remembers_heat):
+            is_asked = station is stations[-1] or station.index in asked
+            yield replace(_still(reached, station, velocity), is_asked=is_asked)
+            continue
         before, state = state, advanced(state, station)
         is_reached = station.normal_load == normal_load and not station.holding
         if station is stations[-1] or is_reached or station.index in asked:
-            yield _shown(levels, more_elements, before, state, station, velocity, course)
+            shown = _shown(levels, more_elements, before, state, station, velocity, course)
+            reached = shown if is_reached else reached
+            yield shown
         elif state.heat is not None and not keeps_heat:
             yield replace(state, heat=None)  # that might be of other elements than the last
         else:
@@ -237,8 +244,21 @@ def _unworn(
         after = _advanced(levels, velocity, before, station)
         return _shown(levels, more_elements, before, after, station, velocity)
 
-    contact = unworn_contact((mechanics(scene), normal_load, station), compute)
-    return replace(contact, sliding_distance=abs(velocity) * station.time)
+    # What bears a load is the same whenever it does.
+    contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)
+    return _still(contact, station, velocity)
+
+
+def _still(contact: State, station: Station, velocity: float) -> State:
+    """A contact that nothing has worn since, at a later station of its load."""
+    return replace(
+        contact,
+        time=station.time,
+        impulse=station.impulse,
+        index=station.index,
+        on_trunk=station.on_trunk,
+        sliding_distance=abs(velocity) * station.time,
+    )
 
 
 class _MoreElements:

@@ -29,7 +29,15 @@ from tribo.simulation.pins import Pin
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import measures
-from tribo.thermal import Bulk, Stem, bulk_warming, circuit_rise, conductances, track_warming
+from tribo.thermal import (
+    Bulk,
+    Disc,
+    Stem,
+    bulk_warming,
+    circuit_rise,
+    conductances,
+    track_warming,
+)
 from tribo.thermal.circuit import Values
 from tribo.types import Array
 
@@ -54,8 +62,8 @@ class Track:
         Width of the contact across the track over that along it, of a ball or a crowned pin.
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the body.
-    body_width : float or None
-        Width of the body, with the track in its middle [m]; None for a half-space.
+    disc : Disc or None
+        The disc whose rim it is, which keeps all of its heat; None for a half-space.
 
     Examples
     --------
@@ -68,13 +76,11 @@ class Track:
     aspect: float
     thermal_diffusivity: float
     heat_capacity: float
-    body_width: float | None = None
+    disc: Disc | None = None
 
     @classmethod
-    def under(
-        cls, pin: Pin, body: Material, length: float, body_width: float | None = None
-    ) -> Self:
-        """The track of a pin's contact around a body, of a length and on a width [m].
+    def under(cls, pin: Pin, body: Material, around: float | Disc) -> Self:
+        """The track of a pin's contact on a body, of a length [m], or around a disc.
 
         Examples
         --------
@@ -85,10 +91,16 @@ class Track:
         """
         aspect = pin.hertz(1.0, 1e11).aspect if pin.length is None else 1.0
         capacity = body.density * body.specific_heat
-        return cls(length, pin.length, aspect, body.thermal_diffusivity, capacity, body_width)
+        disc = around if isinstance(around, Disc) else None
+        length = math.pi * around.diameter if isinstance(around, Disc) else around
+        return cls(length, pin.length, aspect, body.thermal_diffusivity, capacity, disc)
 
     def __post_init__(self) -> None:
-        require_positive(**{k: v for k, v in asdict(self).items() if v is not None})
+        sizes = {k: v for k, v in asdict(self).items() if v is not None and k != "disc"}
+        require_positive(**sizes)
+
+    def __str__(self) -> str:
+        return str(self.disc or f"{self.length:.3g} m")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,6 +155,15 @@ class Corrections:
             )
         if not all(0 <= factor < math.inf for _, factor in self.friction):
             raise InputError(f"friction is {self.friction!r}; each must be finite and ≥ 0")
+        for name, track, bulk in (
+            ("pin", self.pin_track, self.pin_bulk),
+            ("disk", self.track, self.disk_bulk),
+        ):
+            if track and track.disc and bulk:
+                raise InputError(
+                    f"{name}_bulk is {bulk}, and the {name} is a disc of {track.disc}, which keeps "
+                    "the same heat; give one of them"
+                )
         if not 0 <= self.film_resistance < math.inf:
             raise InputError(
                 f"film_resistance is {self.film_resistance!r} m² K/W; it must be finite and ≥ 0"
@@ -154,9 +175,19 @@ class Corrections:
             return replace(self, course=loading.course, rate=None)
         return replace(self, course=(), rate=loading.rate)
 
+    @property
+    def keeps_heat(self) -> bool:
+        """True if a body is the warmer, the longer its load is held."""
+        bulks = self.pin_bulk, self.disk_bulk
+        tracks = self.track or self.pin_track or (self.stem and self.stem.settling_time)
+        return bool(tracks or any(bulk.capacity for bulk in bulks if bulk))
+
     def as_dict(self) -> dict[str, Any]:
         """Return the corrections that are present as plain data."""
         plain = asdict(self) | {"friction": [list(pair) for pair in self.friction]}
+        for name, track in (("track", self.track), ("pin_track", self.pin_track)):
+            if track and track.disc:
+                plain[name] |= {"disc": track.disc.as_dict()}
         return {name: value for name, value in plain.items() if value}
 
     @property
@@ -165,8 +196,10 @@ class Corrections:
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
             "friction by velocity": self.friction and "measured",
-            "earlier turns of the pin": self.pin_track and f"{self.pin_track.length:.3g} m",
-            "earlier turns of the disk": self.track and f"{self.track.length:.3g} m",
+            **{
+                f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
+                for body, track in (("pin", self.pin_track), ("disk", self.track))
+            },
             "stem of the pin": self.stem and f"{self.stem.resistance:.3g} K/W",
             "film on the disk": film,
             "bulk of the pin": self.pin_bulk,
@@ -207,7 +240,7 @@ class Corrections:
         ]
         speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
         resistances = (
-            (self.stem.resistance_after(t) if self.stem else 0.0)
+            _of_stem(self.stem, moments)
             + _of_turns(self.pin_track, moments, speeds[:, 0])
             + (self.pin_bulk.resistance if self.pin_bulk else 0.0),
             self.film_resistance * columns["mean_pressure"][heats] / F
@@ -314,6 +347,13 @@ class _Moment(NamedTuple):
         )
 
 
+def _of_stem(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:
+    """Resistance of the stem at some moments, by its flux until then [K/W]."""
+    if stem is None:
+        return 0.0
+    return np.array([stem.resistance_under(moment.times, moment.loads) for moment in moments])
+
+
 def _of_turns(track: Track | None, moments: Sequence[_Moment], speeds: Array) -> Array | float:
     """Resistance by which earlier turns have warmed a track, at some moments [K/W]."""
     if track is None:
@@ -336,5 +376,5 @@ def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
         width,
         track.thermal_diffusivity,
         track.heat_capacity,
-        max(width, track.body_width or math.inf),
+        track.disc,
     )

@@ -41,10 +41,10 @@ class Fidelity:
     kernel : {"periodic", "nearest-image"}
         Influence of the images of a periodic patch; see `tribo.contact.elastic_influence`.
     contact_tolerance : float
-        Residual of the contact at which its solver stops; see `tribo.solve_contact`. At most 0.03
-        is taken where the wear is local, which keeps what each contact has wrong.
+        Residual of the contact at which its solver stops; see `tribo.contact.solve_contact`. At
+        most 0.03 is taken where the wear is local, which keeps what each contact has wrong.
     contact_criterion : {"gap", "pressure-change"}
-        Measure of the contact's error; see `tribo.solve_contact`.
+        Measure of the contact's error; see `tribo.contact.solve_contact`.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
         Scheme by which wear advances over a step; see `tribo.wear.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
@@ -60,7 +60,7 @@ class Fidelity:
         too warm there. ``"nearest-image"``: the patch and the nearer image of each element, as
         Bosman & de Rooij compensate for leakage.
     partition : {"local", "uniform"}
-        Division of friction heat between the bodies; see `tribo.partition_heat`.
+        Division of friction heat between the bodies; see `tribo.thermal.partition_heat`.
     heat_tolerance : float
         Relative residual of the heat partition at which its solver stops.
 

@@ -1,21 +1,42 @@
 """Shapes of the pin: a cylinder, a ball, or a body of two radii.
 
-A pin of another shape is a class here with what `Pin` has, and its name in `PINS`. Entries of its
-own in a scene file stand in ``pipeline/scene/format.py``.
+A pin of another shape is a class here with what `Pin` has, and its name in `PINS`. Nothing else
+asks for its shape.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from tribo.analytic import HertzContact, hertz_contact
+from tribo.analytic import (
+    HertzContact,
+    hertz_contact,
+    worn_line_width,
+    worn_point_width,
+)
 from tribo.errors import require_positive
-from tribo.material import Material
+from tribo.material import Material, minimum_line_film, minimum_point_film
 from tribo.numerics import Grid
 from tribo.types import Array
+
+
+class WornContact(NamedTuple):
+    """Smooth contact of a pin that has worn at rest."""
+
+    width: float  # along x [m]
+    depth: float  # greatest [m]
+
+
+class OilEntry(NamedTuple):
+    """Oil as it enters a contact."""
+
+    speed: float  # mean of both surfaces [m/s]
+    viscosity: float  # [Pa s]
+    pressure_coefficient: float  # [1/Pa]
 
 
 class Pin(Protocol):
@@ -23,8 +44,8 @@ class Pin(Protocol):
 
     Examples
     --------
-    >>> import tribo
-    >>> pin: Pin = Ball(radius=10e-3, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> pin: Pin = Ball(radius=10e-3, material=tribo.inverse.AISI_316)
     >>> pin.words, f"{pin.hertz(10.0, 115e9).half_width * 1e6:.0f} µm"
     ('ball, radius 10 mm', '87 µm')
     """
@@ -38,10 +59,6 @@ class Pin(Protocol):
     @property
     def length(self) -> float | None:
         """Length of a line contact along y [m]; None where the contact ends along y, too."""
-
-    @property
-    def crown_radius(self) -> float | None:
-        """Radius along y [m], where it is another than along x."""
 
     @property
     def material(self) -> Material:
@@ -60,6 +77,12 @@ class Pin(Protocol):
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
 
+    def worn(self, half_width: float, volume: float) -> WornContact:
+        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest."""
+
+    def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
+        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
@@ -74,8 +97,8 @@ class Cylinder:
 
     Examples
     --------
-    >>> import tribo
-    >>> pin = tribo.Cylinder(radius=2e-3, length=3.4e-3, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> pin = tribo.Cylinder(radius=2e-3, length=3.4e-3, material=tribo.inverse.AISI_316)
     >>> pin.length
     0.0034
     """
@@ -83,7 +106,6 @@ class Cylinder:
     radius: float
     length: float
     material: Material
-    crown_radius: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(radius=self.radius, length=self.length)
@@ -100,6 +122,25 @@ class Cylinder:
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
         return hertz_contact(normal_load, contact_modulus, self.radius, self.length)
+
+    def worn(self, half_width: float, volume: float) -> WornContact:
+        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest.
+
+        Examples
+        --------
+        >>> import tribo.inverse
+        >>> worn = Cylinder(2e-3, 3.4e-3, tribo.inverse.AISI_316).worn(90e-6, 2.8e-12)
+        >>> f"{1e6 * worn.width:.0f} µm wide, {1e6 * worn.depth:.2f} µm deep"
+        '295 µm wide, 4.19 µm deep'
+        """
+        area = volume / self.length
+        flat = worn_line_width(area, self.radius)
+        width = float(np.cbrt((2 * half_width) ** 3 + flat**3))
+        return WornContact(width, 1.5 * area / width)
+
+    def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
+        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+        return minimum_line_film(*oil, normal_load / self.length, self.radius, contact_modulus)
 
     @property
     def words(self) -> str:
@@ -120,8 +161,8 @@ class Ball:
 
     Examples
     --------
-    >>> import tribo
-    >>> ball = tribo.Ball(radius=10e-3, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> ball = tribo.Ball(radius=10e-3, material=tribo.inverse.AISI_316)
     >>> ball.radius
     0.01
     """
@@ -129,7 +170,6 @@ class Ball:
     radius: float
     material: Material
     length: ClassVar[None] = None
-    crown_radius: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(radius=self.radius)
@@ -147,6 +187,14 @@ class Ball:
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
         return hertz_contact(normal_load, contact_modulus, self.radius)
+
+    def worn(self, half_width: float, volume: float) -> WornContact:
+        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest."""
+        return _worn_ellipse(half_width, volume, self.radius, 1.0)
+
+    def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
+        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+        return minimum_point_film(*oil, normal_load, self.radius, contact_modulus)
 
     @property
     def words(self) -> str:
@@ -169,8 +217,8 @@ class Crowned:
 
     Examples
     --------
-    >>> import tribo
-    >>> roller = tribo.Crowned(radius=10e-3, crown_radius=0.5, material=tribo.AISI_316)
+    >>> import tribo.inverse
+    >>> roller = tribo.Crowned(radius=10e-3, crown_radius=0.5, material=tribo.inverse.AISI_316)
     >>> roller.crown_radius
     0.5
     """
@@ -199,6 +247,19 @@ class Crowned:
             normal_load, contact_modulus, self.radius, crown_radius=self.crown_radius
         )
 
+    def worn(self, half_width: float, volume: float) -> WornContact:
+        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest.
+
+        The flat of a paraboloid of both radii is an ellipse as much longer as their root.
+        """
+        longer = math.sqrt(self.crown_radius / self.radius)
+        return _worn_ellipse(half_width, volume, self.radius, longer)
+
+    def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
+        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+        across = self.hertz(1.0, contact_modulus).aspect  # the same at any load
+        return minimum_point_film(*oil, normal_load, self.radius, contact_modulus, across)
+
     @property
     def words(self) -> str:
         """Shape and sizes in a few words."""
@@ -206,16 +267,24 @@ class Crowned:
         return f"{across}, radius {1e3 * self.radius:g} mm"
 
 
+def _worn_ellipse(half_width: float, volume: float, radius: float, longer: float) -> WornContact:
+    """Worn contact of a paraboloid whose flat is so many times longer than wide."""
+    flat = worn_point_width(volume / longer, radius)
+    width = ((2 * half_width) ** 4 + flat**4) ** 0.25
+    return WornContact(width, 8 * volume / (math.pi * width**2 * longer))
+
+
 PINS: dict[str, type[Pin]] = {"cylinder": Cylinder, "ball": Ball, "crowned": Crowned}
-"""Shapes of the pin, by their names in a scene file."""
+"""Shapes of the pin by name."""
 
 
-def sizes_of(shape: str) -> tuple[str, ...]:
-    """Names of the sizes of a pin of some shape.
+def sizes_of(shape: str | Pin) -> tuple[str, ...]:
+    """Names of the sizes of a pin, or of all of some shape.
 
     Examples
     --------
     >>> sizes_of("cylinder"), sizes_of("crowned")
     (('radius', 'length'), ('radius', 'crown_radius'))
     """
-    return tuple(size.name for size in fields(PINS[shape]) if size.name != "material")
+    pin = PINS[shape] if isinstance(shape, str) else shape
+    return tuple(size.name for size in fields(pin) if size.name != "material")

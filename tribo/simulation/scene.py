@@ -115,8 +115,8 @@ class Scene:
             self.heights()
         if self.motion and self.wears_by_law:
             raise InputError(
-                "wear follows a law of your own, which needs a pin at rest, and the scene has a "
-                "motion; leave out one of them"
+                "wear follows a law by the distance slid, which needs a pin at rest, and there is "
+                "a motion; leave out one of them"
             )
         if self.unequal_bulks and self.fidelity.partition == "uniform":
             raise InputError(
@@ -147,7 +147,7 @@ class Scene:
 
     @property
     def wears_by_law(self) -> bool:
-        """True if the pin wears by a user's own law, whose rate depends on the distance."""
+        """True if the pin wears by a law whose rate depends on the distance."""
         return self.wear is not None and not isinstance(self.wear, Wear)
 
     @property
@@ -240,7 +240,7 @@ class Scene:
 
     @property
     def heated_length(self) -> HeatedLength:
-        """Length along y that is heated [m], for `tribo.ConductingHalfSpace`."""
+        """Length along y that is heated [m], for `tribo.thermal.ConductingHalfSpace`."""
         if self.fidelity.heat_kernel == "nearest-image":
             return "nearest-image"
         if self.pin.length is not None and self.fidelity.heat_kernel == "pin":

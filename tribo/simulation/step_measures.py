@@ -35,8 +35,8 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
     Examples
     --------
-    >>> import tribo
-    >>> scene = tribo.critical_temperature_rig()
+    >>> import tribo.inverse
+    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> record = tribo.measures(scene, state)
     >>> f"{1e6 * record['contact_width']:.0f} µm, {record['sliding_distance']:g} m"

@@ -33,7 +33,7 @@ class Surface(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SelfAffineRoughness:
-    """A random surface; see `tribo.self_affine`.
+    """A random surface; see `tribo.surface.self_affine`.
 
     Parameters
     ----------

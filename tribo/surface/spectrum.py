@@ -1,9 +1,10 @@
 """Parameters of the self-affine random surface that resembles given heights.
 
-The spectrum of `tribo.self_affine` is fitted to the periodogram of the heights by its likelihood
-after Whittle: on a random surface, each mode of the periodogram is exponentially distributed about
-the spectrum. A window of Hann keeps the ends of a surface that does not repeat from leaking into
-all wavelengths; the spectrum is smoothed by that window, too, before they are compared.
+The spectrum of `tribo.surface.self_affine` is fitted to the periodogram of the heights by its
+likelihood after Whittle: on a random surface, each mode of the periodogram is exponentially
+distributed about the spectrum. A window of Hann keeps the ends of a surface that does not repeat
+from leaking into all wavelengths; the spectrum is smoothed by that window, too, before they are
+compared.
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ class SelfAffineFit:
 
     Examples
     --------
-    >>> from tribo import Grid, self_affine
+    >>> from tribo import Grid
+    >>> from tribo.surface import self_affine
     >>> heights = self_affine(Grid((128, 128), (1e-6, 1e-6)), 2e-7, 0.7, (4e-6, 4e-6), seed=1)
     >>> fit = fit_self_affine(heights, (1e-6, 1e-6))
     >>> abs(fit.hurst_exponent - 0.7) < 3 * fit.hurst_error
@@ -83,7 +85,8 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
 
     Examples
     --------
-    >>> from tribo import Grid, self_affine
+    >>> from tribo import Grid
+    >>> from tribo.surface import self_affine
     >>> grid = Grid((192, 192), (1e-6, 1e-6))
     >>> fit = fit_self_affine(self_affine(grid, 2e-7, 0.7, (4e-6, 12e-6), seed=1), grid.spacing)
     >>> f"{fit.hurst_exponent:.2f} ± {fit.hurst_error:.2f}, lay {fit.lay:.0f}°"

@@ -11,6 +11,7 @@ from tribo.thermal.criterion import CRITERIA as CRITERIA
 from tribo.thermal.criterion import Criterion as Criterion
 from tribo.thermal.criterion import Rule as Rule
 from tribo.thermal.criterion import with_bulk_ratio as with_bulk_ratio
+from tribo.thermal.disc import Disc as Disc
 from tribo.thermal.duhamel import Conductor as Conductor
 from tribo.thermal.duhamel import HeatHistory as HeatHistory
 from tribo.thermal.duhamel import conducted_spectrum as conducted_spectrum
@@ -25,7 +26,6 @@ from tribo.thermal.quantiles import contact_quantiles as contact_quantiles
 from tribo.thermal.quantiles import failed_share as failed_share
 from tribo.thermal.quantiles import require_share as require_share
 from tribo.thermal.quantiles import rise_exceeded as rise_exceeded
-from tribo.thermal.rim import rim_warming as rim_warming
 from tribo.thermal.stem import Stem as Stem
 from tribo.thermal.stem import stem_fraction as stem_fraction
 from tribo.thermal.track import track_warming as track_warming

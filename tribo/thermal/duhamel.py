@@ -49,8 +49,8 @@ class Conductor(NamedTuple):
 
     Examples
     --------
-    >>> import tribo
-    >>> disk = Conductor(tribo.AISI_316, velocity=1.5)
+    >>> import tribo.inverse
+    >>> disk = Conductor(tribo.inverse.AISI_316, velocity=1.5)
     >>> disk.length
     inf
     """
@@ -123,7 +123,7 @@ def partition_with_history(
     time : float
         Present time since the first heat [s].
     heat_flux, contact, method, tolerance, bulk_difference
-        Those of `tribo.partition_heat`.
+        Those of `tribo.thermal.partition_heat`.
     spectrum_of : callable, optional
         Spectrum of the rise due to a flux [K m²/W], which may be kept: steps of equal length ask
         for the same ones again.

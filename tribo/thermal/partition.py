@@ -54,13 +54,14 @@ class HeatPartition:
 
     Examples
     --------
-    >>> import tribo
+    >>> import tribo.inverse
     >>> import numpy as np
     >>> patch = tribo.Grid((8, 8), (1e-6, 1e-6))
-    >>> body = tribo.ConductingHalfSpace(patch, tribo.AISI_316, velocity=0.0, time=1e-5)
+    >>> steel = tribo.inverse.AISI_316
+    >>> body = tribo.thermal.ConductingHalfSpace(patch, steel, velocity=0.0, time=1e-5)
     >>> flux = np.zeros((8, 8))
     >>> flux[2:5, 3:6] = 1e9
-    >>> split = tribo.partition_heat(body, body, flux, flux > 0)
+    >>> split = tribo.thermal.partition_heat(body, body, flux, flux > 0)
     >>> f"{split.pin_share:.3f} to the pin"
     '0.500 to the pin'
     """
@@ -118,7 +119,9 @@ def partition_heat(
     --------
     A conductor three times as good takes three quarters of the heat.
 
-    >>> from tribo import ConductingHalfSpace, Grid, Material
+    >>> from tribo import Grid, Material
+
+    >>> from tribo.thermal import ConductingHalfSpace
     >>> patch = Grid((8, 8), (1e-6, 1e-6))
     >>> poor, good = (Material(210e9, 0.3, K, K * 100.0, 1.0) for K in (15.0, 45.0))
     >>> pin, disk = (ConductingHalfSpace(patch, m, 0.0, 1e-5) for m in (poor, good))

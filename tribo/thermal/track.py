@@ -7,6 +7,7 @@ import math
 import numpy as np
 import scipy
 
+from tribo.thermal.disc import Disc
 from tribo.types import Array
 
 _SINGLE = 400  # passes that are summed one by one; of all earlier ones an integral is taken
@@ -21,7 +22,7 @@ def track_warming(
     width: float,
     diffusivity: float,
     heat_capacity: float,
-    body_width: float = math.inf,
+    disc: Disc | None = None,
 ) -> float:
     """Warming of the track by earlier passes, for each unit of the heat per distance [K].
 
@@ -31,8 +32,9 @@ def track_warming(
 
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
 
-    A body of a width W, insulated at its sides and with the track in its middle, has mirror images
-    of the strip beside it; with W = B the last factor is 1.
+    A disc of a width W, insulated at its sides and with the track in its middle, has mirror images
+    of the strip beside it; with W = B the last factor is 1. Its own `Disc.rim_left` stands for
+    1/√(πκt), with which it begins: heat that has spread around and through the disc is kept.
 
     The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round [s], with the load F
     that the pin carried then: `loads` are times [s] and loads [N], linear in between and 0 at
@@ -46,6 +48,13 @@ def track_warming(
     >>> warming = track_warming(5.0, 0.34 / 1.25, ramp, 3.4e-3, 1.2275e-5, 3.666e6)
     >>> f"{0.1 * warming:.1f} K"
     '2.4 K'
+
+    A steel disc of 100 × 10 mm that takes 100 W for a minute, at 1 m/s: 19 K on average.
+
+    >>> held, disc = (np.array([1e-3, 60.0]), np.full(2, 100.0)), Disc(diameter=0.1, width=0.01)
+    >>> warming = track_warming(60.0, 0.1 * np.pi, held, 0.01, 1.2275e-5, 3.666e6, disc)
+    >>> f"{warming:.1f} K"
+    '28.4 K'
     """
     count = math.floor(time / round_trip) if round_trip > 0 else 0
     if count < 1:
@@ -57,7 +66,10 @@ def track_warming(
         age = passed * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
-        strip = strip_left(width, body_width, spread)
+        strip = strip_left(width, max(width, disc.width) if disc else math.inf, spread)
+        if disc:
+            strip = strip * disc.rim_left(age, diffusivity, heat_capacity)
+            return np.asarray(load * strip / (width * heat_capacity))
         warming: Array = load * strip / (width * heat_capacity * math.sqrt(math.pi) * spread)
         return warming
 

@@ -8,6 +8,7 @@ from tribo.wear.archard import Stage as Stage
 from tribo.wear.archard import Wear as Wear
 from tribo.wear.archard import WearPattern as WearPattern
 from tribo.wear.archard import WearScheme as WearScheme
+from tribo.wear.laws import LAWS as LAWS
 from tribo.wear.laws import RunningIn as RunningIn
 from tribo.wear.laws import WearLaw as WearLaw
 from tribo.wear.laws import require_wear as require_wear

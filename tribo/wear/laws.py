@@ -1,13 +1,14 @@
 """Wear laws whose rate depends on the distance slid: their protocol, and one that ships.
 
 A law is any object with these attributes. A result that is no `tribo.Wear` is an
-`InvariantError`.
+`InvariantError`. One that ships is a frozen dataclass here, whose fields name their units, and has
+a name in `LAWS`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from tribo.errors import InputError, InvariantError, of_law, require_positive
@@ -43,12 +44,14 @@ class RunningIn:
 
     Parameters
     ----------
-    initial_rate, final_rate : float
-        k₀ and k∞ [m²/N].
+    initial_rate : float
+        Specific wear rate k₀ at first [m²/N].
+    final_rate : float
+        Specific wear rate k∞ at last [m²/N].
     distance : float
-        L [m].
+        Sliding distance L over which the rate falls [m].
     pattern : {"local", "swept"}
-        See `tribo.Wear`.
+        Pattern of the wear, as in `tribo.Wear`.
 
     Examples
     --------
@@ -58,9 +61,9 @@ class RunningIn:
     '6.241e-12 m³, at a constant rate 9.0e-12 m³'
     """
 
-    initial_rate: float
-    final_rate: float
-    distance: float
+    initial_rate: float = field(metadata={"unit": "m^2/N"})
+    final_rate: float = field(metadata={"unit": "m^2/N"})
+    distance: float = field(metadata={"unit": "m"})
     pattern: WearPattern = "swept"
 
     def __post_init__(self) -> None:
@@ -75,6 +78,10 @@ class RunningIn:
         faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
         rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
         return Wear(rate, self.pattern)
+
+
+LAWS: dict[str, type[WearLaw]] = {"running-in": RunningIn}
+"""Laws whose rate depends on the distance slid, by name."""
 
 
 def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:

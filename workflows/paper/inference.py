@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, in_house_style
-from tribo import InputError, Ramp, Wear, rig_heating, specific_wear_rate
+from tribo import InputError, Ramp, Wear
+from tribo.inverse import rig_heating, specific_wear_rate
 from tribo.types import Array
 from workflows.paper.publication import (
     RIG_HEATING,
@@ -113,26 +114,26 @@ def _critical(study: Study, transitions: Sequence[Tested]) -> Array:
     return celsius_of(ends, transitions[0][0].conditions.decisive)
 
 
-def _held(sweep: Sweep, row: Any, duration: float, steps: int) -> Sweep:
+def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
     """The scene with its load held to the end of a test of some duration [s]."""
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("the wear rate of a width needs a scene with a ramp")
     hold = duration - row.normal_load / sweep.scene.loading.rate
-    return sweep.changed(loading=replace(sweep.scene.loading, hold=hold, hold_steps=steps))
+    return sweep.changed(loading=replace(sweep.scene.loading, hold=hold))
 
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
     """Specific wear rate that gives a measured width by the end of a test [m²/N]."""
     fidelity = replace(sweep.scene.fidelity, averaging="mean")
     smooth = sweep.changed(roughness=None, fidelity=fidelity)
-    scene = _held(smooth, row, duration, steps=50)
+    scene = _held(smooth, row, duration)
     return specific_wear_rate(scene.scene, row.measured_width, row.normal_load, row.velocity).value
 
 
 def _widening(sweep: Sweep) -> float:
     """Widening of the contact by the roughness after a test, relative."""
     row = TABLE_4[0]
-    held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2], steps=20)
+    held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2])
     rough, smooth = (end_of(scene, row) for scene in (held, held.changed(roughness=None)))
     return float(rough["contact_width"] / smooth["contact_width"] - 1)
 

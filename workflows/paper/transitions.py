@@ -14,9 +14,9 @@ from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
 from pipeline.sweep.severity import boundary_velocity_error, contact_temperature, rise_limit
 from pipeline.sweep.surface import Lubrication
-from tribo import InputError, State, failed_share, measures, simulate
+from tribo import InputError, State, measures, simulate
 from tribo.simulation import moment_of
-from tribo.thermal import Criterion
+from tribo.thermal import Criterion, failed_share
 from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6

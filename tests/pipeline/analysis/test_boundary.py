@@ -15,7 +15,8 @@ from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES
-from tribo import InputError, failed_share
+from tribo import InputError
+from tribo.thermal import failed_share
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
 

@@ -188,7 +188,7 @@ def test_temperatures_are_bulk_plus_friction_times_rise(ds):
 def held(tmp_path_factory):
     """Three seconds at full load, in which wear lets the contact cool."""
     path = tmp_path_factory.mktemp("held") / "held.zarr"
-    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0, hold_steps=4)
+    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0, stops=(0.75, 1.5, 2.25))
     with np.errstate(all="raise", under="ignore"):
         commit_all(path, tiny.sweep(loading=loading, steps="course"))
     return open_sweep(path)
@@ -224,7 +224,7 @@ def test_the_failed_fraction_is_the_share_hotter_than_critical(copy):
     contact = state.pressure > 0
     counted = np.mean(298.15 + 0.1 * state.heat.rise[contact] > critical)
     assert abs(fraction - counted) < 0.02  # between quantiles it is interpolated
-    share = tribo.failed_share(state.heat.rise_quantile, (critical - 298.15) / 0.1)
+    share = tribo.thermal.failed_share(state.heat.rise_quantile, (critical - 298.15) / 0.1)
     assert fraction == pytest.approx(share, abs=1e-12)
 
 

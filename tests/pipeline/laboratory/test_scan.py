@@ -9,7 +9,8 @@ from scipy import ndimage
 from pipeline import load_scene, surface_statistics
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.units import to_si
-from tribo import Grid, InputError, self_affine
+from tribo import Grid, InputError
+from tribo.surface import self_affine
 
 GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
 

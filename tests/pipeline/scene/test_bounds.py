@@ -52,7 +52,6 @@ def test_the_ends_of_a_range_are_allowed(kind):
 
 
 MANY_STEPS = {
-    "loading.hold": "1e9 s",
     "loading.reference_load": "1e-6 N",
     "fidelity.increments": 10**9,
 }

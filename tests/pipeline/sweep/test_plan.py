@@ -53,7 +53,7 @@ def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, coun
 
 
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
-RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, hold_steps=2)
+RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, stops=(0.5,))
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
 SMALLER = {"pixels_per_element": 2, "history_coarsening": 2, "fewest_elements": 100}
 PHYSICS = {

@@ -20,7 +20,8 @@ from pipeline.sweep.severity import (
     worst_rises,
 )
 from tests.helpers import tiny
-from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp, critical_temperature
+from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp
+from tribo.inverse import critical_temperature
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
 EVEN = 2000.0 * np.array(QUANTILES)
@@ -110,9 +111,7 @@ def test_moments_without_a_temperature_do_not_count():
 
 
 def test_a_point_that_is_held_is_judged_at_its_hottest_moment_under_load():
-    sweep = tiny.sweep(
-        steps="course", loading=Ramp(150.0, 750.0, hold=4.0, hold_steps=4), wear=None
-    )
+    sweep = tiny.sweep(steps="course", loading=Ramp(150.0, 750.0, hold=4.0), wear=None)
     result = run_point(sweep, 600.0, 1.5)
     hottest = result.columns["max_rise"][result.columns["normal_load"] >= 600.0]
     judged = result.verdict(sweep.conditions.changed(share=0.0))

@@ -325,7 +325,7 @@ def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
     longest = dataclasses.replace(ensemble((CRITICAL, LENGTH), tests=tests), hold=5.0)
     # Without steps after 2 s, as every 2.5 s, nothing is known of such a hold.
     coarse = dataset(longest, growth=((0.0, 1.0), (2.5, 1.06), (5.0, 1.1)))
-    with pytest.raises(InputError, match=r"held the load for 2 s, the samples for 5 s: .*steps"):
+    with pytest.raises(InputError, match=r"held the load for 2 s, the samples for 5 s: .*run"):
         pipeline.posterior(pipeline.Ensemble.of(coarse))
     ds = dataset(longest, growth=((0.0, 1.0), (1.0, 0.9), (2.0, 1.05), (5.0, 1.1)))
     posterior = pipeline.posterior(pipeline.Ensemble.of(ds))

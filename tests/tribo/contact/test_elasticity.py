@@ -4,8 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tribo import ElasticHalfSpace, Grid, InputError
-from tribo.contact import elastic_influence
+from tribo import Grid, InputError
+from tribo.contact import ElasticHalfSpace, elastic_influence
 
 REFERENCES = json.loads(
     Path(__file__).with_name("references").joinpath("elastic_influence.json").read_text()

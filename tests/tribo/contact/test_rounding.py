@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from tribo import ElasticHalfSpace, Grid
-from tribo.contact import rounding
+from tribo import Grid
+from tribo.contact import ElasticHalfSpace, rounding
 from tribo.contact.iteration import Limits, iterate
 from tribo.contact.problem import Iterate, Problem, judge
 from tribo.contact.rounding import (

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from tribo import ElasticHalfSpace, Grid, Wear, self_affine, solve_contact
+from tribo import Grid, Wear
+from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.surface import self_affine
 
 
 @pytest.mark.parametrize("softness", [1.0, 1e8])

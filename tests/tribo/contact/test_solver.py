@@ -5,14 +5,7 @@ import pytest
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import brentq, lsq_linear
 
-from tribo import (
-    ConvergenceError,
-    ElasticHalfSpace,
-    Grid,
-    InputError,
-    self_affine,
-    solve_contact,
-)
+from tribo import ConvergenceError, Grid, InputError
 from tribo.analytic import (
     hertz_line_half_width,
     hertz_line_peak_pressure,
@@ -22,6 +15,8 @@ from tribo.analytic import (
     westergaard_full_contact_pressure,
     westergaard_mean_pressure,
 )
+from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.surface import self_affine
 
 E_STAR = 115.385e9
 

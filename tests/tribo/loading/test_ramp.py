@@ -51,9 +51,9 @@ def test_loads_that_are_no_loads_are_refused(load):
 
 
 def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
-    held = Ramp(150.0, 750.0, hold=4.0, hold_steps=8)
+    held = Ramp(150.0, 750.0, hold=4.0, stops=tuple(0.5 * number for number in range(1, 8)))
     for load in (200.0, 600.0):
-        plain, stations = list(RAMP.stations(load, 100)), list(held.stations(load, 100))
+        plain, stations = list(RAMP.stations(load, 5)), list(held.stations(load, 5))
         assert stations[: len(plain)] == plain
         hold = stations[len(plain) :]
         assert {s.normal_load for s in hold} == {load}
@@ -63,33 +63,43 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
         assert [s.index for s in hold] == [plain[-1].index + n for n in range(1, 9)]
         assert all(s.holding and not s.on_trunk for s in hold)
         assert not any(s.holding for s in plain)
-    *_, end = Ramp(150.0, 750.0, hold=4.0, hold_steps=1).stations(600.0, 100)
-    assert (end.holding, end.index, end.time) == (True, 81, pytest.approx(8.0))
+    *_, end = Ramp(150.0, 750.0, hold=1e-9).stations(600.0, 100)
+    assert (end.holding, end.index, end.time) == (True, 81, pytest.approx(4.0))
 
 
-@pytest.mark.parametrize(("hold", "steps"), [(4.0, 80), (0.05, 1), (0.051, 2), (1e-9, 1)])
-def test_steps_of_a_hold_are_no_longer_than_those_of_the_trunk(hold, steps):
-    stations = list(Ramp(150.0, 750.0, hold).stations(600.0, 100))
-    assert len(stations) - 80 == steps
-    assert stations[-1].time == pytest.approx(4.0 + hold)
+@pytest.mark.parametrize("hold", [4.0, 60.0, 1e6])
+@pytest.mark.parametrize("increments", [5, 25, 100])
+def test_each_step_of_a_hold_has_the_same_share_of_the_impulse_so_far(hold, increments):
+    *_, reached = Ramp(150.0, 750.0).stations(600.0, increments)
+    held = [s for s in Ramp(150.0, 750.0, hold).stations(600.0, increments) if s.holding]
+    impulses = np.array([reached.impulse, *(station.impulse for station in held)])
+    assert impulses[1:] / impulses[:-1] == pytest.approx((1 + hold / 2) ** (1 / len(held)))
+    assert len(held) <= 1 + increments * math.log1p(hold / 2) / 4
+    assert held[-1].time == pytest.approx(4.0 + hold)
+
+
+def test_a_step_of_a_hold_ends_at_each_stop_within_it():
+    held = Ramp(150.0, 750.0, hold=60.0, stops=(90.0, 10.0, 3.0, 10.0))
+    times = {round(station.time - 4.0, 9) for station in held.stations(600.0, 25)}
+    assert {3.0, 10.0, 60.0} <= times
+    assert max(times) == 60.0
 
 
 @pytest.mark.parametrize(
-    ("hold", "steps", "said"),
-    [(-1.0, None, "hold is -1"), (float("nan"), None, "hold is nan"), (1.0, 0, "hold_steps is 0")],
+    ("hold", "stops", "said"),
+    [(-1.0, (), "hold is -1"), (float("nan"), (), "hold is nan"), (1.0, (-1.0,), "stops is")],
 )
-def test_holds_that_are_no_holds_are_refused(hold, steps, said):
+def test_holds_that_are_no_holds_are_refused(hold, stops, said):
     with pytest.raises(InputError, match=said):
-        Ramp(150.0, 750.0, hold, steps)
+        Ramp(150.0, 750.0, hold, stops)
 
 
-@pytest.mark.parametrize(
-    ("ramp", "load"),
-    [
-        (Ramp(150.0, 750.0, hold=1e6), 600.0),
-        (Ramp(1e300, 1e-30, hold=1.0), 1e-30),  # steps of the trunk that are too short for a number
-    ],
-)
-def test_more_steps_than_anyone_means_are_refused(ramp, load):
+def test_more_steps_than_anyone_means_are_refused():
     with pytest.raises(InputError, match="at most 100000 are allowed"):
-        list(ramp.stations(load, 100))
+        list(Ramp(150.0, 1e-9).stations(600.0, 100))
+
+
+def test_a_hold_after_a_ramp_that_takes_no_time_has_few_steps():
+    stations = list(Ramp(1e300, 1e-30, hold=1.0).stations(1e-30, 100))
+    assert len(stations) < 1000
+    assert stations[-1].time == 1.0

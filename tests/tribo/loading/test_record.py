@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import last, small_scene
-from tribo import InputError, MeasuredLoad, Ramp, read_load, simulate
+from tribo import InputError, MeasuredLoad, Ramp, simulate
+from tribo.loading import read_load
 from tribo.simulation import Trunks
 
 TIMES = np.linspace(0.0, 8.0, 81)

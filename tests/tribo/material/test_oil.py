@@ -4,13 +4,8 @@ import math
 
 import pytest
 
-from tribo import (
-    InputError,
-    Oil,
-    lubrication_regime,
-    minimum_line_film,
-    minimum_point_film,
-)
+from tribo import InputError, Oil, lubrication_regime
+from tribo.material import minimum_line_film, minimum_point_film
 
 WHITE = {
     "temperatures": (313.15, 373.15),

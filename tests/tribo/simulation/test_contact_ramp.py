@@ -25,7 +25,7 @@ FAMILY = {
     "local": small_scene("local"),
     "coarse history": small_scene("swept", history_coarsening=2, wear_scheme="sdirk2"),
     "few elements": small_scene("swept", pixels_per_element=4, fewest_elements=500),
-    "held": replace(small_scene("swept"), loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=2)),
+    "held": replace(small_scene("swept"), loading=Ramp(150.0, 750.0, hold=2.0)),
     "ball": ball(),
     "twin disc": replace(small_scene("swept"), motion=Motion(slide_roll_ratio=0.5)),
     "unequal bulks": replace(small_scene("swept"), unequal_bulks=True),

@@ -7,6 +7,7 @@ import pytest
 from scipy.special import erf
 
 import tribo
+import tribo.inverse
 from tribo.simulation import moment_of
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
@@ -65,13 +66,20 @@ def test_a_disc_as_wide_as_the_contact_loses_no_heat_to_its_sides(load, kelvin):
     """The table of PHYSICS.md, section 14, whose sum leaves out the factor of the strip."""
     velocity = {3000.0: 6.6, 8000.0: 2.5}[load]
     columns = record([load / 500.0], [load], velocity, rise=1e9)
-    narrow = replace(TRACK, body_width=WIDTH)
+    narrow = replace(TRACK, disc=tribo.Disc(diameter=10.0, width=WIDTH))  # hardly curved
     of_both = tribo.Corrections(track=narrow, pin_track=narrow, motion=ROLLING)
     assert 0.06 * added(of_both, columns) == pytest.approx(kelvin, rel=0.01)
     wide = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=ROLLING)
-    between = replace(TRACK, body_width=1.2 * WIDTH)
+    between = replace(TRACK, disc=tribo.Disc(diameter=10.0, width=1.2 * WIDTH))
     of_some = tribo.Corrections(track=between, pin_track=between, motion=ROLLING)
     assert added(wide, columns) < added(of_some, columns) < added(of_both, columns)
+
+
+def test_a_disc_keeps_its_heat_in_one_way():
+    disc = tribo.Track.under(PIN, STEEL, tribo.Disc(diameter=0.1, width=WIDTH))
+    with pytest.raises(tribo.InputError, match="keeps the same heat; give one of them"):
+        tribo.Corrections(track=disc, disk_bulk=tribo.Bulk(288.0))
+    assert tribo.Corrections(track=disc, pin_bulk=tribo.Bulk(288.0)).keeps_heat
 
 
 def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
@@ -130,7 +138,7 @@ def test_a_steady_state_is_two_chains_of_resistances():
 
 def test_a_moment_knows_the_load_that_its_scene_had_before():
     """A ramp of 1 s and a hold of 60 s: 0.065 m/s times 605 N s are 39.3 J at friction 1."""
-    scene = tribo.critical_temperature_rig()
+    scene = tribo.inverse.critical_temperature_rig()
     *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
     plain, warm = (moment_of(scene, state, parts)["mean_rise"] for parts in (None, bulk))
@@ -139,7 +147,7 @@ def test_a_moment_knows_the_load_that_its_scene_had_before():
 
 
 def test_the_columns_of_a_hold_without_wear_know_the_load_before_it():
-    scene = tribo.critical_temperature_rig()
+    scene = tribo.inverse.critical_temperature_rig()
     states = list(tribo.simulate(scene, normal_load=10.0, velocity=0.065))
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
     records = [{**tribo.measures(scene, state), **state.heat.columns} for state in states]

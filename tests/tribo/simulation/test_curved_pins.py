@@ -12,9 +12,7 @@ from tribo import (
     PRESETS,
     QUANTILES,
     Ball,
-    ConductingHalfSpace,
     Crowned,
-    ElasticHalfSpace,
     Fidelity,
     Grid,
     InputError,
@@ -27,10 +25,11 @@ from tribo import (
     contact_modulus,
     measures,
     simulate,
-    solve_contact,
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
+from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.simulation import advance, heat, start
+from tribo.thermal import ConductingHalfSpace
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity

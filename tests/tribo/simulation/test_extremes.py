@@ -19,25 +19,24 @@ from tests.tribo.thermal.influence import thermal_influence
 from tribo import (
     Ball,
     ConvergenceError,
-    ElasticHalfSpace,
     Fidelity,
     Grid,
     InputError,
     Material,
     MeasuredRoughness,
     Ramp,
-    RangeError,
     WarningKind,
     Wear,
     measures,
-    self_affine,
     simulate,
-    solve_contact,
     warnings,
 )
 from tribo.analytic import uniform_flux_rise
+from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.errors import RangeError
 from tribo.loading import MeasuredLoad
 from tribo.simulation import heat
+from tribo.surface import self_affine
 
 TABLE = Path(__file__).parents[3] / "workflows" / "EXTREMES.md"
 SOLVED = "solved"
@@ -530,7 +529,12 @@ def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
         scene = replace(
             scene,
             wear=Wear(wear_rate, pattern),
-            loading=Ramp(600.0 / duration, 600.0, hold=steps * duration, hold_steps=steps),
+            loading=Ramp(
+                600.0 / duration,
+                600.0,
+                hold=steps * duration,
+                stops=tuple(duration * number for number in range(1, steps)),
+            ),
         )
         *_, state = simulate(scene, 600.0, 1.25)
         kinds = [warning.kind for warning in warnings(scene, state)]

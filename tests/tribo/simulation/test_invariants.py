@@ -7,13 +7,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import last, small_scene
-from tribo import (
-    InvariantError,
-    RangeError,
-    TriboError,
-    Wear,
-    simulate,
-)
+from tribo import InvariantError, TriboError, Wear, simulate
+from tribo.errors import RangeError
 from tribo.simulation import loading_step, temperature
 from tribo.simulation.invariants import check_wear, within_range
 

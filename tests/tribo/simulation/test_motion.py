@@ -12,7 +12,6 @@ from tribo import (
     PRESETS,
     Ball,
     Cylinder,
-    ElasticHalfSpace,
     Fidelity,
     Grid,
     Motion,
@@ -28,6 +27,7 @@ from tribo.analytic import (
     hertz_line_half_width,
     rolling_sliding_rise,
 )
+from tribo.contact import ElasticHalfSpace
 from tribo.wear import RollingWear
 
 LOAD, RADIUS, LENGTH = 750.0, 2e-3, 3.4e-3

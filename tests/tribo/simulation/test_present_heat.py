@@ -60,7 +60,7 @@ def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
 
 def test_a_hold_makes_it_less():
     grown = last(WORN, 600.0, 0.001)
-    held = replace(WORN, loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=20))
+    held = replace(WORN, loading=Ramp(150.0, 750.0, hold=2.0))
     foretold = excess_of_present_heat(held, last(held, 600.0, 0.001))
     assert foretold < 0.3 * excess_of_present_heat(WORN, grown)
     assert foretold / true_excess(held, 600.0, 0.001) == WITHIN

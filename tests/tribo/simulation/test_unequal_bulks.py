@@ -11,7 +11,6 @@ from tribo import (
     BULK_RATIOS,
     PRESETS,
     QUANTILES,
-    ConductingHalfSpace,
     Cylinder,
     Fidelity,
     Grid,
@@ -19,12 +18,18 @@ from tribo import (
     Motion,
     Ramp,
     Scene,
-    contact_quantiles,
-    critical_temperature,
-    partition_heat,
     simulate,
 )
-from tribo.thermal import Conductor, HeatHistory, partition_with_history, with_bulk_ratio
+from tribo.inverse import critical_temperature
+from tribo.thermal import (
+    ConductingHalfSpace,
+    Conductor,
+    HeatHistory,
+    contact_quantiles,
+    partition_heat,
+    partition_with_history,
+    with_bulk_ratio,
+)
 
 NINE_TENTHS = QUANTILES.index(0.9)
 

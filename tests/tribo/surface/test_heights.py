@@ -5,7 +5,8 @@ import io
 import numpy as np
 import pytest
 
-from tribo import InputError, read_heights
+from tribo import InputError
+from tribo.surface import read_heights
 
 
 @pytest.mark.parametrize("suffix", [".npy", ".csv"])

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from tribo import Grid, InputError, fit_self_affine, self_affine
+from tribo import Grid, InputError
+from tribo.surface import fit_self_affine, self_affine
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,9 @@
 import numpy as np
 import pytest
 
-from tribo import (
-    Grid,
-    InputError,
-    average_roughness,
-    rms_height,
-    rms_slope,
-)
-from tribo import self_affine as make
+from tribo import Grid, InputError
+from tribo.surface import average_roughness, rms_height, rms_slope
+from tribo.surface import self_affine as make
 
 PIXELS = Grid((256, 192), (0.8e-6, 0.95e-6))
 

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from tribo import ConductingHalfSpace
 from tribo.numerics import padded_shape
+from tribo.thermal import ConductingHalfSpace
 
 
 def thermal_influence(grid, material, velocity, time, nodes=10, length=math.inf):

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import partition_heat
 from tribo.numerics import Convolution
-from tribo.thermal import circuit_rise
+from tribo.thermal import circuit_rise, partition_heat
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
 GRID = tribo.Grid((64, 32), (4e-6, 4e-6))
@@ -15,7 +14,7 @@ VELOCITY, TIME = 1.25, 3.0
 
 @pytest.fixture(scope="module")
 def bodies():
-    pin, disk = (tribo.ConductingHalfSpace(GRID, STEEL, V, TIME) for V in (0.0, VELOCITY))
+    pin, disk = (tribo.thermal.ConductingHalfSpace(GRID, STEEL, V, TIME) for V in (0.0, VELOCITY))
     x, y = (GRID.coordinates(axis) for axis in (0, 1))
     flux = np.maximum(0.0, 1e8 * (1 - (x[:, None] / 8e-5) ** 2 - (y[None, :] / 5e-5) ** 2))
     return pin, disk, flux

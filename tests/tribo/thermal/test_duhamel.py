@@ -7,10 +7,16 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Fidelity, Grid, InputError, MeasuredLoad, Ramp, partition_heat, simulate
+from tribo import Fidelity, Grid, InputError, MeasuredLoad, Ramp, simulate
 from tribo.analytic import ramped_flux_rise, uniform_flux_rise
 from tribo.numerics import Convolution
-from tribo.thermal import ConductingHalfSpace, Conductor, HeatHistory, partition_with_history
+from tribo.thermal import (
+    ConductingHalfSpace,
+    Conductor,
+    HeatHistory,
+    partition_heat,
+    partition_with_history,
+)
 from tribo.thermal.conduction import flux_history_spectrum
 
 EFFUSIVITY = STEEL.thermal_effusivity

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from tribo import BULK_RATIOS, QUANTILES, InputError, contact_quantiles, failed_share
-from tribo.thermal import at_bulk_ratio, rise_exceeded
+from tribo import BULK_RATIOS, QUANTILES, InputError
+from tribo.thermal import at_bulk_ratio, contact_quantiles, failed_share, rise_exceeded
 
 
 def test_quantile_and_failed_share_are_one_criterion():

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from tribo import ElasticHalfSpace, Grid, InputError, Wear, solve_contact
+from tribo import Grid, InputError, Wear
+from tribo.contact import ElasticHalfSpace, solve_contact
 
 GRID = Grid((12, 10), (1e-6, 1e-6))
 

@@ -181,7 +181,7 @@ def test_the_shipped_record_is_the_synthetic_one():
     shipped = (WORKFLOWS / "fig8_load_record.csv").read_text(encoding="utf-8")
     assert shipped == synthetic_record()
     assert shipped.startswith("# Synthetic")
-    record = tribo.read_load(WORKFLOWS / "fig8_load_record.csv", 600.0)
+    record = tribo.loading.read_load(WORKFLOWS / "fig8_load_record.csv", 600.0)
     rate, onset = record.linear_fit()
     assert rate == pytest.approx(150.0, rel=0.01)
     assert 0.3 < onset < 0.6

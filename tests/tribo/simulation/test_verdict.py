@@ -1,0 +1,64 @@
+"""The verdict on a point in one call: that of a sweep, and the sum of its parts."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import pipeline
+import tribo
+from tests.helpers import tiny
+from tests.helpers.scenes import STEEL
+from tribo.loading import MeasuredLoad
+
+TRACK = tribo.Track.under(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
+WARM = tribo.Corrections(track=TRACK, film_resistance=1e-8, friction=((1.0, 1.1), (4.0, 0.9)))
+LOADINGS = {
+    "ramp": tribo.Ramp(150.0, 750.0),
+    "hold": tribo.Ramp(150.0, 750.0, hold=60.0),
+    "record": MeasuredLoad([0.0, 1.0, 3.0, 5.0], [0.0, 300.0, 250.0, 750.0]),
+}
+
+
+@pytest.mark.parametrize("loading", LOADINGS)
+@pytest.mark.parametrize("parts", [None, WARM])
+def test_one_call_gives_the_verdict_of_a_sweep(loading, parts):
+    conditions = pipeline.Conditions(0.1, 298.15, 418.15, corrections=parts)
+    sweep = tiny.sweep(loading=LOADINGS[loading], conditions=conditions, loads=(600.0,))
+    conditions = sweep.conditions
+    expected = pipeline.run_point(sweep, 600.0, 1.5).verdict(conditions)
+    oil = tribo.Conditions(
+        friction=0.1, bulk_temperature=298.15, critical_temperature=418.15, corrections=parts
+    )
+    found = tribo.judge(sweep.scene, 600.0, 1.5, oil)
+    assert found == expected
+    whole = found.bulk_temperature + found.contact_rise + found.added_rise
+    assert found.decisive_temperature == pytest.approx(whole, rel=1e-12)
+    assert (found.added_rise != 0) == (parts is not None)
+    assert found.is_severe == (found.decisive_temperature > 418.15)
+
+
+def test_unequal_bulks_need_no_word_in_the_scene():
+    scene = tiny.sweep().scene
+    even = tribo.Conditions(friction=0.1, bulk_temperature=300.0, critical_temperature=420.0)
+    warm = replace(even, disk_temperature=330.0)
+    assert tribo.judge(scene, 600.0, 1.5, warm).bulk_temperature == 300.0
+    hotter = [tribo.judge(scene, 600.0, 1.5, one).decisive_temperature for one in (even, warm)]
+    assert hotter[0] < hotter[1] < hotter[0] + 30.0
+
+
+def test_without_a_critical_temperature_there_is_a_temperature_and_no_verdict():
+    found = tribo.judge(
+        tiny.sweep().scene, 600.0, 1.5, tribo.Conditions(friction=0.1, bulk_temperature=300.0)
+    )
+    assert (found.is_severe, found.failed_fraction) == (None, None)
+    assert found.decisive_temperature > 300.0
+
+
+def test_the_script_of_the_page_prints_a_verdict(capsys):
+    page = (Path(tribo.__file__).parent / "README.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    assert "pipeline" not in code
+    exec(code, {})
+    assert capsys.readouterr().out.startswith("Verdict(is_severe=")

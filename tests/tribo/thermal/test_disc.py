@@ -1,0 +1,114 @@
+"""Discs and rings heated around their rims, beside finite volumes of their rings."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.special import zeta
+
+import tribo
+from tribo.thermal import Disc
+from tribo.thermal.track import track_warming
+
+DIFFUSIVITY, CAPACITY = 1.2275e-5, 3.666e6
+CONDUCTIVITY = DIFFUSIVITY * CAPACITY
+PLAIN = {"diameter": 0.1, "width": 10e-3}
+OTHER = {"diameter": 0.06, "width": 15e-3}
+SPEED, RAMP, POWER = 200.0, 10.0, 400.0
+DISCS = {
+    f"{1e3 * size['diameter']:g} mm, {words}": Disc(**size, **more)
+    for size in (PLAIN, OTHER)
+    for words, more in {
+        "no loss": {},
+        "5 W/K evenly": {"shaft_loss": 5.0},
+        "20 W/K evenly": {"shaft_loss": 20.0},
+        "5 W/K at the rim": {"rim_loss": 5.0 / (np.pi * size["diameter"] * size["width"])},
+        "20 W/K at the rim": {"rim_loss": 20.0 / (np.pi * size["diameter"] * size["width"])},
+        "faces": {"face_loss": 500.0},
+        "ring": {"bore": 0.6 * size["diameter"]},
+        "ring on a shaft of 5 W/K": {"bore": 0.3 * size["diameter"], "shaft_loss": 5.0},
+        "ring on a shaft of 20 W/K": {"bore": 0.3 * size["diameter"], "shaft_loss": 20.0},
+    }.items()
+}
+
+
+def by_rings(disc, hold, count=60):
+    """Warming of a rim after a ramp of heat and a hold, of rings that conduct [K]."""
+    edges = np.linspace(disc.bore / 2, disc.diameter / 2, count + 1)
+    thickness = edges[1] - edges[0]
+    volumes = np.pi * np.diff(edges**2) * disc.width
+    between = 2 * np.pi * edges[1:-1] * disc.width * CONDUCTIVITY / thickness
+    flow = np.diag(np.append(between, 0.0) + np.append(0.0, between))
+    flow -= np.diag(between, 1) + np.diag(between, -1)
+    flow += np.diag(2 * disc.face_loss * volumes / disc.width)
+    half = thickness / 2 / CONDUCTIVITY
+    rim = np.pi * disc.diameter * disc.width
+    lost = disc.rim_loss / (1 + disc.rim_loss * half)  # through half of the last ring
+    flow[-1, -1] += lost * rim
+    if disc.bore:
+        area = np.pi * disc.bore * disc.width
+        shaft = disc.shaft_loss / area
+        flow[0, 0] += shaft / (1 + shaft * half) * area
+    else:
+        flow += np.diag(disc.shaft_loss * volumes / volumes.sum())
+    # The flux into the rim meets its loss there, before half of the last ring.
+    entering = 1 / (1 + disc.rim_loss * half)
+    rates, size = -flow / (CAPACITY * volumes)[:, None], count + 2
+    system = np.zeros((size, size))
+    system[:count, :count] = rates
+    system[count - 1, count] = POWER * entering / (CAPACITY * volumes[-1])
+    state = np.zeros(size)
+    for length, slope in ((RAMP, 1 / RAMP), (hold, 0.0)):
+        state[-1], system[count, -1] = 1.0, slope
+        state = expm(system * length) @ state if length else state
+    flux = POWER * state[count] / rim
+    return (state[count - 1] + flux * half) * entering
+
+
+def by_turns(disc, hold):
+    """The same by the turns of the disc, with what its present one has not laid yet [K]."""
+    times, loads = np.array([RAMP, RAMP + hold]), np.full(2, POWER / SPEED)
+    if not hold:
+        times, loads = times[:1], loads[:1]
+    turn = np.pi * disc.diameter / SPEED
+    heat = (times, loads), disc.width, DIFFUSIVITY, CAPACITY
+    warmed = track_warming(times[-1], turn, *heat, disc)
+    # The sum of 1/√n over turns is 2√N + ζ(½), and that of a source that never pauses 2√N.
+    pause = POWER / SPEED / (disc.width * CAPACITY * np.sqrt(np.pi * DIFFUSIVITY * turn))
+    return warmed - zeta(0.5) * pause
+
+
+@pytest.mark.parametrize("name", DISCS)
+@pytest.mark.parametrize("hold", [0.0, 60.0, 600.0])
+def test_the_rim_warms_as_rings_that_conduct(name, hold):
+    disc = DISCS[name]
+    assert by_turns(disc, hold) == pytest.approx(by_rings(disc, hold), rel=0.01)
+
+
+def test_a_disc_is_a_half_space_at_first_and_of_one_temperature_at_last():
+    disc = Disc(**PLAIN)
+    early, late = disc.rim_left(np.array([1e-6, 1e4]), DIFFUSIVITY, CAPACITY)
+    assert early == pytest.approx(1 / np.sqrt(np.pi * DIFFUSIVITY * 1e-6), rel=1e-3)
+    assert late == pytest.approx(2 / 0.05, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", DISCS)
+def test_the_half_space_and_the_series_meet(name):
+    disc = DISCS[name]
+    wall = (disc.diameter - disc.bore) / 2
+    at = 4e-4 * wall**2 / DIFFUSIVITY * np.array([1 - 1e-9, 1 + 1e-9])
+    before, after = disc.rim_left(at, DIFFUSIVITY, CAPACITY)
+    assert before == pytest.approx(after, rel=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        ({"bore": 0.1}, "bore is 0.1 m; it must be smaller"),
+        ({"shaft_loss": -1.0}, "shaft_loss is -1.0"),
+        ({"rim_loss": np.inf}, "rim_loss is inf"),
+        ({"width": 0.0}, "width is 0.0"),
+    ],
+)
+def test_discs_that_are_no_discs_are_refused(entries, said):
+    with pytest.raises(tribo.InputError, match=said):
+        Disc(**(PLAIN | entries))

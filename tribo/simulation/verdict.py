@@ -1,0 +1,295 @@
+"""The verdict on one point: mild or severe wear, too hot a contact, bulk + µ r > critical.
+
+r is the rise that decides (`tribo.Criterion`), at friction 1, at the worst moment of a point. Where
+the disk's bulk is Δ warmer than the pin's, rises count from the colder body, at the ratio Δ/µ, and
+are never negative.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from tribo.errors import InputError
+from tribo.loading import Ramp
+from tribo.simulation.corrections import Corrections
+from tribo.simulation.point import simulate
+from tribo.simulation.scene import Scene
+from tribo.simulation.step_measures import measures
+from tribo.simulation.trunks import Trunks
+from tribo.thermal import BULK_RATIOS, Criterion, failed_share, with_bulk_ratio
+from tribo.types import Array, Indices
+
+RISES = ("max_rise", "mean_rise", "rise_quantile")
+"""Columns that depend on the bulk temperatures where these differ."""
+
+
+class Bulks:
+    """What follows from a friction, and from one bulk temperature or two [K]."""
+
+    __slots__ = ()
+    friction: float
+    bulk_temperature: float
+    disk_temperature: float | None
+
+    @property
+    def bulk_difference(self) -> float:
+        """Bulk temperature of the disk less that of the pin [K]."""
+        disk = self.disk_temperature
+        return 0.0 if disk is None else disk - self.bulk_temperature
+
+    @property
+    def coldest_bulk_temperature(self) -> float:
+        """Bulk temperature of the colder body, from which rises count [K]."""
+        return self.bulk_temperature + min(0.0, self.bulk_difference)
+
+    @property
+    def mean_bulk_temperature(self) -> float:
+        """Mean of both bodies' bulk temperatures [K]: that of the oil between them."""
+        return self.bulk_temperature + self.bulk_difference / 2
+
+    @property
+    def rise_factor(self) -> float:
+        """Factor of the rise at friction 1: the friction.
+
+        Without friction unequal bulk temperatures still warm one of the bodies. Then it is so small
+        that their ratio to it is the largest one that is kept.
+        """
+        return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
+
+    @property
+    def bulk_ratio(self) -> float:
+        """Difference of the bulk temperatures over what the rise is multiplied by [K]."""
+        difference = self.bulk_difference
+        return difference / self.rise_factor if difference else 0.0
+
+
+class Judging(Protocol):
+    """What a verdict asks of conditions."""
+
+    @property
+    def critical_temperature(self) -> float | None:
+        """Temperature above which the lubricant fails [K]; None where it is not known."""
+
+    @property
+    def corrections(self) -> Corrections | None:
+        """Physics beside the two half-spaces; None for none."""
+
+    @property
+    def decisive(self) -> Criterion:
+        """Criterion of severe wear."""
+
+    @property
+    def coldest_bulk_temperature(self) -> float:
+        """See `Bulks`."""
+
+    @property
+    def rise_factor(self) -> float:
+        """See `Bulks`."""
+
+    @property
+    def bulk_ratio(self) -> float:
+        """See `Bulks`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Conditions(Bulks):
+    """Conditions that turn a rise at friction 1 into mild or severe wear.
+
+    Attributes
+    ----------
+    friction : float
+        Friction coefficient, at least 0.
+    bulk_temperature : float
+        Temperature of both bodies far from the contact, or of the pin where they differ [K].
+    critical_temperature : float or None
+        Temperature above which the lubricant fails [K]; None where it is not known.
+    disk_temperature : float or None
+        Temperature of the disk far from the contact [K]; None where it is that of the pin.
+    criterion : Criterion
+        Criterion of severe wear: more than a tenth of the contact unless told otherwise.
+    corrections : Corrections or None
+        Bodies that warm, stem, film and friction by velocity; None for none of them.
+
+    Examples
+    --------
+    >>> Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15).rise_factor
+    0.1
+    """
+
+    friction: float
+    bulk_temperature: float
+    critical_temperature: float | None = None
+    disk_temperature: float | None = None
+    criterion: Criterion = field(default_factory=Criterion)
+    corrections: Corrections | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.friction < math.inf:
+            raise InputError(f"friction is {self.friction!r}; it must be finite and ≥ 0")
+        warmest = max(self.bulk_temperature, self.disk_temperature or 0.0)
+        if not 0 < self.bulk_temperature < math.inf:
+            raise InputError(f"bulk_temperature is {self.bulk_temperature!r} K; it must be above 0")
+        if self.critical_temperature is not None and not self.critical_temperature > warmest:
+            raise InputError(
+                f"critical_temperature is {self.critical_temperature:g} K; it must be above the "
+                f"bulk temperature, {warmest:g} K"
+            )
+
+    @property
+    def decisive(self) -> Criterion:
+        """Criterion of severe wear."""
+        return self.criterion
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Mild or severe wear at a point at its worst moment; None where the limit is not known.
+
+    Attributes
+    ----------
+    is_severe : bool or None
+        True where the decisive temperature is above the critical one.
+    time : float
+        Worst moment, from the start of the loading [s].
+    decisive_temperature, max_temperature : float
+        Temperature that decides, and the highest of the contact [K].
+    failed_fraction : float or None
+        Share of the contact area above the critical temperature.
+    bulk_temperature : float
+        First part of the decisive temperature: that of the colder body far from the contact [K].
+    contact_rise : float
+        Second part: the rise between two half-spaces [K].
+    added_rise : float
+        Third part: what bodies that warm, stem, film and friction by velocity add [K].
+    """
+
+    is_severe: bool | None
+    time: float
+    decisive_temperature: float
+    max_temperature: float
+    failed_fraction: float | None
+    bulk_temperature: float
+    contact_rise: float
+    added_rise: float
+
+
+def rise_limit(conditions: Judging) -> float:
+    """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction."""
+    if conditions.critical_temperature is None:
+        raise InputError("critical_temperature is None, and a limit needs it; give one [K]")
+    if conditions.rise_factor == 0:
+        return math.inf
+    warming = conditions.critical_temperature - conditions.coldest_bulk_temperature
+    return warming / conditions.rise_factor
+
+
+def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
+    """Step of the highest rise (..., n_step) from when the load is reached on; else the last."""
+    counts = np.isfinite(rise) & (normal_load >= load)
+    step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
+    return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
+
+
+def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
+    """Columns with rises at friction 1 above the colder body, at a bulk ratio [K]."""
+    if bulk_ratio == 0:
+        return columns
+    above_pin = with_bulk_ratio(columns, bulk_ratio)
+    pin = max(0.0, -bulk_ratio)
+    return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
+
+
+def verdict(columns: Mapping[str, Array], load: float, conditions: Judging) -> Verdict:
+    """Mild or severe wear at a point, by its columns and the load that it is named after [N].
+
+    Columns are ``rise_quantile`` (n_step, n_quantile), ``mean_rise`` and ``max_rise`` (n_step)
+    above the pin's bulk at friction 1 [K], and those that corrections need.
+    """
+    ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
+    alone = above_colder(columns, ratio)
+    parts = conditions.corrections
+    together = above_colder(parts.applied(columns), ratio) if parts else alone
+    rises = conditions.decisive.rise(together)
+    worst = int(worst_moment(rises, together["normal_load"], load))
+    rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
+    of_contact = conditions.rise_factor * float(conditions.decisive.rise(alone)[worst])
+    known = conditions.critical_temperature is not None
+    decisive = bulk + conditions.rise_factor * rise
+    return Verdict(
+        is_severe=Criterion.is_severe(rise, rise_limit(conditions)) if known else None,
+        time=float(together["time"][worst]),
+        decisive_temperature=decisive,
+        max_temperature=bulk + conditions.rise_factor * float(quantiles[-1]),
+        failed_fraction=failed_share(quantiles, rise_limit(conditions)) if known else None,
+        bulk_temperature=bulk,
+        contact_rise=of_contact,
+        added_rise=decisive - bulk - of_contact,
+    )
+
+
+def judge(
+    scene: Scene,
+    load: float,
+    velocity: float,
+    conditions: Conditions,
+    trunks: Trunks | None = None,
+) -> Verdict:
+    """Simulate one point, and judge its wear.
+
+    Parameters
+    ----------
+    scene : Scene
+        System to simulate.
+    load, velocity : float
+        Load on the whole pin [N] and sliding velocity [m/s].
+    conditions : Conditions
+        Friction, temperatures and criterion.
+    trunks : Trunks, optional
+        Ramps of other points, from which to go on.
+
+    Returns
+    -------
+    Verdict
+        Mild or severe at the worst moment from when the load is reached on: of a hold in which
+        bodies warm that of all its steps.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        As `tribo.simulate` does.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> steel = tribo.Material(elastic_modulus=210e9, poisson_ratio=0.3, hardness=6.6e9,
+    ...                        thermal_conductivity=45.0, density=7800.0, specific_heat=470.0)
+    >>> scene = tribo.Scene(pin=tribo.Cylinder(2e-3, 3.4e-3, steel), disk=steel,
+    ...                     pixels=tribo.Grid((192, 2), (2e-6, 228e-6)),
+    ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
+    >>> oil = tribo.Conditions(friction=0.1, bulk_temperature=298.0, critical_temperature=418.0)
+    >>> found = judge(scene, load=600.0, velocity=1.25, conditions=oil)
+    >>> found.is_severe, f"{found.decisive_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
+    (True, '422 K = 298 + 124')
+    """
+    if conditions.disk_temperature is not None and not scene.unequal_bulks:
+        scene = replace(scene, unequal_bulks=True)
+    parts = conditions.corrections and conditions.corrections.under(scene.loading)
+    conditions = replace(conditions, corrections=parts)
+    asked: list[int] = []
+    if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
+        way = scene.loading.stations(load, scene.fidelity.increments)
+        asked = [station.index for station in way if station.holding]
+    records = [
+        {**measures(scene, state), **state.heat.columns}
+        for state in simulate(scene, load, velocity, trunks, asked)
+        if state.heat is not None and state.normal_load >= load
+    ]
+    if not records:
+        raise InputError(f"load is {load:g} N, at which nothing is in contact")
+    columns = {name: np.array([one[name] for one in records]) for name in records[0]}
+    return verdict(columns, load, conditions)

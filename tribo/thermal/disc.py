@@ -1,0 +1,170 @@
+"""A disc or ring that is heated around its rim by the turns that it makes, all of it conducting."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import scipy
+
+from tribo.errors import InputError, require_positive
+from tribo.types import Array
+
+_ROOTS = 120
+# Of (κt)/(a − b)², below which the rim is that of a curved half-space: there the series needs more
+# roots than are kept, and the half-space is wrong by less than 1e-4.
+_EARLY = 4e-4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Disc:
+    """A disc, or a ring, and what it loses to its surroundings above where it starts.
+
+    Parameters
+    ----------
+    diameter, width : float
+        Diameter of its rim, and width across its track [m].
+    bore : float
+        Diameter of its hole [m]; 0 for none.
+    rim_loss, face_loss : float
+        Heat that its rim, and each of its two faces, lose for each area and kelvin [W/(m² K)].
+    shaft_loss : float
+        Heat that it loses to its shaft for each kelvin [W/K]: at its bore, or evenly over the disc
+        where it has none.
+
+    Examples
+    --------
+    >>> print(Disc(diameter=0.1, width=0.01, bore=0.03, shaft_loss=5.0))
+    100 × 10 mm, bore 30 mm, shaft 5 W/K
+    """
+
+    diameter: float
+    width: float
+    bore: float = 0.0
+    rim_loss: float = 0.0
+    face_loss: float = 0.0
+    shaft_loss: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(diameter=self.diameter, width=self.width)
+        for name in ("bore", "rim_loss", "face_loss", "shaft_loss"):
+            if not 0 <= getattr(self, name) < math.inf:
+                raise InputError(f"{name} is {getattr(self, name)!r}; it must be finite and ≥ 0")
+        if not self.bore < self.diameter:
+            raise InputError(
+                f"bore is {self.bore:g} m; it must be smaller than the diameter, {self.diameter:g} "
+                "m"
+            )
+
+    def __str__(self) -> str:
+        parts = [f"{1e3 * self.diameter:.4g} × {1e3 * self.width:.4g} mm"]
+        parts += [f"bore {1e3 * self.bore:.3g} mm"] if self.bore else []
+        losses = (self.rim_loss, "rim", "W/(m² K)"), (self.face_loss, "faces", "W/(m² K)")
+        for loss, place, unit in (*losses, (self.shaft_loss, "shaft", "W/K")):
+            parts += [f"{place} {loss:.3g} {unit}"] if loss else []
+        return ", ".join(parts)
+
+    def rim_left(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
+        """Warming of the rim by heat that was laid around it, per heat per area over ρc [1/m].
+
+        The temperature of the rim, r = a, an age t after heat was spread evenly over it, is a sum
+        over the modes of a cylinder or a ring (Carslaw & Jaeger, *Conduction of Heat in Solids*,
+        2nd ed., 1959, §7.7, §7.9 and §7.10),
+
+            1/a Σ φₙ(1)²/∫φₙ² x dx exp(−βₙ² Fo),  Fo = κt/a²,
+
+        φₙ = J₀(βₙx) + cₙY₀(βₙx), from the bore, x = b/a, to 1. Losses h of rim and bore,
+        φ' + (ha/K) φ = 0 outwards, shift the roots βₙ; without them one is 0, and of a whole disc
+        J₁(βₙ) = 0. The loss of the faces multiplies all by exp(−2ht/ρcB), B the width. Integrated
+        over t that is (a/K)(2Fo + 1/4 − 2 Σ exp(−βₙ²Fo)/βₙ²) under a constant flux on a disc
+        without losses. At first it is 1/√(πκt), that of a half-space, and the curvature of the rim.
+
+        Parameters
+        ----------
+        age : ndarray
+            Ages t, above 0 [s].
+        diffusivity, heat_capacity : float
+            κ [m²/s] and ρc [J/(m³ K)].
+
+        Examples
+        --------
+        A disc of 100 × 10 mm, after a tenth of a second and when it has one temperature:
+
+        >>> disc = Disc(diameter=0.1, width=0.01)
+        >>> disc.rim_left(np.array([0.1, 600.0]), 1.2275e-5, 3.666e6).round(1).tolist()
+        [519.4, 40.0]
+        """
+        radius, conductivity = self.diameter / 2, diffusivity * heat_capacity
+        biot, shaft = self.rim_loss * radius / conductivity, 0.0
+        decay = 2 * self.face_loss / (heat_capacity * self.width)
+        if self.bore:
+            area = math.pi * self.bore * self.width
+            shaft = self.shaft_loss / area * radius / conductivity
+        else:
+            volume = math.pi * radius**2 * self.width
+            decay += self.shaft_loss / (heat_capacity * volume)
+        inner = self.bore / self.diameter
+        roots, weights = _modes(inner, biot, shaft)
+        fourier = diffusivity * age / radius**2
+        early = fourier < _EARLY * (1 - inner) ** 2
+        late = np.where(early, 1.0, fourier)[..., None]
+        series = (weights * np.exp(-np.minimum(roots**2 * late, 700.0))).sum(axis=-1)
+        lost, root = biot - 0.5, np.sqrt(np.where(early, fourier, 1.0))
+        short = 1 / (math.sqrt(math.pi) * root) - lost * scipy.special.erfcx(lost * root)
+        left: Array = np.where(early, short, series) * np.exp(-decay * age) / radius
+        return left
+
+    def as_dict(self) -> dict[str, float]:
+        """Return its sizes, and the losses that it has, by name."""
+        return {name: value for name, value in asdict(self).items() if value}
+
+
+@functools.lru_cache(maxsize=256)
+def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
+    """Roots βₙ of a ring from x = inner to 1, and the weights φₙ(1)²/∫φₙ² x dx of its modes.
+
+    The losses of rim and bore are Biot's numbers ha/K.
+    """
+    j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
+
+    def mode(root: Array, x: float) -> tuple[Array, Array]:
+        """The mode and its slope at x, for any root; the bore's loss holds at all of them."""
+        if not inner:
+            return j0(root * x), -root * j1(root * x)
+        first, second = (
+            -root * slope(root * inner) - bore * value(root * inner)
+            for value, slope in ((j0, j1), (y0, y1))
+        )
+        return (
+            second * j0(root * x) - first * y0(root * x),
+            root * (first * y1(root * x) - second * j1(root * x)),
+        )
+
+    def at_rim(root: Array) -> Array:
+        value, slope = mode(root, 1.0)
+        return slope + rim * value
+
+    # Neighbours are about π/(1 − inner) apart; a small loss has a small first root.
+    step = math.pi / (1 - inner)
+    scan = np.concatenate(
+        [np.geomspace(1e-6, 0.1, 60) * step, np.arange(0.15, _ROOTS, 0.05) * step]
+    )
+    signs = np.sign(at_rim(scan))
+    places = np.flatnonzero(signs[:-1] * signs[1:] < 0)[:_ROOTS]
+    low, high = scan[places], scan[places + 1]
+    for _ in range(60):
+        middle = (low + high) / 2
+        is_low = np.sign(at_rim(middle)) == signs[places]
+        low, high = np.where(is_low, middle, low), np.where(is_low, high, middle)
+    roots = (low + high) / 2
+    value, slope = mode(roots, 1.0)
+    norm = (value**2 + (slope / roots) ** 2) / 2
+    if inner:
+        begin, begin_slope = mode(roots, inner)
+        norm -= inner**2 * (begin**2 + (begin_slope / roots) ** 2) / 2
+    weights = value**2 / norm
+    if not rim and not bore:
+        return np.append(0.0, roots), np.append(2 / (1 - inner**2), weights)
+    return roots, weights
