@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from scipy.special import ndtri
 
 from pipeline.analysis.dataset import (
     Kind,
@@ -41,6 +42,7 @@ from pipeline.analysis.transition import (
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import cold_bodies, on_cold_bodies, with_turns
 from pipeline.sweep.surface import Lubrication
 from tribo.types import Array
@@ -77,7 +79,9 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
         Over several surfaces all but the band have a dimension ``realization`` in front, and there
         is ``critical_velocity_quantile(quantile, load)``, the velocity below which a share of the
         surfaces turn severe: those that stay mild or are severe throughout are counted, beyond all
-        velocities, so that a quantile among them is NaN. ``critical_velocity_mean`` and
+        velocities, so that a quantile among them is NaN. ``critical_velocity_first`` is where the
+        first of the ``patches`` under the pin and around its track turns severe, as far as the
+        logarithms of the surfaces' velocities are normal. ``critical_velocity_mean`` and
         ``critical_velocity_spread`` (standard deviation) are NaN unless every surface crosses.
         ``crossing_at_load`` counts those that do, ``known_at_load`` those that are known to cross
         or not. Likewise for ``critical_load``.
@@ -133,7 +137,8 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
             dims = result[f"critical_{axis}"].dims
             words = "film parameter at the crossing"
             result[f"film_parameter_at_{line}"] = dims, film, {"units": "1", "long_name": words}
-    result = with_band(result) if "realization" in result.dims else result
+    if "realization" in result.dims:
+        result = with_band(result, _patches(stored_sweep(ds)))
     return _with_errors(result, found, ds)
 
 
@@ -259,8 +264,23 @@ BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 
 
-def with_band(boundaries: xr.Dataset) -> xr.Dataset:
-    """Add quantiles, mean, spread and counts over several surfaces."""
+def _patches(sweep: Sweep) -> float:
+    """Patches as large as the window that lie side by side under the pin and around its track.
+
+    Around it one, where the scene gives no track.
+    """
+    scene, corrections = sweep.scene, sweep.conditions.corrections
+    track = corrections.track if corrections else None
+    around = track.length / scene.pixels.size[0] if track else 1.0
+    return max(1.0, around) * max(1.0, scene.pin.patches(scene.pixels))
+
+
+def with_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
+    """Add quantiles, mean, spread and counts over several surfaces, and where wear begins.
+
+    Severe wear begins (III*) at the first of so many patches of the surface: of independent ones,
+    whose logarithms are normal, the median of the least.
+    """
     shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     with_quantiles = boundaries.assign_coords(quantile=shares)
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
@@ -275,6 +295,9 @@ def with_band(boundaries: xr.Dataset) -> xr.Dataset:
             output_core_dims=[[], [], ["quantile"]],
             vectorize=True,
         )
+        logs: Any = np.log(boundaries[name].where(mean.notnull()))
+        below = ndtri(-math.expm1(math.log(0.5) / patches))  # of a normal one, half of the time
+        first = np.exp(logs.mean("realization") + below * logs.std("realization", ddof=1))
         crossing = (outcome == CROSSES).sum("realization")
         certain = outcome.isin((CROSSES, MILD, SEVERE)).sum("realization")
         quantiles = quantiles.transpose(..., "quantile", axis)
@@ -282,13 +305,14 @@ def with_band(boundaries: xr.Dataset) -> xr.Dataset:
             f"{name}_mean": (mean, unit, "mean over the surfaces"),
             f"{name}_spread": (spread, unit, "their standard deviation"),
             f"{name}_quantile": (quantiles, unit, "that a share of the surfaces stays below"),
+            f"{name}_first": (first, unit, f"at which the first of {patches:.0f} patches turns"),
             f"crossing_at_{axis}": (crossing, "1", "surfaces that cross"),
             f"known_at_{axis}": (certain, "1", "surfaces whose outcome is known"),
         }
         for column, (values, units, words) in columns.items():
             attrs = {"units": units, "long_name": words}
             with_quantiles[column] = values.dims, values.values, attrs
-    return with_quantiles
+    return with_quantiles.assign_attrs(patches=patches)
 
 
 def _band_of(

@@ -48,6 +48,13 @@ def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
             f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
             "which the model does not have"
         )
+    if patches := attribute_values(boundaries, "patches"):
+        yield (
+            "mean: where the patch of the window turns severe (III); first patch: where the first "
+            f"of {max(patches):.0f} such patches does, and severe wear begins (III*), if their "
+            "logarithms are normal; patches lie side by side under the pin, and around the disk's "
+            "track where the scene gives it"
+        )
     if missing := missing_points(boundaries):
         yield f"{missing} points are pending or failed and were left out"
 
@@ -141,6 +148,8 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
         yield f"{heads[place]} [{unit}]", band.isel(quantile=place, drop=True)
     for moment in ("mean", "spread"):
         yield f"{moment} [{unit}]", boundaries[f"{name}_{moment}"]
+    if f"{name}_first" in boundaries:
+        yield f"first patch [{unit}]", boundaries[f"{name}_first"]
     codes = boundaries[f"outcome_at_{axis}"]
     yield "surfaces", xr.full_like(codes, 1).sum(surfaces)
     for code, outcome in outcomes(other).items():
