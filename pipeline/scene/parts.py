@@ -12,6 +12,7 @@ import numpy as np
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.load_record import read_load
 from pipeline.scene.surfaces import (
     axis_note,
     filled,
@@ -56,7 +57,7 @@ def loading_of(
         if "file" not in table:
             return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
         folder = document.file_of("loading.file").parent
-        record = tribo.loading.read_load(folder / table["file"], table["reference_load"])
+        record = read_load(folder / table["file"], table["reference_load"])
         if not table["fit"]:
             return record
         rate, onset = record.linear_fit()

@@ -12,10 +12,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from pipeline.scene.height_file import read_heights
 from pipeline.scene.text_scan import TEXT, read_text
 from tribo import InputError
 from tribo.errors import reason_of, require_file
-from tribo.surface import read_heights
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # that an archive may unpack to
