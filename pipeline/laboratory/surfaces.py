@@ -15,10 +15,10 @@ import numpy as np
 
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.scene.faults import Faults
+from pipeline.scene.height_file import read_heights
 from pipeline.scene.units import display
 from tribo import InputError
 from tribo.errors import reason_of, require_file
-from tribo.surface import read_heights
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # that an archive may unpack to

@@ -10,6 +10,7 @@ import tribo
 from pipeline import extras
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.load_record import read_load
 from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
@@ -43,7 +44,7 @@ def loading_of(
         if "file" not in table:
             return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
         folder = document.file_of("loading.file").parent
-        record = tribo.loading.read_load(folder / table["file"], table["reference_load"])
+        record = read_load(folder / table["file"], table["reference_load"])
         if not table["fit"]:
             return record
         rate, onset = record.linear_fit()

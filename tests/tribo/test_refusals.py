@@ -40,7 +40,7 @@ from tribo.material import minimum_line_film, minimum_point_film
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
 from tribo.simulation.verdict import rise_limit
-from tribo.surface import autocorrelation_lengths, fit_self_affine, read_heights, self_affine
+from tribo.surface import autocorrelation_lengths, fit_self_affine, self_affine
 from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
@@ -171,7 +171,6 @@ REFUSALS = {
     },
     "flat": (lambda: fit_self_affine(np.zeros((99, 99)), (1.0, 1.0)), "rms_height is 0.0"),
     "uncorrelated": (lambda: autocorrelation_lengths(ZERO, (1.0, 1.0)), "rms_height is 0.0"),
-    "unit": (lambda: read_heights("heights.csv", unit=0.0), "unit is 0.0"),
     "seed": (lambda: self_affine(GRID, 1e-7, 0.8, 1e-6, -1), "seed is -1"),
     "blocks": (lambda: block_average(ZERO, 4), "6 × 5 pixels cannot be averaged 4 × 4"),
     "few heights": (lambda: fit_self_affine(ZERO, (1.0, 1.0)), "6 × 5 heights are too few"),
@@ -321,16 +320,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "record.read_load InputError": "loading/test_record.py, with files",
-    "record._header InputError": "loading/test_record.py, with files",
-    "record._numbers InputError": "loading/test_record.py, with files",
-    "heights.read_heights InputError": "surface/test_heights.py, with files",
-    "heights.read_heights": "an error of tribo, passed on as it is",
-    "heights._read_npy ValueError": "surface/test_heights.py, with files",
-    "heights._read_npy _too_large": "surface/test_heights.py, with files",
-    "heights._read_csv InputError": "surface/test_heights.py, with files",
-    "heights._read_csv _too_large": "surface/test_heights.py, with files",
-    "errors.require_file InputError": "loading/test_record.py and surface/test_heights.py",
+    "errors.require_file InputError": "pipeline/scene/test_load_record.py, with files",
     "invariants.check_contact InvariantError": "simulation/test_invariants.py, by wrong solvers",
     "invariants.check_wear InvariantError": "simulation/test_invariants.py, by wear that is wrong",
     "invariants.check_heat InvariantError": "simulation/test_invariants.py, by wrong solvers",

@@ -3,4 +3,3 @@
 from tribo.loading.ramp import Ramp as Ramp
 from tribo.loading.ramp import Station as Station
 from tribo.loading.record import MeasuredLoad as MeasuredLoad
-from tribo.loading.record import read_load as read_load

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import functools
 import hashlib
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
-from tribo.errors import (
-    InputError,
-    hint_of_row,
-    reason_of,
-    require_file,
-    require_positive,
-    shortened,
-)
+from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Ramp, Station
 from tribo.types import Array
 
@@ -28,9 +18,7 @@ _EVEN = (
     0.2  # of its way, by which a load may be ahead of the time or behind it, to take equal steps
 )
 _FITTED = (0.1, 0.9)  # of the reference load: the part of the rise that has no rounded ends
-_MOST_ROWS = 1_000_000  # of a file
 _MOST_OF_COURSE = 500  # points, so that a store holds them in some 20 kB
-_UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -243,98 +231,3 @@ def fault(times: Array, loads: Array) -> tuple[int, str] | None:
     if broken.size:
         return sound, f"{times[sound]:g} s, {loads[sound]:g} N; both must be finite"
     return None
-
-
-def read_load(path: str | Path, reference_load: float | None = None) -> MeasuredLoad:
-    """Read a load record from comma-separated text.
-
-    Parameters
-    ----------
-    path : str or Path
-        Two columns, time and load in either order, below a header with their units, such as
-        ``time [s], normal load [N]``; s, ms, min and N, kN, mN are known. Empty lines and lines
-        that begin with # are left out.
-    reference_load : float, optional
-        See `MeasuredLoad`.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is no such record; the message names the line.
-
-    Examples
-    --------
-    >>> import tribo
-    >>> record = tribo.loading.read_load("workflows/fig8_load_record.csv")
-    >>> len(record.times), f"{max(record.loads):.0f} N"
-    (300, '605 N')
-    """
-    path = Path(path)
-    require_file(path)
-    lines: list[int] = []
-    rows: list[tuple[float, float]] = []
-    factors: tuple[float, float] | None = None
-    load_first = False
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            for cells in reader:
-                if not "".join(cells).strip() or cells[0].lstrip().startswith("#"):
-                    continue
-                where = f"{path}, line {reader.line_num}"
-                if len(cells) != 2:
-                    hint = hint_of_row(cells)
-                    raise InputError(
-                        f"{where}: {len(cells)} columns; give two, time and load{hint}"
-                    )
-                if factors is None:
-                    factors, load_first = _header(cells, where)
-                    continue
-                if len(rows) == _MOST_ROWS:
-                    raise InputError(f"{where}: more than {_MOST_ROWS} rows; thin the record out")
-                lines.append(reader.line_num)
-                rows.append(_numbers(cells, where))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not comma-separated text in UTF-8: {error}") from error
-    if factors is None or len(rows) < 2:
-        raise InputError(
-            f"{path}: {len(rows)} rows; needed are a header such as 'time [s], load [N]' and at "
-            "least two rows"
-        )
-    columns = np.array(rows).T * np.array(factors)[:, None]
-    times, loads = columns[::-1] if load_first else columns
-    if reason := fault(times, loads):
-        row, why = reason
-        raise InputError(f"{path}, line {lines[row]}: {why}")
-    try:
-        return MeasuredLoad(times, loads, reference_load)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-
-
-def _header(cells: list[str], where: str) -> tuple[tuple[float, float], bool]:
-    """Factors of both columns to SI, and whether the load stands first."""
-    columns = []
-    for cell in cells:
-        match = re.search(r"[\[(]\s*(\S*)\s*[\])]\s*$", cell)
-        unit = match[1] if match else None
-        for kind, units in _UNITS.items():
-            if unit in units:
-                columns.append((kind, units[unit]))
-    if sorted(kind for kind, _ in columns) != ["load", "time"]:
-        allowed = " or ".join(", ".join(units) for units in _UNITS.values())
-        raise InputError(
-            f"{where}: the header is {','.join(cells)!r}; it must give a unit of time and one of "
-            f"load in brackets, {allowed}, as 'time [s], load [N]' does"
-        )
-    (first, factor), (_, other) = columns
-    return (factor, other), first == "load"
-
-
-def _numbers(cells: list[str], where: str) -> tuple[float, float]:
-    try:
-        return float(cells[0]), float(cells[1])
-    except ValueError as error:
-        raise InputError(f"{where}: {shortened(str(error))}{hint_of_row(cells)}") from error

@@ -1,8 +1,7 @@
-"""Rough surfaces: made, measured, read from files, and described."""
+"""Rough surfaces: made, measured and described."""
 
 from tribo.surface.autocorrelation import AutocorrelationLengths as AutocorrelationLengths
 from tribo.surface.autocorrelation import autocorrelation_lengths as autocorrelation_lengths
-from tribo.surface.heights import read_heights as read_heights
 from tribo.surface.roughness import MeasuredRoughness as MeasuredRoughness
 from tribo.surface.roughness import SelfAffineRoughness as SelfAffineRoughness
 from tribo.surface.roughness import Surface as Surface

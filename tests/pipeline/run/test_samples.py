@@ -187,7 +187,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
             "drawn: leave out friction",
         ),
         (("margin", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
-        (("plot", "--kind", "ramp"), "no plane of velocities and loads"),
+        (("plot", "--kind", "ramp"), "has samples, and no plane of points"),
         (
             ("infer", "--next", "--bulk-temperature", "pin=60 degC, disk=25 degC"),
             "of a test to plan is that of both bodies",

@@ -1,12 +1,12 @@
-"""Surfaces from files (tribo/surface/heights.py)."""
+"""Surfaces from files (pipeline/scene/height_file.py)."""
 
 import io
 
 import numpy as np
 import pytest
 
+from pipeline.scene.height_file import read_heights
 from tribo import InputError
-from tribo.surface import read_heights
 
 
 @pytest.mark.parametrize("suffix", [".npy", ".csv"])

@@ -10,14 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.errors import (
-    InputError,
-    hint_of_row,
-    reason_of,
-    require_file,
-    require_positive,
-    shortened,
-)
+from tribo import InputError
+from tribo.errors import hint_of_row, reason_of, require_file, require_positive, shortened
 from tribo.types import Array
 
 _MOST_HEIGHTS = 10**8  # of a surface; 0.8 GB
