@@ -100,7 +100,7 @@ class RangeError(TriboError, ArithmeticError):
 
 
 @contextmanager
-def of_law(name: str) -> Iterator[None]:
+def law_errors(name: str) -> Iterator[None]:
     """Turn any error within a user's own law into an `InputError` that names the law."""
     try:
         yield

@@ -29,7 +29,7 @@ from tribo.simulation import (
     simulate,
     start,
 )
-from tribo.thermal import Criterion, with_bulk_ratio
+from tribo.thermal import Criterion, add_bulk_ratio
 from tribo.wear import Wear, WearPattern
 
 _WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
@@ -138,7 +138,7 @@ def critical_temperature(
     for normal_load, velocity, friction in transitions:
         ratio = bulk_difference / friction
         rise = max(
-            float(decisive.rise(with_bulk_ratio(moment_of(scene, state, apart), ratio)))
+            float(decisive.rise(add_bulk_ratio(moment_of(scene, state, apart), ratio)))
             for state in simulate(scene, normal_load, velocity)
             if state.heat and state.normal_load >= normal_load
         )

@@ -132,7 +132,7 @@ def at(
     known = _NAMES.keys() | open_inputs(whole_sweep(ds)).keys()
     if others := [path for path in wanted if path not in known]:
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
-    wanted = {path: _in_si(path, value) for path, value in wanted.items()}
+    wanted = {path: _si_value(path, value) for path, value in wanted.items()}
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
     ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several}, own_laws)
     for path, values in reversed(several.items()):
@@ -175,13 +175,13 @@ _UNITS = {
 }  # fmt: skip
 
 
-def _in_si(path: str, value: Any) -> Any:
+def _si_value(path: str, value: Any) -> Any:
     """A value of a condition in SI, several as a list; that of another entry as it is."""
     name = _NAMES.get(path)
     if isinstance(value, np.ndarray | Sequence) and not isinstance(value, str):
         if not len(value):
             raise InputError(f"{name or path} has no value; give one, or several")
-        return [_in_si(path, one) for one in value]
+        return [_si_value(path, one) for one in value]
     match name:
         case "friction" if isinstance(value, str):
             raise InputError(f"friction is {value!r}; give a number such as 0.1, or several")
@@ -219,7 +219,9 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any], own_laws: bool) -> xr.Da
     if law:
         attributes["own_law"] = secrets.token_hex(8)  # which no store can name
         ALLOWED[attributes["own_law"]] = law
-    inner = {path: _within(inputs[path], values[path]) for path in values.keys() - _NAMES.keys()}
+    inner = {
+        path: _drawn_value(inputs[path], values[path]) for path in values.keys() - _NAMES.keys()
+    }
     both = judged_values(ds) | dict(values) | inner
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
@@ -229,7 +231,7 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any], own_laws: bool) -> xr.Da
     return ds.drop_vars(labels).assign_attrs(attributes)
 
 
-def _within(unknown: Unknown, value: float | str) -> float:
+def _drawn_value(unknown: Unknown, value: float | str) -> float:
     """A value of an unknown input in SI; raises if the samples do not reach it."""
     shown = unknown.shown
     if isinstance(value, str) and unknown.unit == "1":

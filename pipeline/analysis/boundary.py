@@ -28,7 +28,7 @@ from pipeline.analysis.decisive import attributes_by
 from pipeline.analysis.field import Field, PointField, fields, point_field
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
-from pipeline.analysis.scenes import by_scene
+from pipeline.analysis.scenes import map_scenes
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
@@ -43,7 +43,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import cold_bodies, on_cold_bodies, with_turns
+from pipeline.sweep.physics import add_turns, cold_bodies, describe_cold_bodies
 from pipeline.sweep.surface import Lubrication
 from tribo.types import Array
 
@@ -113,7 +113,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """
     ds = dataset_of(ds)
     require_kind(ds, Kind.PLANE, Kind.SAMPLES)
-    return by_scene(ds, _band_alone if sweep_kind(ds) is Kind.SAMPLES else boundary_under)
+    return map_scenes(ds, _band_alone if sweep_kind(ds) is Kind.SAMPLES else boundary_under)
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
@@ -138,8 +138,8 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
             words = "film parameter at the crossing"
             result[f"film_parameter_at_{line}"] = dims, film, {"units": "1", "long_name": words}
     if "realization" in result.dims:
-        result = with_band(result, _patches(stored_sweep(ds)))
-    return _with_errors(result, found, ds)
+        result = add_band(result, _patches(stored_sweep(ds)))
+    return _add_errors(result, found, ds)
 
 
 def _attributes(conditions: Conditions) -> dict[str, Any]:
@@ -225,7 +225,7 @@ _STEPS = 241  # velocities among which the ends of a band are sought
 _BEYOND = 3.0  # factor beyond the velocities computed to which they are
 
 
-def _with_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Dataset:
+def _add_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Dataset:
     """Add the ends of the band that the errors leave, by load."""
     loads, scatter = boundaries["load"].values.tolist(), model_error(ds, field)
     velocities = ds["velocity"].values[ds["velocity"].values > 0]
@@ -257,7 +257,7 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     words = "velocity at which the next run is severe with a probability"
     attrs = {"units": "m/s", "long_name": words}
     result["critical_velocity_quantile"] = ("quantile", "load"), np.transpose(lines), attrs
-    return _with_errors(result, field, ds)
+    return _add_errors(result, field, ds)
 
 
 BAND = (0.1, 0.5, 0.9)
@@ -275,7 +275,7 @@ def _patches(sweep: Sweep) -> float:
     return max(1.0, around) * max(1.0, scene.pin.patches(scene.pixels))
 
 
-def with_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
+def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
     """Add quantiles, mean, spread and counts over several surfaces, and where wear begins.
 
     Severe wear begins (III*) at the first of so many patches of the surface: of independent ones,
@@ -355,11 +355,11 @@ def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset) -> str | None:
     cold = cold_bodies(motion, judged.corrections)
     if not cold:
         return None
-    corrections, around = with_turns(judged.corrections, scene.pin, scene.disk, motion)
+    corrections, around = add_turns(judged.corrections, scene.pin, scene.disk, motion)
     warm = boundary_under(ds, replace(judged, corrections=corrections))
     moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
     moved = moved[np.isfinite(moved)]
     size = "move the boundary to lower velocities, by more than is computed here"
     if moved.size:
         size = f"move the critical velocities by {moved.max():+.0f} to {moved.min():+.0f} %"
-    return on_cold_bodies(cold, around, size)
+    return describe_cold_bodies(cold, around, size)

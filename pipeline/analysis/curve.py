@@ -59,18 +59,18 @@ class Curve:
         if len(self.x) < 2:
             return result
         inside = (places >= self.x[0]) & (places <= self.x[-1])
-        result[inside] = self._within(places[inside])
+        result[inside] = self._inside(places[inside])
         if continued and self._is_log:
             for beyond, end in ((places < self.x[0], 0), (places > self.x[-1], -1)):
                 ratio = (places[beyond] / self.x[end]).reshape(-1, *[1] * (self.y.ndim - 1))
                 result[beyond] = self.y[end] * ratio ** self.end_exponent(end)
         return result
 
-    def _within(self, places: Array) -> Array:
+    def _inside(self, places: Array) -> Array:
         if self._foot:
             first = self.x[1]
             foot = self.y[1] * (np.minimum(places, first) / first) ** self._foot
-            return np.where(places < first, foot, self._rest._within(np.maximum(places, first)))
+            return np.where(places < first, foot, self._rest._inside(np.maximum(places, first)))
         values = self._cubic(self._scaled(places))
         return np.exp(values) if self._is_log else np.asarray(values)
 
@@ -90,7 +90,7 @@ class Curve:
         if not place > 0 or len(self.x) < 2:
             return math.nan
         ends = np.clip([place / _NEAR, place * _NEAR], self.x[0], self.x[-1])
-        low, high = self._within(ends)
+        low, high = self._inside(ends)
         return math.log(high / low) / math.log(ends[1] / ends[0]) if low > 0 else math.nan
 
     def crossings(self, limit: float) -> tuple[float, ...]:
@@ -112,16 +112,16 @@ class Curve:
                 return self._rest._crossing(k - 1, limit)
             return float(x[1] * (limit / y[1]) ** (1 / self._foot))
         below, above = x
-        if (self._within(np.array(below)) > limit) != (y[0] > limit):  # by rounding
+        if (self._inside(np.array(below)) > limit) != (y[0] > limit):  # by rounding
             return float(below)
-        if (self._within(np.array(above)) > limit) != (y[1] > limit):
+        if (self._inside(np.array(above)) > limit) != (y[1] > limit):
             return float(above)
         options = {"xtol": 1e-15, "maxiter": 1000}
         off = functools.partial(self._off, limit)
         return float(scipy.optimize.brentq(off, below, above, **options))
 
     def _off(self, limit: float, place: float) -> float:
-        return float(self._within(np.array(place))) - limit
+        return float(self._inside(np.array(place))) - limit
 
 
 def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> Array:

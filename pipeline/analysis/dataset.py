@@ -21,12 +21,12 @@ from pipeline.store.read import open_store
 from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED
 from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import PATHS, Conditions, changes_of
-from pipeline.sweep.judged import with_conditions, with_fixed
+from pipeline.sweep.judged import fix_inputs, replace_conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Own, OwnLawError, Reference
 from pipeline.sweep.severity import (
     RISES,
-    at_bulks,
+    bulk_rises,
     columns_needed,
     corrected_columns,
     require_bulks,
@@ -63,7 +63,7 @@ def scene_sweep(ds: xr.Dataset) -> Sweep:
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:
     """The sweep that a dataset is of or was taken from, judged as `pipeline.at` says."""
-    return _judged_at(_text(ds), _Source(ds), json.dumps(judged_values(ds)), _at(ds)[1])
+    return _judged_at(_text(ds), _Source(ds), json.dumps(judged_values(ds)), _judgement(ds)[1])
 
 
 def stored_sweep(ds: xr.Dataset) -> Sweep:
@@ -74,7 +74,7 @@ def stored_sweep(ds: xr.Dataset) -> Sweep:
         for path in PATHS.values()
         if path in ds.coords and not ds[path].ndim and path not in columns
     }
-    at, law = json.dumps(judged_values(ds) | values), _at(ds)[1]
+    at, law = json.dumps(judged_values(ds) | values), _judgement(ds)[1]
     return _taken_at(_text(ds), _Source(ds), at, law, taken_at(ds))
 
 
@@ -85,12 +85,12 @@ GIVEN_MEASURED = "given_measured"
 def judged_values(ds: xr.Dataset) -> dict[str, Any]:
     """Values that a dataset is judged at, by the paths of entries [SI]."""
     try:
-        return dict(json.loads(_at(ds)[0]))
+        return dict(json.loads(_judgement(ds)[0]))
     except ValueError as error:
         raise InputError(f"the attribute at is {ds.attrs['at']!r:.60}, which is none") from error
 
 
-def _at(ds: xr.Dataset) -> tuple[str, str]:
+def _judgement(ds: xr.Dataset) -> tuple[str, str]:
     """Values that a dataset is judged at, as JSON, and the token of a law that is allowed."""
     return str(ds.attrs.get("at", "{}")), str(ds.attrs.get("own_law", ""))
 
@@ -161,7 +161,7 @@ def _judged_at(text: str, source: _Source, at: str, own_law: str) -> Sweep:
         changes |= {"criterion": law.reference, "own_criterion": law}
     else:
         changes = changes_of(**given)
-    return with_fixed(with_conditions(sweep, changes), values) if values else sweep
+    return fix_inputs(replace_conditions(sweep, changes), values) if values else sweep
 
 
 @functools.lru_cache(maxsize=64)
@@ -229,7 +229,7 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     What is known of each step is a variable of each point.
     """
     if not isinstance(source, xr.Dataset):
-        return _of_points(open_sweep(source))
+        return _per_point(open_sweep(source))
     _text(source)
     lazy = {
         name: source[name].compute()
@@ -239,10 +239,10 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     if lazy:
         coords = {name: lazy.pop(name) for name in [*lazy] if name in source.coords}
         source = source.assign_coords(coords).assign(lazy)
-    return _of_points(ordered(source))
+    return _per_point(ordered(source))
 
 
-def _of_points(ds: xr.Dataset) -> xr.Dataset:
+def _per_point(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with time, load and distance of each step at each point."""
     names = [name for name in (*MADE, "own_grid") if name in ds.coords]
     if not names:  # it was taken before
@@ -335,14 +335,14 @@ def _drawn(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
 
 def values_of(ds: xr.Dataset, name: str) -> Any:
     """Values of a variable, its dimensions in the usual order, those of the rows first."""
-    return _in_order(ds[name]).values
+    return _usual_order(ds[name]).values
 
 
-def _in_order(array: xr.DataArray) -> xr.DataArray:
+def _usual_order(array: xr.DataArray) -> xr.DataArray:
     return array.transpose(..., *_ORDER, missing_dims="ignore")
 
 
-def at_realization(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
+def select_surface(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
     """Take the sweep on the surface of a seed; the whole sweep if None."""
     if seed is None:
         return ds
@@ -355,7 +355,7 @@ def at_realization(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
 
 def one_row(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
     """Take the sweep of one scene on the surface of a seed, on the first one if None."""
-    ds = at_realization(plane_of(ds), seed)
+    ds = select_surface(plane_of(ds), seed)
     return ds.isel({name: 0 for name in _drawn(ds) if name in ds.dims})
 
 
@@ -375,12 +375,12 @@ def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take rises of a sweep at the bulk temperatures of conditions, above the colder body."""
     if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds
-    return _with_rises(ds, conditions, at_bulks)
+    return _changed_rises(ds, conditions, bulk_rises)
 
 
 def corrected_sweep(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take the rises of a sweep with the corrections of some conditions, at all bulk ratios."""
-    return _with_rises(ds, conditions, corrected_columns) if conditions.corrections else ds
+    return _changed_rises(ds, conditions, corrected_columns) if conditions.corrections else ds
 
 
 def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> Array:
@@ -392,7 +392,7 @@ def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> A
     return field
 
 
-def with_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
+def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     """The dataset with steps along a dimension, also where it was taken at one of them.
 
     Raise an `InputError` if it lacks any of these variables.
@@ -407,20 +407,20 @@ def with_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     )
 
 
-def _with_rises(
+def _changed_rises(
     ds: xr.Dataset,
     conditions: Conditions,
     judged: Callable[[Mapping[str, Any], Conditions], Mapping[str, Any]],
 ) -> xr.Dataset:
     """The sweep with rises under some conditions in place of its own."""
     if conditions.corrections and "step" not in ds.dims:
-        return _with_rises(ds.expand_dims("step"), conditions, judged).isel(step=0)
+        return _changed_rises(ds.expand_dims("step"), conditions, judged).isel(step=0)
     names = [name for name in (*RISES, "bulk_rise_quantile") if name in ds]
     needed = ("bulk_rise_quantile", "mean_bulk_response", *columns_needed(conditions))
     columns = {name: values_of(ds, name) for name in dict.fromkeys((*names, *needed)) if name in ds}
     changed = judged(columns, conditions)
     return ds.assign(
-        {name: (_in_order(ds[name]).dims, changed[name], ds[name].attrs) for name in names}
+        {name: (_usual_order(ds[name]).dims, changed[name], ds[name].attrs) for name in names}
     )
 
 
@@ -444,5 +444,5 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.00029
     """
-    end = with_steps(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")
+    end = keep_steps(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")
     return end.set_coords([name for name in (*MADE, "own_grid") if name in end])

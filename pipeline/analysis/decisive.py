@@ -13,12 +13,12 @@ import xarray as xr
 from pipeline.analysis.curve import certain, interpolated
 from pipeline.analysis.dataset import (
     dataset_of,
+    keep_steps,
     read_conditions,
     sweep_at_bulks,
     values_of,
-    with_steps,
 )
-from pipeline.analysis.scenes import by_scene
+from pipeline.analysis.scenes import map_scenes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
@@ -51,7 +51,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
                 f"as ds.sel({name}=[{ds[name].item():g}])"
             )
     column = conditions.decisive.column
-    ds = with_steps(ds, "status", "normal_load", column, "cooler_share")
+    ds = keep_steps(ds, "status", "normal_load", column, "cooler_share")
     names = ["normal_load", column, *columns_needed(conditions)]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     columns["quantile"] = ds["cooler_share"].values
@@ -61,7 +61,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     rises = np.where(is_done, rises, np.nan)
     suspects = is_done & np.isnan(rises)
     if conditions.critical_temperature is not None:
-        suspects |= beside_boundary(rises, rise_limit(conditions))
+        suspects |= boundary_neighbours(rises, rise_limit(conditions))
     require_sound(ds, suspects, *dims)
     return xr.DataArray(
         rises,
@@ -72,7 +72,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     )
 
 
-def at_one_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
+def strip_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
     """A decisive rise [K] without the friction factor of its velocity, if there is one."""
     velocities = rise["velocity"]
     return rise / velocities.copy(data=conditions.friction_factor(velocities.values))
@@ -101,7 +101,7 @@ def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
     reader.require_sound(indices)
 
 
-def beside_boundary(rises: Array, limit: float) -> Mask:
+def boundary_neighbours(rises: Array, limit: float) -> Mask:
     """Points of rises (..., n_load, n_velocity) [K] whose next known one is across the limit."""
     along_both = (np.apply_along_axis(_turns, axis, rises, limit) for axis in (-2, -1))
     return np.logical_or(*along_both)
@@ -125,7 +125,7 @@ def refined(
     velocity, unless friction depends on the velocity; else it is NaN beyond the outermost points.
     """
     limit = rise_limit(conditions) if continued and not conditions.has_friction_curve else None
-    rise = at_one_friction(rise, conditions)
+    rise = strip_friction(rise, conditions)
     x = {name: rise[name].values for name in PLANE}
     axes = {name: np.linspace(values[0], values[-1], resolution) for name, values in x.items()}
 
@@ -177,7 +177,7 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     463.0
     """
     # No temperature depends on the criterion.
-    return by_scene(ds, lambda scene: _temperatures(scene, read_conditions(scene, False)))
+    return map_scenes(ds, lambda scene: _temperatures(scene, read_conditions(scene, False)))
 
 
 def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

@@ -63,7 +63,7 @@ def scene_entries(sweep: Sweep) -> dict[str, str]:
     entries = {}
     for path, value in _values(sweep):
         if not path.startswith(_NOT_SHOWN):
-            entries[_in_scene(path)] = value if path.endswith("periodic") else shown(path, value)
+            entries[_scene_path(path)] = value if path.endswith("periodic") else shown(path, value)
     for unknown in sweep.variants.draw.unknown if sweep.variants.draw else ():
         path, _, distribution = str(unknown).partition(": ")
         entries[f'unknown."{path}"'] = distribution
@@ -124,7 +124,7 @@ def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:
         yield path, value
 
 
-def _in_scene(path: str) -> str:
+def _scene_path(path: str) -> str:
     """Path of an entry in a scene file."""
     for name, other in _PATHS.items():
         if path == name or path.startswith(f"{name}."):

@@ -28,10 +28,10 @@ from pipeline.analysis.dataset import (
     taken_entries,
 )
 from pipeline.analysis.decisive import (
-    at_one_friction,
     decisive_rise,
     require_all_sound,
     require_sound,
+    strip_friction,
 )
 from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.model_error import Scatter, severe_share
@@ -94,7 +94,7 @@ class Field(Protocol):
         """What answers rest on beside computed points: as plain data, and in lines."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
-        """The field under the conditions of a row of a table; see `Conditions.of_row`."""
+        """The field under the conditions of a row of a table; see `Conditions.row_conditions`."""
 
     def temperatures(self, load: float, velocity: float) -> Here:
         """Deciding temperatures at a place, and where they are from."""
@@ -147,16 +147,16 @@ class Line:
         if not len(x) or not 0 < limit < math.inf or not (x > 0).all() or not (y > 0).all():
             return ranges
 
-        def beyond(end: int) -> float:
+        def continued_end(end: int) -> float:
             slope = 1.0  # at most, of a point by itself
             if len(x) > 1:
                 slope = max(self.curve.end_exponent(end), LEAST_SLOPE)
             return float(x[end] * (limit / y[end]) ** (1 / slope))
 
         if ranges and ranges[0][0] == 0:
-            ranges[0] = (min(beyond(0), float(x[0])), ranges[0][1])
+            ranges[0] = (min(continued_end(0), float(x[0])), ranges[0][1])
         if not ranges or ranges[-1][1] < math.inf:
-            ranges.append((max(beyond(-1), float(x[-1])), math.inf))
+            ranges.append((max(continued_end(-1), float(x[-1])), math.inf))
         return ranges
 
 
@@ -187,14 +187,14 @@ class PointField:
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
         """See `Field`."""
-        return self.under(self.conditions.of_row(own)) if own else self
+        return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
         """The field under other conditions."""
         if conditions.bulk_ratio == self.conditions.bulk_ratio:  # rises at friction 1 are the same
             return replace(self, conditions=conditions)
         rise = decisive_rise(self.source, conditions)
-        planes = tuple(grids_of(self.source, at_one_friction(rise, conditions)))
+        planes = tuple(grids_of(self.source, strip_friction(rise, conditions)))
         return replace(self, planes=planes, conditions=conditions)
 
     @functools.cached_property
@@ -242,13 +242,13 @@ class PointField:
     def _rise(self, number: int, load: float, velocity: float) -> tuple[float, bool]:
         """Rise of a member at a place [K], and whether it lies between computed points."""
         for continued in (False, True):
-            by_load = self._at_velocity(number, velocity, continued)
+            by_load = self._load_rises(number, velocity, continued)
             rise = Curve(self.planes[number].loads, by_load).at(load)
             if math.isfinite(rise):
                 break
         return rise, not continued
 
-    def _at_velocity(self, number: int, velocity: float, continued: bool = False) -> Array:
+    def _load_rises(self, number: int, velocity: float, continued: bool = False) -> Array:
         """Rises of a member by load at one velocity [K], with the friction there."""
         rises = np.array([curve.at(velocity, continued) for curve in self._curves[number]])
         return rises * self.conditions.friction_factor(np.array(velocity))
@@ -312,7 +312,7 @@ class PointField:
         if place in other:
             computed = going_on = rises[above]
         elif axis == "load":
-            computed, here = self._at_velocity(number, velocity), np.array([velocity])
+            computed, here = self._load_rises(number, velocity), np.array([velocity])
             going_on = np.array(
                 [certain(other, row, here, limit / factor(here)[0])[0] for row in plane.rises]
             ) * factor(here)
@@ -365,7 +365,7 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
     # At once, for a read of each row by itself takes ten times as long.
     require_all_sound(ds)
     ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    return [*_about_places(_field(scene) for scene in scenes(ds))]
+    return [*_joined_places(_field(scene) for scene in scenes(ds))]
 
 
 def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
@@ -387,7 +387,7 @@ def _field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointFiel
         for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
     }
     return PointField(
-        planes=tuple(grids_of(scene, at_one_friction(rise, conditions))),
+        planes=tuple(grids_of(scene, strip_friction(rise, conditions))),
         conditions=conditions,
         promised=velocity_error(sweep),
         ends=ends,
@@ -398,7 +398,7 @@ def _field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointFiel
     )
 
 
-def _about_places(rows: Iterable[PointField]) -> Iterator[PointField]:
+def _joined_places(rows: Iterable[PointField]) -> Iterator[PointField]:
     """Rows, those that lie about one place as one; the first of these is the place itself."""
     about = dict[Any, list[PointField]]()
     for row in rows:

@@ -34,7 +34,7 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
     return tuple(_along(boundaries, *ends) for ends in BOUNDARIES)
 
 
-def on_boundary(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
+def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
     """The frames of a boundary, its error, what its film means, and how many points it lacks."""
     yield from _decided(boundaries)
     alone = ["friction"] if "friction" in boundaries.attrs else []

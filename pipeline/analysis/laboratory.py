@@ -46,7 +46,7 @@ def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
         bulks = {"bulk_temperature": test.bulk_temperature, "disk_temperature": None}
-    return replace(judged, friction=scene.friction, **bulks).at_friction(test.friction)
+    return replace(judged, friction=scene.friction, **bulks).replace_friction(test.friction)
 
 
 def model_error(ds: xr.Dataset, field: Field) -> Scatter:
@@ -74,7 +74,7 @@ def _residual(ds: xr.Dataset, field: PointField, test: Measurement) -> float | N
         return None
     if test.outcome and (test.outcome == "severe") == (np.mean(here.is_severe) > 0.5):
         return None
-    critical = within_computed(own, test)
+    critical = clipped_velocity(own, test)
     return math.log(test.velocity / critical) if critical > 0 else None
 
 
@@ -87,7 +87,7 @@ def critical_velocity(own: PointField, test: Measurement) -> float:
     return quantile(turns.nearest, own.weights, 0.5)
 
 
-def within_computed(own: PointField, test: Measurement) -> float:
+def clipped_velocity(own: PointField, test: Measurement) -> float:
     """The same, but the end of what was computed where it lies beyond [m/s]."""
     low, high = own.turns("velocity", test.normal_load, test.velocity).computed
     return min(max(critical_velocity(own, test), low), high)
@@ -121,7 +121,7 @@ def agreement(frame: pd.DataFrame) -> str:
     return f"Of {len(frame)} tests {', '.join(said)}."
 
 
-def on_tests(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     """The count of tests that agree, their frame, and why others are not known."""
     yield agreement(frame)
     yield short(frame, ["note"])

@@ -21,7 +21,7 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.dataset import asked, stored_sweep, with_steps
+from pipeline.analysis.dataset import asked, keep_steps, stored_sweep
 from pipeline.analysis.warned_points import warnings_of
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
@@ -135,9 +135,9 @@ class RisePlane:
         own = self.loads == load
         reached = np.isfinite(self.rises).sum(axis=1) >= 2  # which go on beyond their ends
         reached |= np.isfinite(self.rises[:, self.velocities == velocity]).any(axis=1)
-        beside = _beside(self.loads, own if (own & reached).any() else reached, load)
+        beside = _neighbours(self.loads, own if (own & reached).any() else reached, load)
         points = (
-            (int(row), _beside(self.velocities, np.isfinite(self.rises[row]), velocity))
+            (int(row), _neighbours(self.velocities, np.isfinite(self.rises[row]), velocity))
             for row in beside
         )
         return [(row, places) for row, places in points if places.size]
@@ -146,7 +146,7 @@ class RisePlane:
 def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
     """Grid of each surface of a sweep, by its deciding rises."""
     shape = -1, *rise.shape[-2:]
-    stepped, sweep = with_steps(ds, "time", "contact_fraction"), stored_sweep(ds)
+    stepped, sweep = keep_steps(ds, "time", "contact_fraction"), stored_sweep(ds)
     scene, fraction = sweep.scene, stepped["contact_fraction"].isel(step=-1, drop=True)
     touching = (fraction * math.prod(scene.grid.shape)) ** (2 if scene.is_plane else 1)
     # The error of a fidelity that was picked is that of the scene itself.
@@ -192,7 +192,7 @@ def _preset(velocity_error: float | None, is_refined: bool) -> float | None:
     return REFINED * usual if is_refined else usual
 
 
-def _beside(x: Array, is_done: Array, place: float) -> Indices:
+def _neighbours(x: Array, is_done: Array, place: float) -> Indices:
     """Indices of the done abscissa at a place, of both beside it, or of the last two."""
     (done,) = np.nonzero(is_done)
     same: Indices = done[x[done] == place]
@@ -213,15 +213,15 @@ def _interpolation(
     parts: list[float | None] = []
     loads = grid.loads[[row for row, _ in rows]]
     if len(loads) > 1:
-        parts.append(_between(grid, "load", loads))
+        parts.append(_gap_error(grid, "load", loads))
     if gaps and all(0 < gap[0] < velocity < gap[-1] for gap in gaps):
-        parts.append(_between(grid, "velocity", max(gaps, key=lambda gap: gap[-1] / gap[0])))
+        parts.append(_gap_error(grid, "velocity", max(gaps, key=lambda gap: gap[-1] / gap[0])))
     elif gaps:
-        parts.append(max(_beyond(grid, gap[gap > 0], velocity) for gap in gaps))
+        parts.append(max(_continued_error(grid, gap[gap > 0], velocity) for gap in gaps))
     return None if None in parts else math.hypot(*filter(None, parts))
 
 
-def _between(grid: RisePlane, axis: str, gap: Array) -> float | None:
+def _gap_error(grid: RisePlane, axis: str, gap: Array) -> float | None:
     """Error of interpolating in a gap along an axis, by what leaving out points has missed."""
     missed = _missed(grid, axis)
     return None if missed is None else BETWEEN * missed * math.log(gap[-1] / gap[0])
@@ -241,7 +241,7 @@ def _missed(grid: RisePlane, axis: str) -> float | None:
     return float(np.sqrt(np.mean(every**2))) if every.size else None
 
 
-def _beyond(grid: RisePlane, gap: Array, velocity: float) -> float:
+def _continued_error(grid: RisePlane, gap: Array, velocity: float) -> float:
     """Error of continuing from two points: the exponent is another one, the more the further."""
     lines = _powers(grid.velocities, grid.rises)
     slopes = np.concatenate([(np.diff(y) / np.diff(x)).ravel() for x, y in lines])

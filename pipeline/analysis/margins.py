@@ -126,7 +126,7 @@ def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
     if points is not None:
         require_kind(ds, Kind.PLANE, Kind.SAMPLES)
     for field in fields(ds):
-        scatter, under = model_error(field.source, field), functools.cache(_under(field))
+        scatter, under = model_error(field.source, field), functools.cache(_conditioned(field))
         if points is None and field.place is None:
             raise InputError(
                 "no operating point is given, and the rows have none of their own; give a load and "
@@ -144,7 +144,7 @@ def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
                 yield Judged(field, place, own, None, str(error))
 
 
-def _under(field: Field) -> Any:
+def _conditioned(field: Field) -> Any:
     return lambda *own: field.judged_by(dict(own))
 
 

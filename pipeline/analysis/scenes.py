@@ -28,7 +28,7 @@ def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
         yield ds.isel(dict(zip(names, places, strict=True)))
 
 
-def by_scene(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:
+def map_scenes(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:
     """Answers on each scene side by side; attributes in which they differ become coordinates."""
     ds = dataset_of(ds)
     results, axes = [answer(scene) for scene in scenes(ds)], [ds[name] for name in entry_dims(ds)]

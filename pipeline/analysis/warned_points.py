@@ -24,8 +24,8 @@ from pipeline.analysis.dataset import (
     stored_sweep,
     sweep_kind,
 )
-from pipeline.analysis.decisive import beside_boundary, decisive_rise
-from pipeline.analysis.scenes import by_scene, scenes, value_text
+from pipeline.analysis.decisive import boundary_neighbours, decisive_rise
+from pipeline.analysis.scenes import map_scenes, scenes, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -105,7 +105,7 @@ def warned(ds: xr.Dataset | PathLike) -> Warned:
     if not there.any():
         return NO_WARNING
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
-    near = _beside_boundaries(ds)
+    near = _boundary_neighbours(ds)
     beside = there if near is None else there & near.any(judged)
     return Warned(
         points=int(there.sum()),
@@ -126,21 +126,21 @@ def warnings_of(ds: xr.Dataset) -> xr.DataArray:
 def _molten(ds: xr.Dataset) -> xr.DataArray:
     """Points at which steel would have melted."""
 
-    def of_scene(scene: xr.Dataset) -> xr.DataArray:
+    def mark_scene(scene: xr.Dataset) -> xr.DataArray:
         # Of a criterion that is code nothing runs here; the share serves as well.
         judged = read_conditions(scene, with_criterion=False)
         return contact_temperature(decisive_rise(scene, judged), judged) > MELTS
 
-    return _marked(ds, of_scene)
+    return _marked(ds, mark_scene)
 
 
 def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.DataArray:
     """Points that are marked in their scene; none of rows that have no plane."""
     has_plane = sweep_kind(ds) is Kind.PLANE
-    return by_scene(ds, mark) if has_plane else xr.zeros_like(ds["status"], bool)
+    return map_scenes(ds, mark) if has_plane else xr.zeros_like(ds["status"], bool)
 
 
-def _beside_boundaries(ds: xr.Dataset) -> xr.DataArray | None:
+def _boundary_neighbours(ds: xr.Dataset) -> xr.DataArray | None:
     """Points beside the other kind of wear; None where that is not known."""
     if sweep_kind(ds) is not Kind.PLANE:
         return None
@@ -150,12 +150,12 @@ def _beside_boundaries(ds: xr.Dataset) -> xr.DataArray | None:
     except OwnLawError:
         return None
 
-    def of_scene(scene: xr.Dataset) -> xr.DataArray:
+    def mark_scene(scene: xr.Dataset) -> xr.DataArray:
         conditions = read_conditions(scene)
         rise = decisive_rise(scene, conditions)
-        return rise.copy(data=beside_boundary(rise.values, rise_limit(conditions)))
+        return rise.copy(data=boundary_neighbours(rise.values, rise_limit(conditions)))
 
-    return _marked(ds, of_scene)
+    return _marked(ds, mark_scene)
 
 
 def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
@@ -178,7 +178,7 @@ _APART = 1.1  # least ratio of velocities over which an exponent is taken
 def slow_rise(ds: xr.Dataset) -> xr.DataArray:
     """Points at which the rise by friction, between equal bulks, grows slowly with velocity."""
 
-    def of_scene(scene: xr.Dataset) -> xr.DataArray:
+    def mark_scene(scene: xr.Dataset) -> xr.DataArray:
         stored = stored_sweep(scene).conditions
         kind = stored.criterion if stored.criterion in CRITERIA else "share"
         plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
@@ -187,7 +187,7 @@ def slow_rise(ds: xr.Dataset) -> xr.DataArray:
         slow = np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rise.values)
         return rise.copy(data=slow)
 
-    return _marked(ds, of_scene)
+    return _marked(ds, mark_scene)
 
 
 def exponents(x: Array, y: Array) -> Array:

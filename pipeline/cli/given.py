@@ -18,7 +18,7 @@ from pipeline.scene.reference import unit_example
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
-from pipeline.tradeoff.choose import at_accuracy, with_own_error
+from pipeline.tradeoff.choose import choose_accuracy, measure_own_error
 from tribo import InputError
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
@@ -56,7 +56,7 @@ def settings_in(options: argparse.Namespace) -> dict[str, Any]:
     )
 
 
-def at_in(options: argparse.Namespace) -> dict[str, Any]:
+def judged_entries(options: argparse.Namespace) -> dict[str, Any]:
     """Values of --at by their paths, those of quantities with their units."""
     values = _each_once("--at", getattr(options, "at", []))
     for path, value in values.items():
@@ -129,7 +129,7 @@ def scene_in(
     if asked is None:
         if points is None and store is None:
             return sweep
-        sweep = with_own_error(sweep, points, store, lambda line: tell(f"probing: {line}"))
+        sweep = measure_own_error(sweep, points, store, lambda line: tell(f"probing: {line}"))
         if sweep.about.selection:
             tell(str(sweep.about.selection))
         return sweep
@@ -139,7 +139,7 @@ def scene_in(
         raise InputError(
             f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
         )
-    sweep = at_accuracy(
+    sweep = choose_accuracy(
         sweep, options.accuracy, points, store, lambda line: tell(f"probing: {line}")
     )
     tell(str(sweep.about.selection))
@@ -163,7 +163,9 @@ def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> 
     """The store, or another one, judged as the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
     _tell_of_another_law(options, ds)
-    entries = {path: at for path, at in at_in(options).items() if store is None or path in ds.dims}
+    entries = {
+        path: at for path, at in judged_entries(options).items() if store is None or path in ds.dims
+    }
     weighing = values_in(options, "given_measured", "scatter")
     return pipeline.at(ds, **conditions_in(options), **weighing, **entries)
 

@@ -51,13 +51,13 @@ def margin(options: argparse.Namespace) -> Result:
         found[0].known()
     table = margin_frame(ds, found, points)
     if is_one:
-        document, text = _on_place(ds, found)
+        document, text = _place_lines(ds, found)
         text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
     else:
-        document, text = _on_points(options, table, points)
+        document, text = _table_lines(options, table, points)
     document |= _tell_basis([one.field for one in found], text)
     known = [one for one in found if one.margin]
-    text += [] if is_one else _on_errors(known)
+    text += [] if is_one else _error_lines(known)
     commands, open_ = _next(ds, options, known)
     document["next"] = commands
     if open_:
@@ -89,7 +89,7 @@ def _next(
     return [*commands], open_
 
 
-def _on_place(
+def _place_lines(
     ds: xr.Dataset, found: list[Judged]
 ) -> tuple[dict[str, Any], list[str | pd.DataFrame]]:
     """Plain data and sentences on one operating point, for each scene."""
@@ -98,11 +98,11 @@ def _on_place(
         labels = {name: one.field.shown[name] for name in one.field.shown if name in ds.dims}
         text += [f"{row}:" for row in [words(ds, labels)] if row]
         documents.append(one.known().as_dict() if one.margin else {"note": one.reason})
-        text += _on_margin(one.margin) if one.margin else [one.reason]
+        text += _margin_lines(one.margin) if one.margin else [one.reason]
     return documents[0] if len(documents) == 1 else {"scenes": documents}, text
 
 
-def _on_margin(here: Margin) -> list[str]:
+def _margin_lines(here: Margin) -> list[str]:
     """The sentence for those who decide, and the parts of the error, in lines."""
     origin = "interpolated between computed points"
     if here.is_computed:
@@ -132,7 +132,7 @@ def _on_margin(here: Margin) -> list[str]:
     return lines
 
 
-def _on_points(
+def _table_lines(
     options: argparse.Namespace, frame: pd.DataFrame, points: OperatingPoints | None
 ) -> tuple[dict[str, Any], list[str | pd.DataFrame]]:
     """Plain data, sentences and a frame on operating points."""
@@ -146,7 +146,7 @@ def _on_points(
     return document, [said, *shown, *notes_of(frame), *remarks]
 
 
-def _on_errors(known: list[Judged]) -> list[str]:
+def _error_lines(known: list[Judged]) -> list[str]:
     """What the verdicts of a table rest on."""
     errors = dict.fromkeys(one.known().model_error for one in known)
     misfits = dict.fromkeys(one.known().misfit for one in known)
@@ -175,13 +175,13 @@ def boundary(options: argparse.Namespace) -> Result:
     ds = dataset_in(options)
     kind = sweep_kind(ds)
     if kind is Kind.PLACES:
-        return _about_rows(ds)
+        return _row_boundaries(ds)
     with working("finding the boundary"):
         crossings = pipeline.boundary(ds)
     command, cold, tests = None, None, None
     document = document_of(crossings)
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)))]
-    for part in frames.on_boundary(crossings):
+    for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)
@@ -193,7 +193,7 @@ def boundary(options: argparse.Namespace) -> Result:
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
         text += ["", f"compute more of the boundary with: {command}"] if command else []
         text += ["", f"warning: {cold}"] if cold else []
-        text += [] if tests is None else ["", *laboratory.on_tests(tests)]
+        text += [] if tests is None else ["", *laboratory.test_parts(tests)]
         text += after_boundary(scene_sweep(ds), options.store)
     document |= {"command": command, "not_counted": cold}
     if tests is not None:
@@ -204,7 +204,7 @@ def boundary(options: argparse.Namespace) -> Result:
 _IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K]"
 
 
-def _about_rows(ds: xr.Dataset) -> Result:
+def _row_boundaries(ds: xr.Dataset) -> Result:
     """Boundary about rows with places of their own: factors of velocity and load of each."""
     if PLACE not in ds.coords:
         raise InputError(

@@ -170,7 +170,7 @@ def _point(
     given: Collection[str] = (),
 ) -> str:
     """Command that computes an operating point by itself."""
-    words = _arguments(sweep) if accuracy is None else _without_preset(sweep)
+    words = _arguments(sweep) if accuracy is None else _dropped_preset(sweep)
     words += [] if seed is None else [f"--realization={seed}"]
     words += [f"--load={place.load:.6g} N", f"--velocity={place.velocity:.6g} m/s"]
     words += [] if accuracy is None else [f"--accuracy={100 * accuracy:g}%"]
@@ -180,7 +180,7 @@ def _point(
 def _more_accurate(sweep: Sweep, store: Path | str, accuracy: float) -> str:
     """Command that computes a sweep anew to an accuracy, beside its store."""
     out = str(store).removesuffix(".zarr") + "_accurate.zarr"
-    words = [*_without_preset(sweep), f"--accuracy={100 * accuracy:g}%", "-o", out]
+    words = [*_dropped_preset(sweep), f"--accuracy={100 * accuracy:g}%", "-o", out]
     return shlex.join(["irg", "run", *words])
 
 
@@ -190,7 +190,7 @@ def _arguments(sweep: Sweep) -> list[str]:
     return [word for word in words if not word.startswith("--own")]
 
 
-def _without_preset(sweep: Sweep) -> list[str]:
+def _dropped_preset(sweep: Sweep) -> list[str]:
     flags = "--preset=", "--set=preset="
     return [word for word in _arguments(sweep) if not word.startswith(flags)]
 

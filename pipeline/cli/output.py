@@ -67,7 +67,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
             document["figure"] = str(save_figure(result.draw(), out))
             text.append(str(out))
     if options.json:
-        written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
+        written = json.dumps(_jsonable(document), indent=2, ensure_ascii=False, allow_nan=False)
         print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", written))
     elif text:
         show_text(text)
@@ -98,10 +98,10 @@ def counted(number: int, one: str, several: str) -> str:
 
 def failed_points(points: Iterable[FailedPoint]) -> list[dict[str, Any]]:
     """Points for a JSON document, each with its surface only in a sweep over several."""
-    return [with_variant(asdict(point)) for point in points]
+    return [point_fields(asdict(point)) for point in points]
 
 
-def with_variant(point: dict[str, Any]) -> dict[str, Any]:
+def point_fields(point: dict[str, Any]) -> dict[str, Any]:
     """Fields of a point with its surface, sample or entries among them."""
     return point | dict(point.pop("variant"))
 
@@ -129,12 +129,12 @@ def _shown(line: str) -> str:
     return _CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", line)
 
 
-def _without_nan(value: Any) -> Any:
+def _jsonable(value: Any) -> Any:
     """A document with null in place of NaN, which JSON cannot hold."""
     if isinstance(value, dict):
-        return {key: _without_nan(entry) for key, entry in value.items()}
+        return {key: _jsonable(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [_without_nan(entry) for entry in value]
+        return [_jsonable(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

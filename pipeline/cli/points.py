@@ -38,7 +38,7 @@ def point(options: argparse.Namespace) -> Result:
     place = Point(options.load, options.velocity)
     sweep = one_scene_in(options, points=[place])
     require_bearable_load(sweep, options.load, "--load")
-    sweep = sweep.on_surface(options.realization)
+    sweep = sweep.take_surface(options.realization)
     with working("simulating") as progress:
         result = pipeline.run_point(
             sweep.changed(steps="end"), options.load, options.velocity, progress=progress
@@ -85,7 +85,7 @@ def point(options: argparse.Namespace) -> Result:
     }
     values = document | {"load": options.load, "distance": distance}
     frame = frame_of(tuple(_COLUMNS), [[values[name] for name in _COLUMNS.values()]])
-    text = [*_on_point(sweep, result, document, error), "", upright(frame)]
+    text = [*_point_lines(sweep, result, document, error), "", upright(frame)]
     text += lines_on(commands, by_model=not commands) if judged == NOT_DECIDED else ()
     return Result(document, text, frames=[frame])
 
@@ -104,7 +104,7 @@ _COLUMNS = {
 """Heads of the table of a point, and names in its document."""
 
 
-def _on_point(
+def _point_lines(
     sweep: Sweep, result: PointResult, document: Mapping[str, Any], error: RiseError
 ) -> Iterator[str]:
     """Sentences on a point: its verdict, what that rests on, and notes."""

@@ -14,7 +14,7 @@ import pipeline
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import dataset_in
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant, working
+from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, point_fields, working
 from pipeline.store.place import DAMAGED, ROOT, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_sweep
@@ -80,7 +80,7 @@ def verify(options: argparse.Namespace) -> Result:
         "done": check.done,
         "damaged": failed_points(check.damaged),
         "shared": check.shared,
-        "without_status": [with_variant(point._asdict()) for point in check.without_status],
+        "without_status": [point_fields(point._asdict()) for point in check.without_status],
         "repaired": check.repaired,
     }
     taken = "done again" if check.repaired else "the next run takes it as done"
@@ -146,7 +146,7 @@ def _stores_and_scenes(folder: Path) -> Iterator[Path]:
 
 def _row(path: Path, folder: Path) -> dict[str, Any] | None:
     """Values of a store or scene by column; None for a file that is no scene."""
-    row = _of_store(path) if path.is_dir() else _of_scene(path)
+    row = _store_status(path) if path.is_dir() else _scene_status(path)
     if row is None:
         return None
     stats = []
@@ -159,7 +159,7 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
     return row | about | {"size [MB]": sum(stat.st_size for stat in stats)}
 
 
-def _of_store(path: Path) -> dict[str, Any]:
+def _store_status(path: Path) -> dict[str, Any]:
     """State of a store."""
     try:
         state, preset = summary(path), read_sweep(path).about.preset
@@ -174,7 +174,7 @@ def _of_store(path: Path) -> dict[str, Any]:
     return {"kind": "store", "state": words, "preset": preset, "title": state.title}
 
 
-def _of_scene(path: Path) -> dict[str, Any] | None:
+def _scene_status(path: Path) -> dict[str, Any] | None:
     """What a scene says of itself; None if the file is none."""
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -46,7 +46,7 @@ def vary(options: argparse.Namespace) -> Result:
     frame = _critical_velocities(result)
     return Result(
         result.as_dict(),
-        _on_variations(result, frame),
+        _variation_lines(result, frame),
         warned=result.warned,
         frames=[frame],
         draw=partial(pipeline.draw_variations, result),
@@ -56,7 +56,7 @@ def vary(options: argparse.Namespace) -> Result:
 def _critical_velocities(result: Variations) -> pd.DataFrame:
     """Frame with a row for each value and load."""
     rows: list[tuple[Any, ...]] = []
-    for variation in (result.base, *itertools.chain(*result.by_key().values())):
+    for variation in (result.base, *itertools.chain(*result.keyed_changes().values())):
         name, changes = "as it is", [math.nan] * len(result.loads)
         if variation.key:
             name, changes = variation.key, result.changes(variation).tolist()
@@ -68,7 +68,7 @@ def _critical_velocities(result: Variations) -> pd.DataFrame:
     return frame_of(heads, rows)
 
 
-def _on_variations(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+def _variation_lines(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     """The frame, and physics that the scene leaves out."""
     yield short(frame)
     yield ""

@@ -100,7 +100,7 @@ def check(options: argparse.Namespace) -> Result:
             f"this machine has {machine / 1e9:.0f} GB of memory, less than a worker needs: "
             "the time is not estimated; give fewer window.pixels, or a coarser fidelity"
         )
-    on_unknown, unknown = _on_unknown(sweep)
+    on_unknown, unknown = _unknown_inputs(sweep)
     nx, ny = sweep.scene.grid.shape
     document: dict[str, Any] = {
         "title": sweep.about.title,
@@ -230,7 +230,7 @@ def _text(span: Span, factor: float = 1.0) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _on_unknown(sweep: Sweep) -> tuple[list[_Row], dict[str, Any]]:
+def _unknown_inputs(sweep: Sweep) -> tuple[list[_Row], dict[str, Any]]:
     """Inputs that are not known exactly, and their samples: in words, and as plain data."""
     draw = sweep.variants.draw
     if draw is None:

@@ -21,11 +21,11 @@ from pipeline.analysis.boundary import BAND, boundary_under
 from pipeline.analysis.dataset import (
     Kind,
     asked,
-    at_realization,
     drawn_row,
     entry_dims,
     read_conditions,
     scene_sweep,
+    select_surface,
     stored_sweep,
     sweep_kind,
 )
@@ -37,12 +37,12 @@ from pipeline.analysis.transition import BEYOND, UNITS, in_words, outcomes
 from pipeline.analysis.warned_points import warnings_of
 from pipeline.figures import style
 from pipeline.figures.overlays import (
-    at_own_conditions,
     film_lines,
-    in_reach,
     isoline,
+    mark_own_transitions,
     mark_tests,
     name_regions,
+    reachable_tests,
 )
 from pipeline.figures.row_margins import draw_rows
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
@@ -60,7 +60,7 @@ _RESOLUTION = 240
 _COLOURS = colormaps["viridis"]
 
 
-@style.in_house_style
+@style.house_style
 def diagram(
     ds: xr.Dataset,
     realization: int | None = None,
@@ -78,16 +78,16 @@ def diagram(
             raise InputError(_OF_SAMPLES)
         drawn: Figure = extras.module("uncertain", "figures").draw_probability(ds, log)
         return drawn
-    ds = at_realization(ds, realization)
+    ds = select_surface(ds, realization)
     if kind is Kind.PLACES:
         if log:
             raise InputError(_OF_A_PLANE)
         return draw_rows(ds, ax)
     if entry_dims(ds):
-        return _of_scenes(ds, log, ax)
+        return _scenes_diagram(ds, log, ax)
     band = stored_sweep(ds).about.friction_band
     conditions = read_conditions(ds)
-    beyond = _beyond(ds, conditions)
+    beyond = _range_notes(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure, axes = style.canvas(ax, (8.0, 6.4))
@@ -95,14 +95,14 @@ def diagram(
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
     if is_plane:
-        plane, legend = _on_plane(axes, ds, conditions, beyond, band)
+        plane, legend = _draw_plane(axes, ds, conditions, beyond, band)
     elif max(sizes) > 1:
-        legend += _on_a_line(axes, ds, conditions)
+        legend += _line_transitions(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
-    tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
+    tests, beyond_figure = reachable_tests(ds, laboratory_tests(ds))
     legend += mark_tests(axes, tests, conditions.bulk_temperature, _own_bulk(ds))
     if is_plane:
-        legend += at_own_conditions(axes, ds, tests, conditions)
+        legend += mark_own_transitions(axes, ds, tests, conditions)
     legend += beyond_figure
     _frame(axes, ds, log)
     if is_plane:
@@ -114,7 +114,7 @@ def diagram(
     return figure
 
 
-def _on_plane(
+def _draw_plane(
     axes: Axes,
     ds: xr.Dataset,
     conditions: Conditions,
@@ -151,7 +151,7 @@ def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
-def _of_scenes(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
+def _scenes_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
     """Draw the boundary of each scene of a sweep over entries, the median of its surfaces."""
     if min(ds.sizes["load"], ds.sizes["velocity"]) < 2:
         raise InputError(
@@ -170,7 +170,7 @@ def _of_scenes(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
         )
         label, width = (name, 2.0) if is_drawn else (f"{name}: no transition computed", 0.0)
         legend.append(Line2D([], [], lw=width, color=colour, label=label))
-    tests, beyond_figure = in_reach(ds, laboratory_tests(ds))
+    tests, beyond_figure = reachable_tests(ds, laboratory_tests(ds))
     bulk = several[0][1].bulk_temperature
     legend += [*mark_tests(axes, tests, bulk, _own_bulk(several[0][0])), *beyond_figure]
     _frame(axes, ds, log)
@@ -185,8 +185,10 @@ def _of_scenes(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
 def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Decisive rise over the plane, on each surface of which something is known."""
     # A sweep that only follows the boundary knows the plane elsewhere as mild or severe alone.
-    on_boundary = not asked(ds).all()
-    planes = refined(decisive_rise(ds, conditions), _RESOLUTION, conditions, continued=on_boundary)
+    boundary_parts = not asked(ds).all()
+    planes = refined(
+        decisive_rise(ds, conditions), _RESOLUTION, conditions, continued=boundary_parts
+    )
     rows = planes.transpose(..., *PLANE)
     planes = xr.DataArray(
         rows.values.reshape(-1, *rows.shape[-2:]),
@@ -219,7 +221,7 @@ def _filled(
     ).set_gid(gid)  # fmt: skip
 
 
-def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+def _range_notes(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Say at which loads transitions lie beyond, or between, points that are not done."""
     boundaries = boundary_under(ds, conditions)
     labels = []
@@ -227,7 +229,7 @@ def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         ("beyond what was computed", boundaries["outcome_at_load"].isin(BEYOND)),
         ("across points not done", boundaries["bridged_at_load"] > 0),
     ):
-        loads = holds["load"].values[_on_any(holds).values]
+        loads = holds["load"].values[_any_surface(holds).values]
         if loads.size:
             span = " to ".join(f"{load:g}" for load in dict.fromkeys((loads[0], loads[-1])))
             labels.append(f"{words}: at {loads.size} of {holds.sizes['load']} loads, {span} N")
@@ -253,7 +255,7 @@ def _band(
         isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
     slow, fast = (boundary_under(ds, end)["outcome_at_load"].isin(BEYOND) for end in ends)
-    if cut := int(_on_any(slow | fast).sum()):
+    if cut := int(_any_surface(slow | fast).sum()):
         text += f",\nbeyond what was computed at {cut} of {ds.sizes['load']} loads"
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
@@ -293,17 +295,17 @@ def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> l
 def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
     r, limit = decisive_rise(ds, conditions), rise_limit(conditions)
-    hot, cold = (_on_any(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
+    hot, cold = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
     done = hot | cold
-    failed = ~done & _on_any(ds["status"] != PENDING)
-    pending = ~done & ~failed & _on_any(asked(ds))
+    failed = ~done & _any_surface(ds["status"] != PENDING)
+    pending = ~done & ~failed & _any_surface(asked(ds))
     kinds: list[tuple[str, xr.DataArray, dict[str, Any]]] = [
         ("mild wear, computed", cold & ~hot, {"marker": "o", "mfc": "white", "mec": BLUE}),
         ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
         ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK, "mew": 1.3, "ms": 5.5}),
         ("pending", pending, {"marker": ".", "mfc": GREY, "mec": "none", "ms": 6}),
-        ("carries a warning", _on_any(warnings_of(ds) != 0),
+        ("carries a warning", _any_surface(warnings_of(ds) != 0),
          {"marker": "o", "mfc": "none", "mec": BLACK, "mew": 0.8, "ms": 8.5, "zorder": 3.4}),
     ]  # fmt: skip
     size = 4.0 if done.size < 1500 else 2.0
@@ -330,12 +332,12 @@ def _far_from_others(hot: Mask, cold: Mask) -> Mask:
     return alike
 
 
-def _on_any(holds: xr.DataArray) -> xr.DataArray:
+def _any_surface(holds: xr.DataArray) -> xr.DataArray:
     """Loads, or points by load and velocity, at which something holds on any surface."""
     return holds.any([dim for dim in holds.dims if dim not in PLANE])
 
 
-def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+def _line_transitions(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Mark the transition of a sweep with a single load or velocity, or say why there is none."""
     axis, other = ("velocity", "load") if ds.sizes["velocity"] > 1 else ("load", "velocity")
     boundaries = boundary_under(ds, conditions)

@@ -153,7 +153,7 @@ def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tu
     )
 
 
-@style.in_house_style
+@style.house_style
 def _contact(
     ds: xr.Dataset, point: tuple[int, int], conditions: Conditions, stacked: bool
 ) -> Figure:

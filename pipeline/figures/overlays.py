@@ -104,7 +104,7 @@ def mark_tests(
     return legend
 
 
-def in_reach(
+def reachable_tests(
     ds: xr.Dataset, tests: Sequence[Measurement]
 ) -> tuple[list[Measurement], list[Artist]]:
     """Tests within about half the sweep's range beyond it; a line of the legend on the others."""
@@ -123,7 +123,7 @@ def in_reach(
     return near, [Line2D([], [], ls="none", label=f"beyond the figure: test of {first}{more}")]
 
 
-def at_own_conditions(
+def mark_own_transitions(
     axes: Axes, ds: xr.Dataset, tests: Sequence[Measurement], conditions: Conditions
 ) -> list[Artist]:
     """Mark the transition computed at each test's own conditions, if others, and join both."""

@@ -33,7 +33,7 @@ _HIGHEST: dict[str, Any] = {"ls": "--", "marker": "^"}
 _DECIDING: dict[str, Any] = {"ls": "-", "marker": "o"}
 
 
-@style.in_house_style
+@style.house_style
 def ramp(
     ds: xr.Dataset,
     load: float | str | Iterable[float | str] | None = None,
@@ -185,7 +185,7 @@ def _load_axis(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]]) -> Non
     top.set_xlabel("normal load [N]")
 
 
-@style.in_house_style
+@style.house_style
 def temperature(
     ds: xr.Dataset,
     load: float | str | None = None,

@@ -36,7 +36,7 @@ _FACTORS: dict[str, dict[str, Any]] = {
 _ASIDE = 5  # [pt] of the mark of either factor from its row
 
 
-@style.in_house_style
+@style.house_style
 def draw_rows(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     """Draw the margin of each row [K], and its factors where places about it were simulated."""
     rows = [*judged(ds, None)]

@@ -28,7 +28,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
-@style.in_house_style
+@style.house_style
 def draw_variations(varied: Variations) -> Figure:
     """Draw how far each input moves the critical velocity: the most important one on top.
 
@@ -45,7 +45,7 @@ def draw_variations(varied: Variations) -> Figure:
     >>> variations = Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
     >>> figure = pipeline.draw_variations(variations)
     """
-    keys = varied.by_key()
+    keys = varied.keyed_changes()
     figure, axes = style.canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
     ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
     height = 0.8 / len(ends)
@@ -121,7 +121,7 @@ def _bar(
         )
         return
 
-    def beside(end: float, text: str, is_right: bool, **look: Any) -> None:
+    def mark_end(end: float, text: str, is_right: bool, **look: Any) -> None:
         offset, side = (4, "left") if is_right else (-4, "right")
         axes.annotate(
             text, (end, position), (offset, 0), textcoords="offset points", ha=side, va="center",
@@ -135,7 +135,7 @@ def _bar(
             words = signed(change)
             if len(variation.value) <= _LONGEST:
                 words = printed(variation.value)
-            beside(change, words, change >= 0, fontsize=8)
+            mark_end(change, words, change >= 0, fontsize=8)
     if not is_finite.all():
         text = "no transition at " + ", ".join(
             printed(variation.value)
@@ -143,7 +143,7 @@ def _bar(
             if not is_known
         )
         is_right = high == 0.0  # where no bar is
-        beside(high if is_right else low, text, is_right, fontsize=7, style="italic")
+        mark_end(high if is_right else low, text, is_right, fontsize=7, style="italic")
 
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
@@ -151,7 +151,7 @@ _MARKERS = ("o", "s", "^", "v", "<", ">", "P", "X", "p", "h")
 _MARKER_COLOURS = (GREEN, PURPLE, ORANGE, SKY, GREY)
 
 
-@style.in_house_style
+@style.house_style
 def draw_trade(trade: Trade) -> Figure:
     """Draw the error of the boundary velocity over the work of each choice.
 

@@ -24,7 +24,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.tables import FIGURES, writable_path, writing_to
-from pipeline.sweep.about import on_conditions
+from pipeline.sweep.about import condition_rows
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
@@ -112,7 +112,7 @@ def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), **options | narrow)
 
 
-def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
+def house_style(draw: Callable[P, R]) -> Callable[P, R]:
     """Draw in the house style, but for what the caller has set of matplotlib otherwise."""
 
     @functools.wraps(draw)
@@ -129,7 +129,7 @@ def figure_path(out: str | Path) -> Path:
     return writable_path(out, FIGURES)
 
 
-@in_house_style
+@house_style
 def save_figure(figure: Figure, out: Path) -> Path:
     """Write a figure to a path of `figure_path`."""
     with writing_to(out):
@@ -144,7 +144,7 @@ def celsius(temperature: Any) -> Any:
 
 def heating(conditions: Conditions) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
-    return " ".join(next(on_conditions(conditions)))
+    return " ".join(next(condition_rows(conditions)))
 
 
 def plain_numbers(axes: Axes, names: str = "xy") -> None:

@@ -13,11 +13,11 @@ from pipeline.analysis.dataset import plane_of
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
+    clipped_velocity,
     critical_velocity,
     laboratory_tests,
     model_error,
     own_conditions,
-    within_computed,
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
@@ -30,7 +30,7 @@ _ROOM = 1.25  # factor of velocity about the tests
 _FAINT = 0.35  # opacity of a test whose transition lies beyond what was computed
 
 
-@style.in_house_style
+@style.house_style
 def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
     ds = plane_of(ds)
@@ -44,7 +44,7 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     for test in held:
         with suppress(InputError):  # as warm as the critical temperature
             own = field.under(own_conditions(ds, test))
-            computed = within_computed(own, test)
+            computed = clipped_velocity(own, test)
             if computed > 0:  # not of a load beyond the sweep
                 found.append((test, computed, computed != critical_velocity(own, test)))
     if not found:

@@ -14,12 +14,12 @@ from pipeline.figures.style import (
     Picture,
     as_text,
     celsius,
-    in_house_style,
+    house_style,
 )
 from pipeline.gears.contact import Mesh
 
 
-@in_house_style
+@house_style
 def draw_mesh(mesh: Mesh) -> Figure:
     """Draw the contact along the path of contact, the pinion's tip to the right.
 

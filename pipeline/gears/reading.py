@@ -13,11 +13,11 @@ from pipeline.gears.involute import Involutes, fitting_distance
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.rules import warm_duty
 from pipeline.scene.compounds import Entry, List, Optional, Table, Tables
-from pipeline.scene.document import read_document, with_entries
+from pipeline.scene.document import override_entries, read_document
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, quoted
 from pipeline.scene.format import ANY_WEAR_RATE, BULK, CRITICAL, FRICTION, MATERIAL, OIL, length
 from pipeline.scene.kinds import Number, Quantity, Text, UnfitError, Whole
-from pipeline.scene.library import with_library
+from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import oil_of
 from pipeline.scene.units import TURNS
 from pipeline.sweep.about import FromLibrary
@@ -145,13 +145,13 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
             raise SceneFileError(file, [f"there is no such file{near}; give {known}"])
         file = shipped[str(path)]
     faults = Faults()
-    document = with_entries(read_document(file, faults), overrides or {}, faults)
+    document = override_entries(read_document(file, faults), overrides or {}, faults)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
     named = {body: entry_at(entries, f"{gear}.material") for body, gear in _BODIES.items()}
     bodies = {body: {"material": name} for body, name in named.items()}
-    filled, sources = with_library(entries | bodies, faults)
+    filled, sources = resolve_library(entries | bodies, faults)
     tables = PAIR.read({k: v for k, v in filled.items() if k not in _BODIES}, "", faults)
     materials = tables["materials"] or {}
     for body, gear in _BODIES.items():

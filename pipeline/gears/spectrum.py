@@ -15,7 +15,7 @@ from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.scene.compounds import Entry, Optional, Table
-from pipeline.scene.faults import Faults, in_lines
+from pipeline.scene.faults import Faults, fault_lines
 from pipeline.scene.format import BULK
 from pipeline.scene.headings import listed_faults, read_sheet, sheet_of
 from pipeline.scene.kinds import Number, Quantity
@@ -147,7 +147,7 @@ def read_spectrum(
     if not read.rows and not faults:
         faults = ['there are no rows; begin with a line "torque [N m],speed [rpm],hours"']
     if faults:
-        raise InputError(in_lines(name, faults))
+        raise InputError(fault_lines(name, faults))
     duties = [
         (
             row["hours"],

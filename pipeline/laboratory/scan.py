@@ -261,7 +261,7 @@ def surface_statistics(
     surface = oriented(read_surface(path, unit), transpose, flip)
     if pixel_size is not None:
         x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
-        surface = surface.with_pixels((x, y))
+        surface = surface.replace_pixels((x, y))
     if surface.pixel_size is None or min(surface.pixel_size) <= 0:
         raise InputError(f"{path}: no size of a pixel; give pixel_size, such as 0.8 um")
     try:

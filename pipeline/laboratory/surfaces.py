@@ -44,7 +44,7 @@ class MeasuredSurface:
     pixel_size: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()  # on what the file says and a user says otherwise
 
-    def with_pixels(self, sides: tuple[float, float]) -> MeasuredSurface:
+    def replace_pixels(self, sides: tuple[float, float]) -> MeasuredSurface:
         """The surface with other sides of a pixel than the file says [m]."""
         own, notes = self.pixel_size, self.notes
         if own and not np.allclose(own, sides, rtol=_SAME, atol=0):

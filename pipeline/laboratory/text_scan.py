@@ -58,10 +58,10 @@ def read_text(path: Path) -> tuple[Array, Size, float | None]:
         table[table == float(hole[1])] = np.nan
     sizes, units = _said(head)
     if table.shape[1] == 3 and (table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"):
-        return _of_places(path, table, units)
+        return _placed_heights(path, table, units)
     unit = sizes.get("unit", units.get("z"))
     is_sized = {"width", "height"} <= sizes.keys()
-    table, steps = (table, None) if is_sized else _without_axes(table, above)
+    table, steps = (table, None) if is_sized else _stripped_axes(table, above)
     heights = np.ascontiguousarray(table.T)
     length = units.get("x", units.get("y"))
     pixel = None
@@ -82,7 +82,7 @@ def _step(line: Array) -> float:
     return float(abs(steps[0]))
 
 
-def _without_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
+def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
     """Heights without a column, or a column and a row, of even places; their steps by x and y."""
     if min(table.shape) < 5:
         return table, None
@@ -196,7 +196,7 @@ def _length(text: str) -> float | None:
         return None
 
 
-def _of_places(
+def _placed_heights(
     path: Path, table: Array, units: dict[str, float]
 ) -> tuple[Array, Size, float | None]:
     """Heights of rows of x, y and z on a regular grid; places without a row are holes."""

@@ -44,7 +44,7 @@ from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.tables import html_of
 from pipeline.analysis.transition import outcomes, range_of
-from pipeline.figures.overlays import MILD, SEVERE, in_reach
+from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.store.schema import DONE
@@ -89,14 +89,14 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     own = ratios.index(0.0), shares.index(conditions.failing_share)
     load = values_of(ds, "normal_load")[..., None, None, :]
     worst = worst_moment(deciding, load, ds["load"].values[:, None, None, None, None])
-    decisive = np.where(done[..., None, None], _at_step(deciding, worst), np.nan)
+    decisive = np.where(done[..., None, None], _step_values(deciding, worst), np.nan)
     # The step at which each point is shown is the one that decides.
     steps = worst[..., own[0], own[1]]
     has_fields = set(FIELDS) <= set(ds.data_vars)
     chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
     return {
-        **_about(ds, sweep),
-        **_on_points(ds),
+        **_page_facts(ds, sweep),
+        **_point_states(ds),
         "conditions": _conditions(ds, conditions),
         "controls": [
             asdict(control)
@@ -106,13 +106,13 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         ],
         "accuracy": error_in_words(sweep),
         "deciding": conditions.decisive.temperature,
-        "times": packed_array(_at_step(values_of(ds, "time"), steps), "<f4"),
+        "times": packed_array(_step_values(values_of(ds, "time"), steps), "<f4"),
         "course": _course(sweep_at_bulks(ds, conditions)),
         "bulk_ratios": ratios,
         "shares": shares,
-        "rises": packed_array(_at_step(quantiles, steps[..., None, None]), "<f4"),
+        "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
         **_planes(decisive, ds, own, conditions),
-        **_on_model(ds),
+        **_model_facts(ds),
         "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
     }
@@ -131,7 +131,7 @@ def _course(ds: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _about(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
+def _page_facts(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
     """What a page shows of the scene, its axes and its tests."""
     tests = compared(ds)
     return {
@@ -162,10 +162,10 @@ def _told(test: Measurement) -> dict[str, Any]:
 def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests with the nearest node, and the friction and bulk that each is judged at."""
     told = []
-    for test in in_reach(ds, laboratory_tests(ds))[0]:
+    for test in reachable_tests(ds, laboratory_tests(ds))[0]:
         own = own_conditions(ds, test)
-        there = _conditions(ds, own) | {"at_one_friction": test.friction is not None}
-        names = ("friction", "bulk_temperature", "disk_temperature", "at_one_friction")
+        there = _conditions(ds, own) | {"strip_friction": test.friction is not None}
+        names = ("friction", "bulk_temperature", "disk_temperature", "strip_friction")
         k = _nearest_of(loads, test.normal_load)
         j = first + _nearest_of(velocities[first:], test.velocity)
         told.append(
@@ -199,7 +199,7 @@ def _outside(loads: Array, velocities: Array) -> str:
     )
 
 
-def _on_points(ds: xr.Dataset) -> dict[str, Any]:
+def _point_states(ds: xr.Dataset) -> dict[str, Any]:
     """State, numbers and message of each point."""
     status = values_of(ds, "status")
     end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
@@ -281,7 +281,7 @@ def _tables(
     return np.stack(deciding, axis=-3), np.stack(quantiles, axis=-3)
 
 
-def _at_step(values: Array, steps: Indices) -> Array:
+def _step_values(values: Array, steps: Indices) -> Array:
     """Values at a step of each point, along the last axis."""
     chosen: Array = np.take_along_axis(values, steps[..., None], axis=-1)[..., 0]
     return chosen
@@ -300,7 +300,7 @@ def _planes(
     done = values_of(ds, "status") == DONE
     missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
-    fine_loads, first = between(loads, by_load), int(velocities[0] > 0 and len(velocities) > 1)
+    fine_loads, first = divided(loads, by_load), int(velocities[0] > 0 and len(velocities) > 1)
     rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
     is_within = np.isin(state[..., ::by_load, :], (COMPUTED, INTERPOLATED))[..., None, None]
@@ -367,7 +367,7 @@ def _slots(points: Array, nodes: Array) -> Indices:
     return slots
 
 
-def _on_model(ds: xr.Dataset) -> dict[str, Any]:
+def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
     """The distribution of the model's own error, and by what a verdict is decided.
 
     Cumulative probabilities by the number of tests that count, at distances in units of the scale.
@@ -455,7 +455,7 @@ def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
     return int(parts[0]), int(parts[1])
 
 
-def between(places: Array, parts: int) -> Array:
+def divided(places: Array, parts: int) -> Array:
     """Places of an axis, and those that divide each interval into so many equal parts."""
     index = np.arange((len(places) - 1) * parts + 1) / parts
     return np.interp(index, np.arange(len(places)), places)
@@ -507,15 +507,15 @@ def rows_along(
     One node far below the velocities and one far above them have the power laws by which the rise
     goes on; a velocity of 0 stands far below.
     """
-    fine, factor = between(velocities, parts), conditions.friction_factor
+    fine, factor = divided(velocities, parts), conditions.friction_factor
     if len(velocities) == 1:
         return rises, fine
     positive = fine[fine > 0]
     nodes = np.concatenate([[positive[0] / _FAR], positive, [positive[-1] * _FAR]])
-    at_one_friction = rises / factor(velocities)[:, None, None]
+    strip_friction = rises / factor(velocities)[:, None, None]
     if not conditions.has_friction_curve and velocities[0] > 0:
-        return along(at_one_friction, velocities, nodes, -3, continued=True), nodes
-    within = along(at_one_friction, velocities, fine, -3)[..., fine > 0, :, :]
+        return along(strip_friction, velocities, nodes, -3, continued=True), nodes
+    within = along(strip_friction, velocities, fine, -3)[..., fine > 0, :, :]
     within *= factor(positive)[:, None, None]
     return along(within, positive, nodes, -3, continued=True), nodes
 
@@ -553,7 +553,7 @@ def error_of_lines(
     """
     if len(places) == 1:
         return 0.0
-    double = between(places, 2 * parts)
+    double = divided(places, 2 * parts)
     fine = along(values / factor(places), places, double, -1) * factor(double)
     with np.errstate(divide="ignore", invalid="ignore"):
         x, y = np.log(double), np.log(fine)

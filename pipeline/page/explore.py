@@ -102,11 +102,11 @@ def explore(
     parts = [*scenes(ds)]
     if sweep_kind(ds) is Kind.SAMPLES:
         held = [content_of_samples(part) for part in parts]
-        scripts, bodies = ["samples"], [_of_samples(one) for one in held]
+        scripts, bodies = ["samples"], [_samples_scene(one) for one in held]
     else:
         require_kind(ds, Kind.PLANE)
         held = [content(part, most_fields // len(parts)) for part in parts]
-        scripts, bodies = ["state", "page"], [_of_plane(one) for one in held]
+        scripts, bodies = ["state", "page"], [_plane_scene(one) for one in held]
     names = [entries_in_words(part) for part in parts]
     write_text(_page(stored_sweep(ds).about.title, names, bodies, scripts), path)
     done = sum(one["done"] for one in held)
@@ -133,7 +133,7 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequ
     )
 
 
-def _of_plane(held: dict[str, Any]) -> str:
+def _plane_scene(held: dict[str, Any]) -> str:
     """A scene of loads and velocities."""
     surfaces = len(held["surfaces"] or [0])
     several = f", {surfaces} surfaces" if held["surfaces"] else ""
@@ -161,10 +161,10 @@ def _of_plane(held: dict[str, Any]) -> str:
         "error": f"{100 * held['error']:.2g} %",
         "accuracy": html.escape(held.pop("accuracy")),
     }
-    return _without_signs(_filled("plane.html", _of_both(held, sizes) | own), signs)
+    return _strip_signs(_filled("plane.html", _scene_values(held, sizes) | own), signs)
 
 
-def _of_samples(held: dict[str, Any]) -> str:
+def _samples_scene(held: dict[str, Any]) -> str:
     """A scene of samples."""
     table, scale = held.pop("table"), held.pop("scale")
     own = {
@@ -174,7 +174,9 @@ def _of_samples(held: dict[str, Any]) -> str:
         "scale": scale,
     }
     sizes = f"{len(table)} loads, {held['samples']} samples"
-    return _without_signs(_filled("samples.html", _of_both(held, sizes) | own), _test_signs(held))
+    return _strip_signs(
+        _filled("samples.html", _scene_values(held, sizes) | own), _test_signs(held)
+    )
 
 
 def _test_signs(held: dict[str, Any]) -> dict[str, bool]:
@@ -184,13 +186,13 @@ def _test_signs(held: dict[str, Any]) -> dict[str, bool]:
     return {name: kind in kinds for name, kind in names.items()}
 
 
-def _without_signs(page: str, signs: dict[str, bool]) -> str:
+def _strip_signs(page: str, signs: dict[str, bool]) -> str:
     """The page without the signs of the legend that its sweep cannot have."""
     absent = tuple(f'<li id="sign-{name}">' for name, is_there in signs.items() if not is_there)
     return "".join(line for line in page.splitlines(True) if not line.startswith(absent))
 
 
-def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:
+def _scene_values(held: dict[str, Any], sizes: str) -> dict[str, str]:
     """Title, form of the operating point, record and data of a scene."""
     entries = html_of(frame_of(("entry", "value"), held["record"].items()))
     return {
@@ -198,7 +200,7 @@ def _of_both(held: dict[str, Any], sizes: str) -> dict[str, str]:
         "title": html.escape(str(held["title"])),
         "record": f'<details id="record" class="record"><summary>The scene as it was stored: '
         f"{sizes}, {held['done']} points done</summary>{entries}</details>",
-        "data": _as_json({name: value for name, value in held.items() if name != "record"}),
+        "data": _json_text({name: value for name, value in held.items() if name != "record"}),
     }
 
 
@@ -211,7 +213,7 @@ def _text(name: str) -> str:
     return resources.files(__package__).joinpath(name).read_text("utf-8")
 
 
-def _as_json(held: dict[str, Any]) -> str:
+def _json_text(held: dict[str, Any]) -> str:
     """Data as JSON that no text in it can end the script element of."""
     text = json.dumps(held, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", r"\u003c")

@@ -46,7 +46,7 @@ def packed_fields(
         if bulk_ratio:
             rise = rise + bulk_ratio * response[0] + max(0.0, -bulk_ratio)
         points[str(place)] = packed_point(pressure, rise, wear_depth)
-        content |= _about(here)
+        content |= _picture_facts(here)
     return content
 
 
@@ -117,7 +117,7 @@ def _levels(field: Array, low: float, high: float, least: int) -> NDArray[np.uin
     return levels.astype(np.uint8)
 
 
-def _about(ds: xr.Dataset) -> dict[str, Any]:
+def _picture_facts(ds: xr.Dataset) -> dict[str, Any]:
     """Size of the window, elements averaged in its pictures, and their aspect ratio."""
     axes = ds["x"].values, ds["y"].values
     along, across = (

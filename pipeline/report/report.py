@@ -20,8 +20,8 @@ from pipeline import extras
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.frames import on_boundary
-from pipeline.analysis.laboratory import compared, on_tests
+from pipeline.analysis.frames import boundary_parts
+from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margins import LONG, counts_in_words, margin
 from pipeline.analysis.scenes import parts_of, scenes, value_text
 from pipeline.analysis.tables import (
@@ -41,7 +41,7 @@ from pipeline.scene.reference import meanings
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.versions import package_versions
-from pipeline.sweep.about import judged_by, on_plane
+from pipeline.sweep.about import judged_by, plane_rows
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
 from pipeline.sweep.model import Sweep
@@ -182,7 +182,7 @@ def _html(part: Part, heading: str) -> str:
 def _question(ds: xr.Dataset) -> Iterator[Part]:
     """Question that the sweep answers, its answer in a sentence, and the state of the sweep."""
     plane = dataset.stored_sweep(ds).plane
-    yield f"{_QUESTION}? Examined: {on_plane(plane.loads, plane.velocities)[1]}"
+    yield f"{_QUESTION}? Examined: {plane_rows(plane.loads, plane.velocities)[1]}"
     total = int(dataset.asked(ds).sum())
     done, failed = (
         int((dataset.asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED)
@@ -230,13 +230,13 @@ def _answer(boundaries: xr.Dataset) -> str:
 
 
 def _numbers(ds: xr.Dataset) -> Iterator[Part]:
-    yield from on_boundary(boundary(ds))
+    yield from boundary_parts(boundary(ds))
 
 
 def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Part]:
     """Margins of operating points."""
     table = margin(ds, points)
-    yield from _on_points(table)
+    yield from _point_parts(table)
     yield from points.remarks if points else ()
     yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
@@ -244,7 +244,7 @@ def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterato
     )
 
 
-def _on_points(table: pd.DataFrame) -> Iterator[Part]:
+def _point_parts(table: pd.DataFrame) -> Iterator[Part]:
     yield short(table, LONG)
     yield from notes_of(table)
 
@@ -291,7 +291,7 @@ def _tests(ds: xr.Dataset) -> Iterator[Part]:
     table = compared(ds)
     if table is None:
         return
-    yield from on_tests(table)
+    yield from test_parts(table)
 
 
 def _meaning(path: str) -> str:
@@ -341,7 +341,7 @@ def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Secti
         "Question and answer": _question_of_samples(ensemble, lines, basis),
         f"Not known exactly{basis}": samples.basis_of(ensemble, weighed),
         "Transition diagram": _drawn(ds),
-        "Boundary in numbers": on_boundary(lines),
+        "Boundary in numbers": boundary_parts(lines),
         "Operating points": _operating_points(ds, points) if points else (),
     }
 

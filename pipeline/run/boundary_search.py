@@ -290,10 +290,10 @@ def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Poin
         conditions: worst_rises(columns, loads, conditions) for conditions in set(variants.values())
     }
 
-    def of_sweep(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:
+    def swept(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:
         for point in store.points_at(np.nonzero(store.flags == flag)):
             if point.load in sweep.plane.loads and point.variant in variants:
                 yield point, store.index(point)
 
-    done = {point: float(rises[variants[point.variant]][index]) for point, index in of_sweep(DONE)}
-    return done, {point for point, _ in of_sweep(FAILED)}
+    done = {point: float(rises[variants[point.variant]][index]) for point, index in swept(DONE)}
+    return done, {point for point, _ in swept(FAILED)}

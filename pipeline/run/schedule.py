@@ -167,7 +167,7 @@ class _Run:
 
     def _start(self, task: Task, worker: str, is_alone: bool = False) -> None:
         number = next(self._numbers)
-        name = f"point-{_in_short(task.points)}-{self._label}-{number}"
+        name = f"point-{_short_name(task.points)}-{self._label}-{number}"
         # Without a priority Dask orders tasks of one moment by chance.
         future = self._connection.client.submit(
             compute_points, name, self._label, task.points,
@@ -304,7 +304,7 @@ class _Run:
         return True
 
 
-def _in_short(points: tuple[Point, ...]) -> str:
+def _short_name(points: tuple[Point, ...]) -> str:
     """Place of a task for the dashboard, such as ``600N-1.5ms``, and how many share its contact."""
     first, others = points[0], len(points) - 1
     return f"{first.load:g}N-{first.velocity:g}ms" + f"-and-{others}-more" * bool(others)

@@ -16,7 +16,7 @@ from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.tally import Progress
-from pipeline.scene.over import notes_on_first_values, with_friction_scaled
+from pipeline.scene.over import notes_on_first_values, scale_friction
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -68,7 +68,7 @@ class Variations:
         changed: Array = np.array(variation.critical_velocities) / self.base.critical_velocities - 1
         return changed
 
-    def by_key(self) -> dict[str, list[Variation]]:
+    def keyed_changes(self) -> dict[str, list[Variation]]:
         """Changes by entry; first the entry that moves the boundary most."""
         groups: dict[str, list[Variation]] = {}
         for variation in self.others:
@@ -171,7 +171,7 @@ def vary(
         for note in notes_on_first_values(sweep.variants):
             tell(note)
     others = {
-        (key, str(value)): with_friction_scaled(
+        (key, str(value)): scale_friction(
             load_scene(scene, preset, {**overrides, key: value}, own_laws), sweep, [key]
         )
         for key, values in over.items()

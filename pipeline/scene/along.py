@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.scene.compounds import Entry, Optional, Table, flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
-from pipeline.scene.faults import Faults, entry_at, in_lines, quoted
+from pipeline.scene.faults import Faults, entry_at, fault_lines, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
@@ -121,8 +121,8 @@ class OperatingPoints:
         if not sheet.rows and not faults:
             faults = ['there are no rows; begin with a line "load [N],velocity [m/s]"']
         if faults:
-            more = f", {sheet.of_several}; --sheet names another" if sheet.of_several else ""
-            raise InputError(in_lines(name + more, faults))
+            more = f", {sheet.sheet_notes}; --sheet names another" if sheet.sheet_notes else ""
+            raise InputError(fault_lines(name + more, faults))
         others = {
             sheet.headings[place].label: [row.cells[place] for row in sheet.rows]
             for place in range(len(sheet.headings))
@@ -133,7 +133,7 @@ class OperatingPoints:
         )
         unused = tuple(sheet.headings[place].label for place in sheet.others)
         places = tuple(Place(row["load"], row["velocity"]) for row in rows)
-        return cls(places, others, given, unused, sheet.of_several)
+        return cls(places, others, given, unused, sheet.sheet_notes)
 
 
 def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
@@ -143,7 +143,7 @@ def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
     if asked is None and entry_at(entries, "sweep.around") is not None:
         faults.note("sweep.around", "sweep.along is not given, which it belongs to; leave it out")
     if isinstance(asked, str) and asked:
-        rows = _of_file(document.file_of("sweep.along").parent / asked, faults)
+        rows = _file_rows(document.file_of("sweep.along").parent / asked, faults)
     elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
         rows = [dict(flat(row)) for row in asked]
     else:
@@ -192,7 +192,7 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     scenes = [scene_with(values, sweep, reading.make, "sweep.along") for values in written]
     if CONDITIONS["friction"] in paths:  # measured at the place, and not by velocity
         scenes = [
-            scene.changed(conditions=scene.conditions.at_friction(scene.conditions.friction))
+            scene.changed(conditions=scene.conditions.replace_friction(scene.conditions.friction))
             for scene in scenes
         ]
     parts = [tuple(differing_inputs(sweep, scene)) for scene in scenes]
@@ -229,7 +229,7 @@ def _label(head: str, cells: Sequence[Any]) -> Column:
     return Column(head, tuple(map(str, cells)), None, meaning=meaning)
 
 
-def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
+def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
     try:
         sheet = read_sheet(path, _ROW.keys, _PLACE.keys)
@@ -247,8 +247,8 @@ def _of_file(path: Path, faults: Faults) -> list[dict[str, Any]]:
                 where = f"row {row.number}, column {quoted(heading.text)}"
                 faults.note("sweep.along", f"{path}: {where} {wrong}")
             table[names.get(place, heading.title)] = as_entry(cell, heading.unit)
-    if sheet.of_several:
-        faults.notes.append(f"sweep.along: {path.name}, {sheet.of_several}")
+    if sheet.sheet_notes:
+        faults.notes.append(f"sweep.along: {path.name}, {sheet.sheet_notes}")
     if not tables and not sheet.faults:
         faults.note("sweep.along", f"{path} has no rows; give a load and a velocity in each")
     return tables

@@ -40,8 +40,8 @@ def check_tables(
         return [None if is_faulty else entry_at(tables, path) for path in paths]
 
     for misfit in itertools.chain(
-        _of_bodies(sound), _of_motion(sound), _of_tracks(sound), _of_conditions(sound),
-        _of_oil(sound), _of_steps(sound, fidelity.increments), _of_tests(tables),
+        _body_faults(sound), _motion_faults(sound), _track_faults(sound), _condition_faults(sound),
+        _oil_faults(sound), _step_faults(sound, fidelity.increments), _test_faults(tables),
     ):  # fmt: skip
         faults.note(*misfit)
 
@@ -99,7 +99,7 @@ def _short_of_window(key: str, length: float, pixels: Any, sides: Any, axis: int
         )
 
 
-def _of_bodies(sound: Sound) -> Misfits:
+def _body_faults(sound: Sound) -> Misfits:
     length, pixels, sides = sound("pin.length", "window.pixels", "window.pixel_size")
     if length:
         yield from _short_of_window("pin.length", length, pixels, sides, 1)
@@ -116,7 +116,7 @@ def _of_bodies(sound: Sound) -> Misfits:
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
 
 
-def _of_motion(sound: Sound) -> Misfits:
+def _motion_faults(sound: Sound) -> Misfits:
     (motion,) = sound("motion")
     both = "motion.slide_roll_ratio", "motion.entrainment_velocity"
     ratio, entrainment = sound(*both)
@@ -150,9 +150,9 @@ def _of_motion(sound: Sound) -> Misfits:
             )
 
 
-def _of_tracks(sound: Sound) -> Misfits:
+def _track_faults(sound: Sound) -> Misfits:
     for body in ("pin", "disk"):
-        yield from _of_disc(body, sound)
+        yield from _disc_faults(body, sound)
     motion, pin = sound("motion", "pin")
     around = track_of(pin) if pin else None
     if not around:
@@ -171,7 +171,7 @@ def _of_tracks(sound: Sound) -> Misfits:
         )
 
 
-def _of_disc(body: str, sound: Sound) -> Misfits:
+def _disc_faults(body: str, sound: Sound) -> Misfits:
     """A disc of all that it needs, and said in one way."""
     sizes = dict(zip(DISC, sound(*(f"{body}.{name}" for name in DISC)), strict=True))
     diameter, width, bore = (sizes[name] for name in DISC[:3])
@@ -199,7 +199,7 @@ def _of_disc(body: str, sound: Sound) -> Misfits:
         yield f"{body}.width", f"{display(width, 'mm')} {problem}; give at least that"
 
 
-def _of_conditions(sound: Sound) -> Misfits:
+def _condition_faults(sound: Sound) -> Misfits:
     bulk, critical = sound("temperature.bulk", "temperature.critical")
     warmest = max(bulk.values()) if isinstance(bulk, dict) else bulk
     if critical is not None and critical <= warmest:
@@ -223,7 +223,7 @@ def _of_conditions(sound: Sound) -> Misfits:
         )
 
 
-def _of_steps(sound: Sound, increments: int) -> Misfits:
+def _step_faults(sound: Sound, increments: int) -> Misfits:
     """Loads and holds that take more steps than anybody waits for."""
     loading, loads, measured, tested = sound("loading", "sweep.loads", "measured", "tested")
     if not loading or "rate" not in loading:
@@ -243,7 +243,7 @@ def _of_steps(sound: Sound, increments: int) -> Misfits:
             return
 
 
-def _of_tests(tables: dict[str, Any]) -> Misfits:
+def _test_faults(tables: dict[str, Any]) -> Misfits:
     for table in ("measured", "tested"):
         for number, entry in enumerate(tables[table] or ()):
             if entry and entry["friction_scatter"] is not None and not entry["friction"]:
@@ -252,7 +252,7 @@ def _of_tests(tables: dict[str, Any]) -> Misfits:
                 yield key, f"{entry['friction_scatter']:g} {problem}"
 
 
-def _of_oil(sound: Sound) -> Misfits:
+def _oil_faults(sound: Sound) -> Misfits:
     (oil,) = sound("oil")
     if oil and (oil["kinematic_viscosity"] is None) == (oil["dynamic_viscosity"] is None):
         count = "neither is" if oil["dynamic_viscosity"] is None else "both are"

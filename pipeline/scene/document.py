@@ -20,7 +20,7 @@ from pipeline.scene.faults import (
     did_you_mean,
     joined,
     quoted,
-    with_value,
+    replace_value,
 )
 from pipeline.scene.format import FORMAT
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
@@ -63,7 +63,7 @@ class Document(NamedTuple):
         """The document above other entries by their paths, which hold where it gives none."""
         tables = dict[str, Any]()
         for path, value in entries.items():
-            tables = with_value(tables, path, value)
+            tables = replace_value(tables, path, value)
         return Document((*self.layers, FileEntries(self.file, tables)))
 
     def replaced(self, key: str, value: Any) -> Document:
@@ -126,7 +126,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     return Document((*document.layers, *base.layers))
 
 
-def with_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
+def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
     """Override entries of a document by key path, and leave some out."""
     overrides = dict(overrides)
     without = overrides.pop("without", None)
@@ -138,7 +138,7 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: Fault
         if _table(top, *tables) is None or _table(entries, *tables) is None:
             faults.note(key, f"{'.'.join(tables)} is not a table; give its own key")
         else:
-            top = _merged(top, with_value({}, key, value))
+            top = _merged(top, replace_value({}, key, value))
     return Document((FileEntries(document.file, top), *document.layers))
 
 

@@ -44,12 +44,12 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     """Probable slips, and limits to know of before the simulation; a line each."""
     return (
         *_unusual(sweep, facts),
-        *_of_wear(sweep, facts),
-        *_of_tests(sweep),
-        *_of_motion(sweep),
-        *(_of_surface(sweep, facts.surface) if facts.surface else ()),
-        *_of_contact(sweep, facts),
-        *_of_heat(sweep, facts),
+        *_wear_doubts(sweep, facts),
+        *_test_doubts(sweep),
+        *_motion_doubts(sweep),
+        *(_surface_doubts(sweep, facts.surface) if facts.surface else ()),
+        *_contact_doubts(sweep, facts),
+        *_heat_doubts(sweep, facts),
     )
 
 
@@ -107,7 +107,7 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
         yield "the disk's Ra", facts.surface.ra, 1e6, 0.001, 10, "µm"
 
 
-def _of_wear(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
     """A pin that keeps its shape, turns too seldom to wear evenly, or wears as at another bulk."""
     if note := note_on_wear(sweep):
         yield note
@@ -128,7 +128,7 @@ def _of_wear(sweep: Sweep, facts: Facts) -> Iterator[str]:
         )
 
 
-def _of_motion(sweep: Sweep) -> Iterator[str]:
+def _motion_doubts(sweep: Sweep) -> Iterator[str]:
     if note := note_on_turns(sweep):
         yield note
     speeds = [sweep.scene.velocities_at(velocity) for velocity in sweep.plane.velocities]
@@ -140,7 +140,7 @@ def _of_motion(sweep: Sweep) -> Iterator[str]:
             )
 
 
-def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
     share = facts.contact_width.high / 2 / sweep.scene.pin.radius
     if share > WIDEST:
         yield (
@@ -179,7 +179,7 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
         )
 
 
-def _of_heat(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
     """Points at which steel would melt."""
     grid = itertools.product(sweep.plane.loads, sweep.plane.velocities)
     widths = itertools.chain(*facts.contact_widths)
@@ -229,7 +229,7 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
         )
 
 
-def _of_tests(sweep: Sweep) -> Iterator[str]:
+def _test_doubts(sweep: Sweep) -> Iterator[str]:
     """Tests so far outside the sweep that their units are in doubt."""
     loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
     far = [
@@ -251,7 +251,7 @@ def _of_tests(sweep: Sweep) -> Iterator[str]:
         )
 
 
-def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
+def _surface_doubts(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
     for axis, rise in zip("xy", surface.rise, strict=True):
         if surface.measured and abs(rise) > _MOST_RISE * surface.rq:
             yield (
@@ -260,7 +260,7 @@ def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
                 "plane off with level = true under [disk.roughness]"
             )
     if isinstance(sweep.scene.roughness, SelfAffineRoughness):
-        yield from _of_correlation(sweep, sweep.scene.roughness)
+        yield from _correlation_doubts(sweep, sweep.scene.roughness)
     if surface.lay is None or surface.lay > _ALONG:
         return
     if sweep.scene.wear and sweep.scene.wear.pattern == "swept":
@@ -276,7 +276,7 @@ def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
         )
 
 
-def _of_correlation(sweep: Sweep, roughness: SelfAffineRoughness) -> Iterator[str]:
+def _correlation_doubts(sweep: Sweep, roughness: SelfAffineRoughness) -> Iterator[str]:
     """Correlation lengths that the pixels do not resolve, or the window does not hold."""
     sides = zip("xy", roughness.correlation_length, sweep.scene.pixels.shape, strict=True)
     for (axis, length, count), pixel in zip(sides, sweep.scene.pixels.spacing, strict=True):

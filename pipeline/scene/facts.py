@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple, get_origin, get_type_hints
 import numpy as np
 
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
+from pipeline.sweep.surface import SurfaceFacts, surface_facts, unit_value
 from tribo import Corrections, InputError, Track, contact_modulus
 from tribo.types import Array
 from tribo.wear import wear_over
@@ -67,7 +67,7 @@ class Facts:
         facts = {
             name: value._asdict() | {"unit": unit}
             if isinstance(value := getattr(self, name), Span)
-            else with_unit(value, unit)
+            else unit_value(value, unit)
             for name, unit in units.items()
         }
         if self.surface:

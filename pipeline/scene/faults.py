@@ -94,10 +94,10 @@ class SceneFileError(TriboError):
         name = name_of(self.path)
         if not name.isprintable():
             name = json.dumps(name)
-        return in_lines(name, self.faults)
+        return fault_lines(name, self.faults)
 
 
-def in_lines(name: str, faults: Sequence[str]) -> str:
+def fault_lines(name: str, faults: Sequence[str]) -> str:
     """Write the faults of a file: one on its line, several below each other."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
@@ -141,11 +141,11 @@ def entry_at(tables: Mapping[str, Any], path: str) -> Any:
     return entry
 
 
-def with_value(tables: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:
+def replace_value(tables: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:
     """Tables with another value at a path; those on the way are copied, or made."""
     first, _, rest = path.partition(".")
     inner = tables.get(first)
-    other = with_value(inner if isinstance(inner, dict) else {}, rest, value) if rest else value
+    other = replace_value(inner if isinstance(inner, dict) else {}, rest, value) if rest else value
     return {**tables, first: other}
 
 

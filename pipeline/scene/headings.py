@@ -194,7 +194,7 @@ class Sheet:
         return [k for k in range(len(self.headings)) if k not in used]
 
     @property
-    def of_several(self) -> str:
+    def sheet_notes(self) -> str:
         """Words on the sheet that was read, and on the workbook's others; empty if it has none."""
         return next((words for words in self.form if "(not read: " in words), "")
 
@@ -295,7 +295,7 @@ def read_sheet(
     sheet = Sheet(headings, [*read.rows], {}, [], [*read.faults], read.decimal, read.form)
     if laboratory:
         laboratory.tidy(sheet)
-    return _with_places(sheet, wanted, needed, named)
+    return _placed_columns(sheet, wanted, needed, named)
 
 
 def _read_csv(path: Path) -> Rows:
@@ -333,7 +333,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
         counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
         raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
     rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*listed.values(), strict=True), 1)]
-    sheet = _with_places(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, needed)
+    sheet = _placed_columns(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, needed)
     for name, place in sheet.places.items():
         unit = "" if sheet.headings[place].unit else f" {UNITS.get(name, '')}"
         for row in rows:
@@ -343,7 +343,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
     return sheet
 
 
-def _with_places(
+def _placed_columns(
     sheet: Sheet,
     wanted: Collection[str],
     needed: Collection[str],

@@ -30,7 +30,7 @@ def library() -> dict[str, Any]:
     return tables
 
 
-def with_library(
+def resolve_library(
     entries: dict[str, Any], faults: Faults
 ) -> tuple[dict[str, Any], tuple[FromLibrary, ...]]:
     """The entries of a scene with those that it takes from the library, and the latter alone."""

@@ -107,7 +107,7 @@ def _axis(path: str, values: tuple[Any, ...]) -> Column:
     return replace(column, values=labels, texts=texts)
 
 
-def with_friction_scaled(scene: Sweep, sweep: Sweep, changed: Container[str]) -> Sweep:
+def scale_friction(scene: Sweep, sweep: Sweep, changed: Container[str]) -> Sweep:
     """A scene with entries of a sweep changed: its friction coefficient scales that by velocity.
 
     In a file `friction.by_velocity` is the friction itself, and the coefficient a typical one.
@@ -123,7 +123,7 @@ def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) ->
     """The scene with some values; raises if it is faulty, or has other axes."""
     place = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
     try:
-        scene = with_friction_scaled(make(values), sweep, values)
+        scene = scale_friction(make(values), sweep, values)
     except InputError as error:
         raise InputError(f"{key}: {place}: {error}") from error
     settings = (f"--set={path}={value}" for path, value in values.items())

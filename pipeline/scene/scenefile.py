@@ -9,12 +9,12 @@ from typing import Any
 
 import tribo
 from pipeline.scene.consistency import check_tables
-from pipeline.scene.document import Document, as_toml, read_document, with_entries
+from pipeline.scene.document import Document, as_toml, override_entries, read_document
 from pipeline.scene.extensions import Reading, begin
 from pipeline.scene.facts import track_faults
-from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
+from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, replace_value
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
-from pipeline.scene.library import with_library
+from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
     corrections_of,
     criterion_of,
@@ -32,7 +32,7 @@ from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
-from pipeline.sweep.conditions import Conditions, of_bulks
+from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import Laws, Own
@@ -82,8 +82,8 @@ def load_scene(
     """
     path, arguments = scene_path(path), _arguments(path, preset, overrides or {})
     faults = Faults()
-    replaced = _by_path(overrides or {}, preset, faults)
-    document = with_entries(read_document(path, faults), replaced, faults)
+    replaced = _path_overrides(overrides or {}, preset, faults)
+    document = override_entries(read_document(path, faults), replaced, faults)
     document, extensions = begin(document, faults)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
@@ -94,7 +94,7 @@ def load_scene(
         """The sweep with other values of some entries; raises its first fault."""
         other, wrong = entries, Faults()
         for place, value in values.items():
-            other = with_value(other, place, value)
+            other = replace_value(other, place, value)
         made, _ = reader.sweep(other, wrong)
         if made is None or wrong:
             raise tribo.InputError(f"{wrong[0].key}: {wrong[0].problem}")
@@ -135,7 +135,7 @@ class _Reader:
 
     def sweep(self, entries: dict[str, Any], faults: Faults) -> tuple[Sweep | None, dict[str, Any]]:
         """The sweep, without samples and `over`, and the tables of the format."""
-        entries, taken = with_library(entries, faults)
+        entries, taken = resolve_library(entries, faults)
         tables: dict[str, Any] = FORMAT.read(entries, "", faults)
         fidelity, preset = _fidelity(tables["fidelity"] or {}, faults)
         realizations = realizations_of(tables, faults)
@@ -237,12 +237,14 @@ def scene_entry(
     >>> pipeline.scene_entry("workflows/first_try.toml", "temperature.bulk")
     '25 degC'
     """
-    replaced = _by_path(overrides or {}, None, Faults())
-    document = with_entries(read_document(scene_path(path), Faults()), replaced, Faults())
-    return entry_at(with_library(document.entries(), Faults())[0], key)
+    replaced = _path_overrides(overrides or {}, None, Faults())
+    document = override_entries(read_document(scene_path(path), Faults()), replaced, Faults())
+    return entry_at(resolve_library(document.entries(), Faults())[0], key)
 
 
-def _by_path(overrides: Mapping[str, Any], preset: str | None, faults: Faults) -> dict[str, Any]:
+def _path_overrides(
+    overrides: Mapping[str, Any], preset: str | None, faults: Faults
+) -> dict[str, Any]:
     """Entries to replace by their paths; those of the fidelity may be named by their key alone."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
@@ -291,7 +293,7 @@ def _scene_of(tables: dict[str, Any], **parts: Any) -> tribo.Scene:
         ),
         motion=motion_of(tables),
         friction_heat=max([friction["coefficient"], *(friction["band"] or [])]) > 0,
-        unequal_bulks=of_bulks(tables["temperature"]["bulk"])["disk_temperature"] is not None,
+        unequal_bulks=bulk_entries(tables["temperature"]["bulk"])["disk_temperature"] is not None,
         **parts,
     )
 
@@ -308,7 +310,7 @@ def _conditions_of(
         criterion=temperature["criterion"],
         own_criterion=own_criterion,
         corrections=corrections_of(tables, scene.pin, scene.disk),
-        **of_bulks(temperature["bulk"]),
+        **bulk_entries(temperature["bulk"]),
     )
 
 

@@ -85,7 +85,7 @@ def exact_si(text: str, like: str) -> Decimal:
     if needed in ("m/s", "mm/s") and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
         return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
-    number, unit = _with_pressure(text)
+    number, unit = _split_hardness(text)
     for units in _USUAL.values():
         if unit in units and needed in units:
             return Decimal(number) * Decimal(units[unit]) + _ZERO.get(unit, 0)
@@ -143,7 +143,7 @@ def difference_in_si(text: str, like: str) -> float:
 
 def si_unit(text: str) -> str:
     """SI unit of the dimension of a quantity, as CF writes units, such as ``"W m-1 K-1"``."""
-    unit = _with_pressure(text)[1]
+    unit = _split_hardness(text)[1]
     for cf, units in _USUAL.items():
         if unit in units:
             return cf
@@ -181,7 +181,7 @@ def _parts(text: str) -> tuple[str, str]:
     return match[1], match[2]
 
 
-def _with_pressure(text: str) -> tuple[str, str]:
+def _split_hardness(text: str) -> tuple[str, str]:
     """Split text into a number and a unit, with the pressure in place of a hardness number."""
     number, unit = _parts(text)
     try:
@@ -192,7 +192,7 @@ def _with_pressure(text: str) -> tuple[str, str]:
 
 
 def _parsed(text: str) -> pint.Quantity[Decimal]:
-    number, unit = _with_pressure(text)
+    number, unit = _split_hardness(text)
     import pint
 
     try:

@@ -111,7 +111,7 @@ def grown(
     if root and repair:
         repair(Store(place, root, lock, is_damaged=True))
     with writes(place):
-        root = _with_room(place, root, sweep, lock)
+        root = _grown_root(place, root, sweep, lock)
     store = _repaired_if_need_be(place, root, lock, lambda store: store)
     store.ask(store.asked_by(sweep))
     return store
@@ -128,7 +128,7 @@ def _repaired_if_need_be(
         return use(Store(place, root, lock))
 
 
-def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock | None) -> Root:
+def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock | None) -> Root:
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
     kept, arrays = join(before and before.sweep, sweep), Arrays()
     sweep_text(kept, arrays)
@@ -149,7 +149,7 @@ def _with_room(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock 
     is_inserted = before and any(axes[name][: len(old)] != old for name, old in before.axes.items())
     facts = Facts(generation=0, axes=axes, points_per_chunk=chunk, versions=package_versions())
     if before:
-        facts = replace(before.facts.by_present_versions(), axes=axes)
+        facts = replace(before.facts.note_versions(), axes=axes)
     if before and is_inserted:
         facts = replace(facts, points_per_chunk=chunk, generation=facts.generation + 1)
     root = Root(kept, facts, {})

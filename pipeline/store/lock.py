@@ -87,7 +87,7 @@ def _flocked(folder: Folder, file: Path) -> Iterator[Lock | None]:
             return
         # Another machine to which this disk is a server's goes by the heartbeat.
         if content := _beats(folder):
-            raise _in_use(folder, content)
+            raise _use_error(folder, content)
         os.ftruncate(descriptor, 0)
         os.pwrite(descriptor, _this_process(), 0)
         try:
@@ -112,7 +112,7 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
             raise
         else:
             return True
-    raise _in_use(folder, os.pread(descriptor, 1000, 0))
+    raise _use_error(folder, os.pread(descriptor, 1000, 0))
 
 
 @contextmanager
@@ -145,7 +145,7 @@ def _take(place: StorePlace, content: bytes) -> None:
         time.sleep(SETTLE)
     there = place.read(LOCK) or b""
     if there and not _is_dead(there) and (age := _age(place)) < STALE:
-        raise _in_use(
+        raise _use_error(
             place,
             there,
             f"; it was last heard of {max(age, 0):.0f} s ago, and {STALE:.0f} s after the last "
@@ -156,7 +156,7 @@ def _take(place: StorePlace, content: bytes) -> None:
             place.put({LOCK: content})
     time.sleep(SETTLE)
     if (there := place.read(LOCK) or b"") != content:
-        raise _in_use(place, there)
+        raise _use_error(place, there)
 
 
 @contextmanager
@@ -208,7 +208,7 @@ def _beats(place: StorePlace) -> bytes | None:
     return content
 
 
-def _in_use(place: StorePlace, content: bytes | None, more: str = "") -> StoreError:
+def _use_error(place: StorePlace, content: bytes | None, more: str = "") -> StoreError:
     """Error for a store to which another process writes, whose lock has this content."""
     return StoreError(
         f"{place} is in use by {_named(content)[0]}; wait for it, or write to another store{more}"

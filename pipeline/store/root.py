@@ -66,7 +66,7 @@ class Facts:
     later_versions: dict[str, Versions] = field(default_factory=dict)  # by the time they came
     worker_versions: dict[str, Versions] = field(default_factory=dict)
 
-    def by_present_versions(self) -> Facts:
+    def note_versions(self) -> Facts:
         """The facts, with the versions of this process noted if they are not the last ones."""
         *_, last = self.versions, *self.later_versions.values()
         if last == package_versions():
@@ -160,11 +160,11 @@ def root_document(root: Root) -> bytes:
 
 def sealed(document: dict[str, Any]) -> bytes:
     """The document of a root, with the hash of all of it in the text on its store."""
-    digest = _hash(_with_hash(document, ""))
-    return json.dumps(_with_hash(document, digest), allow_nan=False).encode()
+    digest = _hash(_hashed(document, ""))
+    return json.dumps(_hashed(document, digest), allow_nan=False).encode()
 
 
-def _with_hash(document: dict[str, Any], digest: str) -> dict[str, Any]:
+def _hashed(document: dict[str, Any], digest: str) -> dict[str, Any]:
     """The document of a root with a hash in the text on its store."""
     attributes = document["attributes"]
     text = json.dumps(json.loads(attributes["store"]) | {"hash": digest})
@@ -182,7 +182,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         attributes, arrays = document["attributes"], dict(document[_CONSOLIDATED]["metadata"])
         facts = json.loads(attributes.get("store", "{}")) or {"hash": "", **attributes}
         version, expected = facts.pop("format"), facts.pop("hash")
-        is_as_written = _hash(_with_hash(document, "")) == expected if "store" in attributes else 1
+        is_as_written = _hash(_hashed(document, "")) == expected if "store" in attributes else 1
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         with reaches(place):
             has_points = _has_points(place.keys())

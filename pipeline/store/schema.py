@@ -35,7 +35,7 @@ _FIELD = (*PLANE, "x", "y")
 _RISE = "per unit friction coefficient"
 
 
-def _of_contact(units: str, long_name: str) -> Variable:
+def _contact_variable(units: str, long_name: str) -> Variable:
     """A variable at every step that depends on the size of the elements."""
     comment = (
         "Depends on the size of the elements: a rough surface on larger ones touches on more of "
@@ -77,11 +77,11 @@ COLUMNS = {
     "own_grid": Variable(
         _STEP, "1", "true on the grid of the point itself, false on that of the history", "bool"
     ),
-    "contact_fraction": _of_contact("1", "share of the window in contact"),
-    "contact_width": _of_contact("m", "width of the contact along the sliding direction"),
-    "max_pressure": _of_contact("Pa", "highest contact pressure"),
-    "mean_pressure": _of_contact("Pa", "mean pressure over the contact"),
-    "saturated_fraction": _of_contact("1", "share of the contact at the hardness"),
+    "contact_fraction": _contact_variable("1", "share of the window in contact"),
+    "contact_width": _contact_variable("m", "width of the contact along the sliding direction"),
+    "max_pressure": _contact_variable("Pa", "highest contact pressure"),
+    "mean_pressure": _contact_variable("Pa", "mean pressure over the contact"),
+    "saturated_fraction": _contact_variable("1", "share of the contact at the hardness"),
     "wear_depth_max": Variable(_STEP, "m", "greatest wear depth of the pin"),
     "wear_volume": Variable(_STEP, "m^3", "worn volume of the whole pin"),
     "iterations": Variable(_STEP, "1", "iterations of the contact solver"),

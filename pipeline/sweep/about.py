@@ -77,7 +77,7 @@ def as_lines(title: str, rows: Sequence[Line]) -> str:
     return "\n".join([title, *(f"  {name:{width}}  {text}" for name, text in rows)])
 
 
-def on_scene(scene: Scene) -> Iterator[Line]:
+def scene_rows(scene: Scene) -> Iterator[Line]:
     """Describe a scene, a row for each subject."""
     yield "pin", scene.pin.words
     yield "disk", _surface(scene)
@@ -98,7 +98,7 @@ def on_scene(scene: Scene) -> Iterator[Line]:
         yield "wear", f"{wear!r}, {wear.pattern}"
 
 
-def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Line:
+def plane_rows(loads: Sequence[float], velocities: Sequence[float]) -> Line:
     """Describe the loads and velocities of a sweep."""
 
     def spanned(values: Sequence[float], name: str, unit: str) -> str:
@@ -109,7 +109,7 @@ def on_plane(loads: Sequence[float], velocities: Sequence[float]) -> Line:
     return "sweep", f"{spanned(loads, 'loads', 'N')}, {spanned(velocities, 'velocities', 'm/s')}"
 
 
-def on_conditions(conditions: Conditions) -> Iterator[Line]:
+def condition_rows(conditions: Conditions) -> Iterator[Line]:
     """Say when wear is severe, a row for each subject."""
     bulk = f"bulk {conditions.bulk_temperature - 273.15:g} °C"
     if conditions.disk_temperature is not None:
@@ -123,7 +123,7 @@ def on_conditions(conditions: Conditions) -> Iterator[Line]:
 
 def judged_by(several: Iterable[Conditions]) -> str:
     """Say in a line when wear is severe under some conditions, each part of them once."""
-    each = [(_severe(one), " ".join(next(on_conditions(one)))) for one in several]
+    each = [(_severe(one), " ".join(next(condition_rows(one)))) for one in several]
     severe, heat = (" or ".join(dict.fromkeys(part)) for part in zip(*each, strict=True))
     return f"severe wear: {severe}; {heat}"
 
@@ -133,7 +133,7 @@ def _severe(conditions: Conditions) -> str:
     return f"{conditions.decisive.severe} {critical:g} °C"
 
 
-def on_point(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Line]:
+def point_rows(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Line]:
     """Describe the end of a point, a row for each subject."""
     end = {name: column[-1] for name, column in columns.items()}
     yield "after", f"{end['time']:.4g} s and {end['sliding_distance']:.4g} m"

@@ -209,15 +209,15 @@ def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
 def content_hash(part: Any) -> str:
     """SHA-256 of a part of a sweep, the same for a whole number and its float."""
-    return hashlib.sha256(json.dumps(_in_floats(encode(part, {}))).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(_floated(encode(part, {}))).encode()).hexdigest()
 
 
-def _in_floats(data: Any) -> Any:
+def _floated(data: Any) -> Any:
     """Plain data whose whole numbers are floats, as far as those have all digits."""
     if isinstance(data, dict):
-        return {name: _in_floats(value) for name, value in data.items()}
+        return {name: _floated(value) for name, value in data.items()}
     if isinstance(data, list):
-        return [_in_floats(value) for value in data]
+        return [_floated(value) for value in data]
     is_whole = isinstance(data, int) and not isinstance(data, bool)
     return float(data) if is_whole and float(data) == data else data
 

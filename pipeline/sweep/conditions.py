@@ -100,12 +100,12 @@ class Conditions(Bulks):
         for name in _BULKS:
             value = getattr(self, name)
             if value is not None and value <= 0:
-                raise InputError(f"{name} is {in_celsius(value)}; it must be above 0 K")
+                raise InputError(f"{name} is {celsius_text(value)}; it must be above 0 K")
         critical = self.critical_temperature
         if critical is not None and critical <= warmest:
             raise InputError(
-                f"critical_temperature is {in_celsius(critical)}; it must lie above the bulk "
-                f"temperature, {in_celsius(warmest)}"
+                f"critical_temperature is {celsius_text(critical)}; it must lie above the bulk "
+                f"temperature, {celsius_text(warmest)}"
             )
         if not isinstance(self.own_criterion, Reference):
             _ = self.decisive
@@ -150,14 +150,14 @@ class Conditions(Bulks):
         """Friction at sliding velocities [m/s] over the coefficient of friction."""
         return (self.corrections or Corrections()).friction_factor(velocity)
 
-    def at_friction(self, friction: float | None) -> Conditions:
+    def replace_friction(self, friction: float | None) -> Conditions:
         """The conditions with a friction measured at one point; as they are where there is none."""
         if friction is None:
             return self
         corrections = self.corrections and replace(self.corrections, friction=())
         return replace(self, friction=friction, corrections=corrections)
 
-    def of_row(self, row: Mapping[str, Any]) -> Conditions:
+    def row_conditions(self, row: Mapping[str, Any]) -> Conditions:
         """The conditions with those that a row of a table gives in their place, if it gives any.
 
         They are the ``friction`` measured there, a ``bulk_temperature`` of both bodies and a
@@ -168,7 +168,7 @@ class Conditions(Bulks):
             own = {"bulk_temperature": row["bulk_temperature"], "disk_temperature": None}
         if row.get("critical_temperature") is not None:
             own["critical_temperature"] = row["critical_temperature"]
-        return (replace(self, **own) if own else self).at_friction(row.get("friction"))
+        return (replace(self, **own) if own else self).replace_friction(row.get("friction"))
 
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
         """The conditions with corrections that know the load before."""
@@ -209,10 +209,10 @@ def changes_of(
     changes = {name: value for name, value in entries.items() if value is not None}
     if criterion is not None and ":" in criterion:
         changes["own_criterion"] = Laws(Path(), own_laws).named(CRITERION, criterion)
-    return changes | ({} if bulk_temperature is None else of_bulks(bulk_temperature))
+    return changes | ({} if bulk_temperature is None else bulk_entries(bulk_temperature))
 
 
-def of_bulks(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
+def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
     """Entries of `Conditions` for one bulk temperature, or for one of each body [K]."""
     if not isinstance(bulks, Mapping):
         return {"bulk_temperature": bulks, "disk_temperature": None}
@@ -225,6 +225,6 @@ def of_bulks(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]
     return {"bulk_temperature": bulks["pin"], "disk_temperature": disk}
 
 
-def in_celsius(temperature: float) -> str:
+def celsius_text(temperature: float) -> str:
     """Write a temperature [K] in both of its usual units."""
     return f"{temperature - 273.15:.6g} °C ({temperature:.6g} K)"

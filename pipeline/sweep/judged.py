@@ -12,7 +12,7 @@ from pipeline.sweep.unknown import Fixed, Unknown, without
 from pipeline.sweep.variants import Part
 
 
-def with_conditions(sweep: Sweep, changes: Mapping[str, Any]) -> Sweep:
+def replace_conditions(sweep: Sweep, changes: Mapping[str, Any]) -> Sweep:
     """The sweep with other fields of its `Conditions`, those of its rows among them."""
 
     def changed(part: Part) -> Part:
@@ -37,7 +37,7 @@ def open_inputs(sweep: Sweep) -> dict[str, Unknown]:
     return {one.path: one for one in (*stored, *draw.unknown)}
 
 
-def with_fixed(sweep: Sweep, values: Mapping[str, float]) -> Sweep:
+def fix_inputs(sweep: Sweep, values: Mapping[str, float]) -> Sweep:
     """The sweep with those of its unknown inputs at one value [SI] that are among some values."""
     draw, inputs = sweep.variants.draw, open_inputs(sweep)
     new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.about import About, as_lines, on_conditions, on_plane, on_scene
+from pipeline.sweep.about import About, as_lines, condition_rows, plane_rows, scene_rows
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.variants import Part, Variant, Variants
@@ -28,10 +28,10 @@ class Lead(NamedTuple):
         if self.places:
             own, leading = self.places
             return leading if velocity == own else None
-        return velocity if self.ratio == 1 else without_last_digits(velocity * self.ratio)
+        return velocity if self.ratio == 1 else drop_last_digits(velocity * self.ratio)
 
 
-def without_last_digits(number: float) -> float:
+def drop_last_digits(number: float) -> float:
     """A number without the rounding of the last digits."""
     return float(f"{number:.{_DIGITS}g}")
 
@@ -48,7 +48,7 @@ def leads_of(
         place = places[number] if places is not None else None
         key = (
             mechanics(scene),
-            None if place is None else without_last_digits(wear_number(scene, place)),
+            None if place is None else drop_last_digits(wear_number(scene, place)),
         )
         leader, leading, its_place = first.setdefault(key, (name, scene, place))
         slides: list[Sequence[float]]
@@ -161,11 +161,11 @@ class Sweep:
         """Description of the scene, a row for each subject."""
         several = [(f"{name}s", str(len(values))) for name, values in self.variants.axes.items()]
         return [
-            *on_scene(self.scene),
-            on_plane(self.plane.loads, self.plane.velocities),
+            *scene_rows(self.scene),
+            plane_rows(self.plane.loads, self.plane.velocities),
             *several,
             ("fidelity", self.about.preset or "of its own"),
-            *on_conditions(self.conditions),
+            *condition_rows(self.conditions),
         ]
 
     @property
@@ -183,15 +183,15 @@ class Sweep:
     def variant(self, variant: Variant = ()) -> Self:
         """The sweep of one row of its table alone; of the scene itself if none is given."""
         alone = self.changed(variants=Variants()) if self.variants.columns else self
-        return alone.with_part(self.variants.part(variant)) if variant else alone
+        return alone.replace_part(self.variants.part(variant)) if variant else alone
 
-    def with_part(self, part: Part) -> Self:
+    def replace_part(self, part: Part) -> Self:
         """The sweep with what a row of a table changes."""
         values: dict[str, Any] = {}
         for path, value in part:
             name, *inner = path.split(".")
             present = values.get(name, self.get(name))
-            values[name] = _with_inner(present, inner, value, path)
+            values[name] = _replaced_inner(present, inner, value, path)
         return self.changed(**values)
 
     def below(self, name: Variant) -> Self:
@@ -231,7 +231,7 @@ class Sweep:
             )
         return self.changed(loading=replace(self.scene.loading, hold=duration, stops=()))
 
-    def on_surface(self, seed: int | None) -> Self:
+    def take_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed alone; itself if None."""
         if seed is None:
             return self
@@ -240,7 +240,7 @@ class Sweep:
                 f"realization is {seed}, the seed of a random roughness, and that of the scene is "
                 "not random; leave it out"
             )
-        return self.changed(variants=Variants()).with_part((("roughness.seed", seed),))
+        return self.changed(variants=Variants()).replace_part((("roughness.seed", seed),))
 
     def changed(self, **values: Any) -> Self:
         """The sweep with other values of some fields of its parts, by the names of the fields."""
@@ -270,7 +270,7 @@ PART_OF = {
 _EVERYWHERE = {"name", "title", "notes", "variants"}  # of which variants differ in none
 
 
-def _with_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> Any:
+def _replaced_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> Any:
     """A part of a scene with another value of an inner field."""
     if not inner:
         return value
@@ -281,7 +281,7 @@ def _with_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> An
             f"{path} is {value!r}, but that part of the scene is {kind}, without {name}; "
             "leave it out"
         )
-    return replace(present, **{name: _with_inner(getattr(present, name), deeper, value, path)})
+    return replace(present, **{name: _replaced_inner(getattr(present, name), deeper, value, path)})
 
 
 def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:

@@ -90,7 +90,7 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     for name, find in _FOUND.items():
         found = find(sweep, present)
         if isinstance(found, _Sized):
-            entry, scene = " and ".join(found.entries), _with(sweep, present, found.parts)
+            entry, scene = " and ".join(found.entries), _changed(sweep, present, found.parts)
             said = found.size, found.certainty
             effects.append(Effect(name, "could be counted", *said, entry, scene))
             parts, more = parts | found.parts, more + 1
@@ -99,11 +99,11 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
             effects.append(Effect(name, "cannot be sized", found, "", entry))
     if more > 1:
         together = "all above that could be counted, at once", "as the least sure of them"
-        scene = _with(sweep, present, parts)
+        scene = _changed(sweep, present, parts)
         effects.append(Effect("together", "could be counted", *together, scene=scene))
     return (
         *effects,
-        _of_warm_steel(sweep),
+        _warm_steel(sweep),
         Effect(
             "plastic memory of the track",
             "cannot be sized",
@@ -122,7 +122,7 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     )
 
 
-def _with(sweep: Sweep, present: Corrections, parts: dict[str, Any]) -> Sweep:
+def _changed(sweep: Sweep, present: Corrections, parts: dict[str, Any]) -> Sweep:
     corrections = replace(present, **parts)
     return replace(sweep, conditions=replace(sweep.conditions, corrections=corrections))
 
@@ -136,10 +136,10 @@ def _counted(sweep: Sweep, present: Corrections) -> Iterator[Effect]:
         if counted := {entry: words for entry, words in entries.items() if words in said}:
             size = ", ".join(f"{words}: {said[words]}" for words in counted.values())
             certainty, entry = "as the scene's own numbers", " and ".join(counted)
-            yield Effect(name, "counted", size, certainty, entry, _with(sweep, present, without))
+            yield Effect(name, "counted", size, certainty, entry, _changed(sweep, present, without))
 
 
-def _of_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
+def _usual_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Friction by velocity, as measured at transitions or as is usual."""
     conditions = sweep.conditions
     sliding = [velocity for velocity in sweep.plane.velocities if velocity]
@@ -167,13 +167,13 @@ def _of_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     return _Sized(size, certainty, ("friction.by_velocity",), {"friction": tuple(factors)})
 
 
-def _of_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
+def _usual_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Tracks of all bodies that turn and have none; of two that roll, or of the one that moves."""
     scene = sweep.scene
     if not any(sweep.plane.velocities):
         return "nothing moves"
     if cold := cold_bodies(scene.motion, present):
-        turns, around = with_turns(present, scene.pin, scene.disk, scene.motion)
+        turns, around = add_turns(present, scene.pin, scene.disk, scene.motion)
         return _Sized(
             f"tracks of {around:.3g} m around the {' and the '.join(cold)}",
             "to a tenth, if the tracks are that long: the effect goes as 1/length",
@@ -196,7 +196,7 @@ def _pin_turns(sweep: Sweep) -> bool:
     return any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
 
 
-def _of_bulk(sweep: Sweep, present: Corrections) -> _Sized | str | None:
+def _usual_bulk(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Heat capacities of disk and rolling pin, as discs of a usual size, without a loss."""
     scene = sweep.scene
     bodies: dict[str, tuple[float, Material]] = {}
@@ -224,7 +224,7 @@ def _of_bulk(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     )
 
 
-def _of_stem(sweep: Sweep, present: Corrections) -> _Sized | str | None:
+def _usual_stem(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """A rod behind a pin at rest, as long as the pin is wide; a pin that turns has none."""
     pin = sweep.scene.pin
     if present.stem:
@@ -242,7 +242,7 @@ def _of_stem(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     )
 
 
-def _of_film(sweep: Sweep, present: Corrections) -> _Sized | None:
+def _usual_film(sweep: Sweep, present: Corrections) -> _Sized | None:
     """A thin oxide on the disk."""
     thickness, conductivity = _FILM
     if present.film_resistance:
@@ -257,12 +257,16 @@ def _of_film(sweep: Sweep, present: Corrections) -> _Sized | None:
 
 
 _FOUND: dict[str, Callable[[Sweep, Corrections], _Sized | str | None]] = dict(
-    zip(_EFFECTS, (_of_friction, _of_turns, _of_bulk, _of_stem, _of_film), strict=True)
+    zip(
+        _EFFECTS,
+        (_usual_friction, _usual_turns, _usual_bulk, _usual_stem, _usual_film),
+        strict=True,
+    )
 )
 """What each effect would be; the reason where it cannot be sized; None where it is counted."""
 
 
-def _of_warm_steel(sweep: Sweep) -> Effect:
+def _warm_steel(sweep: Sweep) -> Effect:
     name = "conductivity and specific heat when warm"
     bodies = {"pin": sweep.scene.pin.material, "disk": sweep.scene.disk}
     warm = {
@@ -297,7 +301,7 @@ def cold_bodies(motion: Motion | None, corrections: Corrections | None) -> tuple
     return tuple(body for body, track in tracks.items() if track is None)
 
 
-def with_turns(
+def add_turns(
     corrections: Corrections | None, pin: Pin, disk: Material, motion: Motion | None
 ) -> tuple[Corrections, float]:
     """Corrections with earlier turns of all cold bodies, and the length of their tracks [m]."""
@@ -327,7 +331,7 @@ def note_on_turns(
     cold = cold_bodies(motion, conditions.corrections)
     if not cold or motion is None or not velocity:
         return None
-    turns, around = with_turns(conditions.corrections, pin, scene.disk, motion)
+    turns, around = add_turns(conditions.corrections, pin, scene.disk, motion)
     alone = Corrections(
         motion=motion,
         pin_track=turns.pin_track if "pin" in cold else None,
@@ -335,7 +339,7 @@ def note_on_turns(
     )
     columns = columns_in_closed_form(sweep, load, velocity, _HOT)
     warming = conditions.friction * float(alone.added_rise(columns)[-1])
-    return on_cold_bodies(
+    return describe_cold_bodies(
         cold,
         around,
         f"warm the contact by about {warming:.2g} K more at {load:g} N and {velocity:g} m/s",
@@ -367,7 +371,7 @@ def columns_in_closed_form(
     }
 
 
-def on_cold_bodies(bodies: tuple[str, ...], around: float, by_how_much: str) -> str:
+def describe_cold_bodies(bodies: tuple[str, ...], around: float, by_how_much: str) -> str:
     """Say that earlier turns of some bodies are not counted, and how much they would matter."""
     entries = " and ".join(f"{body}.diameter" for body in bodies)
     return (

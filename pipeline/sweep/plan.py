@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.about import as_lines, on_point
+from pipeline.sweep.about import as_lines, point_rows
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
@@ -60,7 +60,7 @@ class PointResult:
     wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
 
     def __repr__(self) -> str:
-        return as_lines(str(self.point), list(on_point(self.columns, self.warnings)))
+        return as_lines(str(self.point), list(point_rows(self.columns, self.warnings)))
 
     @property
     def fields(self) -> dict[str, Array]:
@@ -186,12 +186,14 @@ def run_points(
     asked, kept = stations.asked(lead, load), stations.kept(lead, load)
     note, own = None, {station.index for station in kept}
     if stations.steps == "course":
-        note = Note(different, lambda state: [_on_way(*place, state) for place in different])
+        note = Note(
+            different, lambda state: [_increment_values(*place, state) for place in different]
+        )
         own = {one.index for one in kept if one.index in asked or one.normal_load >= load}
     hot: list[list[State]] = []  # by moment and place
     for contact in contacts(lead, load, first, trunks, asked, note):
         if contact.index in own:
-            hot.append([_with_heat(*place, contact) for place in different])
+            hot.append([_heated(*place, contact) for place in different])
         if progress:
             progress(contact.index, kept[-1].index)
     duration = (time.perf_counter() - began) / len(points)
@@ -214,7 +216,7 @@ def run_points(
     return tuple(results)
 
 
-def _with_heat(scene: Scene, velocity: float, contact: State) -> State:
+def _heated(scene: Scene, velocity: float, contact: State) -> State:
     """A contact with its temperature in a scene, at a velocity of its wear number [m/s]."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
@@ -222,10 +224,10 @@ def _with_heat(scene: Scene, velocity: float, contact: State) -> State:
     return replace(contact, sliding_distance=abs(velocity) * contact.time, heat=warm)
 
 
-def _on_way(scene: Scene, velocity: float, contact: State) -> Moment:
+def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
     """Values at an increment, on the grid of the history."""
     try:
-        return record_at(scene, _with_heat(scene, velocity, contact))
+        return record_at(scene, _heated(scene, velocity, contact))
     except TriboError:  # which costs the ends of points nothing
         return record_at(scene, replace(contact, sliding_distance=abs(velocity) * contact.time))
 

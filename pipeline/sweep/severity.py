@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from pipeline.sweep.conditions import Conditions, in_celsius
+from pipeline.sweep.conditions import Conditions, celsius_text
 from tribo import InputError, Scene, State, Verdict
 from tribo.simulation import moment_of
 from tribo.simulation import verdict as tribo_verdict
@@ -50,14 +50,14 @@ def rise_limit(conditions: Conditions) -> float:
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
-    """Share of the contact area above the critical temperature, by quantiles of `at_bulks` [K]."""
+    """Share of the contact above the critical temperature, by quantiles of `bulk_rises` [K]."""
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
 def momentary_rises(scene: Scene, state: State, conditions: Conditions) -> Mapping[str, Any]:
-    """Rises at one moment of a simulation with temperature, as `at_bulks` gives them."""
+    """Rises at one moment of a simulation with temperature, as `bulk_rises` gives them."""
     plain = replace(conditions, corrections=None)
-    return at_bulks(moment_of(scene, state, conditions.corrections), plain)
+    return bulk_rises(moment_of(scene, state, conditions.corrections), plain)
 
 
 def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
@@ -68,10 +68,10 @@ def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
     """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
 
-    Columns are those of `at_bulks` and ``normal_load`` (..., n_step) [N], with ``quantile`` where
+    Columns are those of `bulk_rises` and ``normal_load`` (..., n_step) [N], with ``quantile`` where
     they are not at all of `tribo.QUANTILES`; loads have the shape (..., 1) [N].
     """
-    rises = conditions.decisive.rise(at_bulks(columns, conditions))
+    rises = conditions.decisive.rise(bulk_rises(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
     decisive: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
     return decisive
@@ -89,7 +89,7 @@ def boundary_velocity_error(rise: float, expected: float, exponent: float) -> fl
     return math.expm1(-math.log(rise / expected) / exponent)
 
 
-def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
+def bulk_rises(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
     """Rises of the contact above the colder body, for each unit of `Conditions.rise_factor` [K].
 
     Columns are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the
@@ -104,7 +104,7 @@ def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str,
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:
-    """Columns that `at_bulks` needs besides the deciding ones of some conditions."""
+    """Columns that `bulk_rises` needs besides the deciding ones of some conditions."""
     unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
     return unequal + (NEEDED if conditions.corrections else ())
 
@@ -120,8 +120,8 @@ def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) 
     if conditions.disk_temperature is None or kept:
         return
     raise InputError(
-        f"bulk_temperature is {in_celsius(conditions.bulk_temperature)} of the pin and "
-        f"{in_celsius(conditions.disk_temperature)} of the disk; the sweep was computed for "
+        f"bulk_temperature is {celsius_text(conditions.bulk_temperature)} of the pin and "
+        f"{celsius_text(conditions.disk_temperature)} of the disk; the sweep was computed for "
         "bodies of one bulk temperature: give one, or run the scene into another store with "
         "bulk = { pin = ..., disk = ... } under [temperature]"
     )

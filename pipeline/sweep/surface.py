@@ -62,12 +62,12 @@ class SurfaceFacts:
         heights = {"ra": self.ra, "rq": self.rq, "mean_height": self.mean_height, "rise": self.rise}
         return (
             {"kind": "measured" if self.measured else "random"}
-            | {name: with_unit(value, "m") for name, value in heights.items()}
-            | {"lay": "none" if self.lay is None else with_unit(self.lay, "degree")}
+            | {name: unit_value(value, "m") for name, value in heights.items()}
+            | {"lay": "none" if self.lay is None else unit_value(self.lay, "degree")}
         )
 
 
-def with_unit(value: Any, unit: str) -> dict[str, Any] | None:
+def unit_value(value: Any, unit: str) -> dict[str, Any] | None:
     """A value, or a pair along x and y, as plain data with its unit; None if it is infinite."""
     if isinstance(value, tuple):
         return {"x": value[0], "y": value[1], "unit": unit}

@@ -158,10 +158,10 @@ def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     """Draw samples of unknown inputs."""
-    return at_scores(unknown, scipy.special.ndtri(sequence(seed, count)[:, : len(unknown)]))
+    return score_values(unknown, scipy.special.ndtri(sequence(seed, count)[:, : len(unknown)]))
 
 
-def at_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
+def score_values(unknown: Sequence[Unknown], scores: Array) -> Array:
     """Values of unknown inputs [SI] at independent normal scores, both of shape (n, n_unknown).
 
     Correlated inputs have a Gaussian copula: with the triangular factor L of the correlations,

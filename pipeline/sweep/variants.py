@@ -198,7 +198,7 @@ class Variants:
             If neither has some combination of labels.
         """
         axes = {name: _joined(self.axes[name], values) for name, values in other.axes.items()}
-        names, parts = combinations(axes), {**self._by_name, **other._by_name}
+        names, parts = combinations(axes), {**self._named_columns, **other._named_columns}
         if gap := next((dict(name) for name in names if name not in parts), None):
             words = ", ".join(f"{label} {value}" for label, value in gap.items())
             raise InputError(
@@ -231,7 +231,7 @@ class Variants:
         )
 
     @property
-    def _by_name(self) -> dict[Variant, Part]:
+    def _named_columns(self) -> dict[Variant, Part]:
         return dict(zip(self._rows, self.parts, strict=True))
 
     def _values(self, name: str) -> tuple[Label, ...]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.sweep.conditions import in_celsius
+from pipeline.sweep.conditions import celsius_text
 from pipeline.sweep.model import Sweep
 from tribo import Wear
 
@@ -27,7 +27,7 @@ def note_on_wear(sweep: Sweep) -> str | None:
     if abs(rate / wear.specific_wear_rate - 1) < _ALIKE:
         return None
     return (
-        f"the wear rate at the bulk temperature, {in_celsius(bulk)}, is {1e9 * rate:.3g} mm³/(N m) "
-        f"by wear.by_temperature, and the contacts have {1e9 * wear.specific_wear_rate:.3g}; run "
+        f"the wear rate at the bulk temperature, {celsius_text(bulk)}, is {1e9 * rate:.3g} "
+        f"mm³/(N m) by wear.by_temperature, and the contacts have {1e9 * wear.specific_wear_rate:.3g}; run "
         f'the scene again with --set "wear.specific_wear_rate={1e9 * rate:.3g} mm^3/(N m)"'
     )

@@ -65,7 +65,7 @@ _RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
 )
 
 
-def at_accuracy(
+def choose_accuracy(
     sweep: SceneLike,
     accuracy: float | str,
     points: Sequence[Point] | None = None,
@@ -94,7 +94,7 @@ def at_accuracy(
     return sweep.changed(fidelity=selection.fidelity, preset=preset, selection=selection)
 
 
-def with_own_error(
+def measure_own_error(
     sweep: Sweep,
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
@@ -189,7 +189,7 @@ def choose_fidelity(
         by_place = dict(zip(places, exponents, strict=True))
         exponents = tuple(by_place[Target(place.load, place.variant)] for place in points)
     elif thorough:
-        near, exponents = _on_both_sides(near), tuple(np.repeat(exponents, 2).tolist())
+        near, exponents = _both_sides(near), tuple(np.repeat(exponents, 2).tolist())
     exact = measured(sweep, points or near, exponents, tell)
     tell("the error of these steps themselves")
     every = 2 if thorough else 1  # of the two points at each place
@@ -256,7 +256,7 @@ def _first_within(
     )
 
 
-def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
+def _both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
     """Points at velocities a little below and above those of each given point."""
     apart = math.exp(_APART)
     pairs = ((point, (point.velocity / apart, point.velocity * apart)) for point in points)
@@ -282,7 +282,10 @@ def _finest(
         finer = replace(PRESETS["reference"], increments=PRESETS["reference"].increments * times)
         name = "reference" if times == 1 else f"reference, {times} times the steps"
         name += ", with all heat so far" if past else ""
-        fidelity, steps = _of(sweep, finer, past), finer.increments / YARDSTICK.increments
+        fidelity, steps = (
+            _chosen_fidelity(sweep, finer, past),
+            finer.increments / YARDSTICK.increments,
+        )
         trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), work * steps))
         if trials[-1].error <= accuracy or not yardstick_error.steps or yardstick_error.scatters:
             break
@@ -302,7 +305,7 @@ def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
     """Fidelities from cheap to dear, each once, solved as tightly as so few nodes require."""
     ladder: dict[Fidelity, str] = {}
     for name, preset, changes in _RUNGS:
-        fidelity = _of(sweep, replace(PRESETS[preset], **changes), past)
+        fidelity = _chosen_fidelity(sweep, replace(PRESETS[preset], **changes), past)
         if nodes < FEW_NODES and fidelity.pixels_per_element == 1 < fidelity.history_coarsening:
             continue  # which points of few elements do without, after they have tried
         touching = nodes / (fidelity.pixels_per_element * fidelity.history_coarsening) ** 2
@@ -314,7 +317,7 @@ def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
     return [(name, fidelity) for fidelity, name in ladder.items()]
 
 
-def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
+def _chosen_fidelity(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
     """A fidelity with the scene's own heat, or with that of all the past."""
     if past:  # which needs every step on one grid
         steps = max(fidelity.increments, _FEWEST_STEPS)

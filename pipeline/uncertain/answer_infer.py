@@ -56,7 +56,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         )
     if options.output is not None:
         writable_path(options.output, TABLES)
-    sweep = sweep.on_surface(options.realization)
+    sweep = sweep.take_surface(options.realization)
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):

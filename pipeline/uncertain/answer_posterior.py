@@ -14,7 +14,7 @@ import pandas as pd
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
-from pipeline.cli.given import at_in, criterion_in, flags_of, values_in
+from pipeline.cli.given import criterion_in, flags_of, judged_entries, values_in
 from pipeline.cli.output import Result, rounded, working
 from pipeline.scene.units import display
 from pipeline.sweep.unknown import Unknown
@@ -43,7 +43,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         )
     with working("reading samples"):
         datasets = [pipeline.open_sweep(store) for store in stores]
-        at, criterion, ensembles = at_in(options), criterion_in(options), []
+        at, criterion, ensembles = judged_entries(options), criterion_in(options), []
         for store, ds in zip(stores, datasets, strict=True):
             try:
                 ensembles.append(pipeline.Ensemble.of(pipeline.at(ds, **criterion, **at)))
@@ -86,7 +86,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
     if weighed.judged:
         yield "each test, beside the critical velocity that all tests together leave there:"
-        yield short(_beside_tests(weighed))
+        yield short(_test_quantiles(weighed))
     if weighed.evidence_gain is not None:
         yield _describe_discrepancy(weighed.evidence_gain)
     if weighed.fits and weighed.judged and any(CRITICAL in one.path for one in weighed.unknown):
@@ -106,7 +106,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     )
 
 
-def _beside_tests(weighed: Posterior) -> pd.DataFrame:
+def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
     """Each test beside the critical velocity that 5, 50 and 95 % stay below, given all tests."""
     ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
     heads = "sweep", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends

@@ -30,12 +30,12 @@ def sensitivity(options: argparse.Namespace) -> Result:
         indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
     target = None if most.kind == "list" else most.path
-    frame = _indices(indices)
+    frame, at = _indices(indices), given.judged_entries(options)
     text = [
         *notes,
         *_describe_indices(indices, frame),
         f"next: {most.path} moves the boundary most; tests to make: "
-        f"{ranking_command([options.store], options.scatter, given.at_in(options), target)}",
+        f"{ranking_command([options.store], options.scatter, at, target)}",
     ]
     draw = partial(pipeline.draw_sensitivity, indices, samples.ensemble.title)
     return Result(document | indices.as_dict(), text, pipeline.warned(ds), [frame], draw)

@@ -125,7 +125,7 @@ def critical_temperatures(
         Transition(
             entry.normal_load,
             entry.velocity,
-            conditions.at_friction(entry.friction).friction_at(entry.velocity),
+            conditions.replace_friction(entry.friction).friction_at(entry.velocity),
         )
         for entry in sweep.about.measured
     )
@@ -133,7 +133,7 @@ def critical_temperatures(
     on: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
     for crossing in transitions:
         require_positive(friction=crossing.friction)
-    asked = _at_transitions(sweep.variant(), transitions, surfaces(seeds))
+    asked = _transition_rows(sweep.variant(), transitions, surfaces(seeds))
     with stored(out) as path:
         run_sweep(asked, path, workers, client, progress, retry_failed=True, tell=tell)
         rises, failed = results_of(opened(path), asked)
@@ -150,11 +150,11 @@ def critical_temperatures(
     return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
 
 
-def _at_transitions(sweep: Sweep, transitions: Sequence[Transition], seeds: Variants) -> Sweep:
+def _transition_rows(sweep: Sweep, transitions: Sequence[Transition], seeds: Variants) -> Sweep:
     """The sweep with a row for each transition, which has a place and conditions of its own."""
     changes: dict[Label, dict[str, Any]] = {}
     for number, (test, at) in enumerate(zip(sweep.about.measured, transitions, strict=True)):
-        judged = replace(sweep.conditions.at_friction(at.friction), critical_temperature=None)
+        judged = replace(sweep.conditions.replace_friction(at.friction), critical_temperature=None)
         if test.bulk_temperature is not None:
             judged = judged.changed(bulk_temperature=test.bulk_temperature)
         scene = (sweep if test.hold is None else sweep.held(test.hold)).scene

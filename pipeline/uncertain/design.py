@@ -15,7 +15,7 @@ from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.scene.along import Place
 from pipeline.sweep.unknown import OF_90, Unknown
 from pipeline.uncertain.answers import draws_of, probability_of, run_probability
-from pipeline.uncertain.direct import SceneWith, as_in_a_scene, log_rise
+from pipeline.uncertain.direct import SceneWith, log_rise, scene_values
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
 from tribo import InputError
@@ -144,7 +144,7 @@ def design(
 
     def worst(value: float) -> tuple[float, float, int]:
         """Highest probability over the places, its error, and the number of the place."""
-        inputs = with_values(ensemble, draws.inputs, {**(at or {}), over: value})
+        inputs = fix_values(ensemble, draws.inputs, {**(at or {}), over: value})
         told = goal.margin, shift, friction_scatter
         lines = [_excess(ensemble, inputs, place, *told) for place in places]
         found = [probability_of(excess, draws, scatter, slope) for excess, slope in lines]
@@ -200,7 +200,7 @@ def designed(ensemble: Ensemble, path: str) -> Unknown:
     return entry
 
 
-def with_values(ensemble: Ensemble, inputs: Array, values: Mapping[str, float]) -> Array:
+def fix_values(ensemble: Ensemble, inputs: Array, values: Mapping[str, float]) -> Array:
     """Inputs with some of them at one value."""
     numbers = {one.path: number for number, one in enumerate(ensemble.unknown)}
     other = inputs.copy()
@@ -284,7 +284,7 @@ def directly(
         chosen = rng.choice(len(weighed.weights), _FRESH, p=weighed.weights)
         inputs = weighed.inputs[chosen]
         between = between[chosen] if isinstance(between, np.ndarray) else between
-    inputs = with_values(ensemble, inputs, values)
+    inputs = fix_values(ensemble, inputs, values)
     excess, slope = _excess(ensemble, inputs, place, goal.margin, shift, 0.0)
     scores = np.abs(excess.values / excess.error)
     near = np.argsort(scores)[: np.clip(np.sum(scores < _NEAR), _FEWEST, _MOST)]
@@ -293,7 +293,7 @@ def directly(
     for number, row in enumerate(near.tolist()):
         if progress:
             progress(number, len(near))
-        sweep = scene_with(as_in_a_scene(ensemble, inputs[row]))
+        sweep = scene_with(scene_values(ensemble, inputs[row]))
         found[row] = log_rise(sweep, *place) - limits[row]
     chances = np.full(len(found), between) + _LEAST
     by_draw, _ = run_probability(Excess(found, chances, chances), scatter, slope)

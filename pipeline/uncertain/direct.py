@@ -26,7 +26,7 @@ def log_rise(sweep: Sweep, load: float, velocity: float) -> float:
     return math.log(float(worst_rises(columns, load, sweep.conditions)))
 
 
-def as_in_a_scene(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
+def scene_values(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:
     """Inputs drawn and fixed as entries of a scene, without friction: rises are at friction 1."""
     pairs = [*zip(ensemble.unknown, np.asarray(row).tolist(), strict=True)]
     pairs += [(one.unknown, one.value) for one in ensemble.fixed]

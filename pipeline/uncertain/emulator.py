@@ -121,12 +121,12 @@ def fitted(
     part = slice(0, _MOST_TO_FIT)
     data = features[part], dimensions, contacts[part], (outputs - mean)[part]
 
-    def with_and_without() -> Array:
+    def leave_out() -> Array:
         rests = [~rows for rows in parts] if len(outputs) <= _MOST_TO_LEAVE else []
         fits = [data, *((features[one], dimensions, contacts[one], data[3][one]) for one in rests)]
         return np.array([_constants(*fit) for fit in fits])
 
-    constants, *without = kept_or_found(keeper, data, with_and_without)
+    constants, *without = kept_or_found(keeper, data, leave_out)
     solve = functools.partial(_solved, features, dimensions, contacts, outputs - mean)
     whitener, weights = solve(constants)
     check = _check(groups, parts, map(solve, without or [constants] * len(parts)))
@@ -138,7 +138,7 @@ def _solved(
 ) -> tuple[Array, Array]:
     """Inverse of the factor of the kernel between rows, and what solves its equations."""
     smooth, _ = _kernel(features, features, dimensions, constants)
-    factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
+    factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
     whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
     return whitener, cho_solve(factor, outputs)
 
@@ -181,7 +181,7 @@ def _kernel(
     return terms[0] + terms[1] + terms[2], terms
 
 
-def _with_own(smooth: Array, contacts: Groups, constants: Array) -> Array:
+def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
     """The kernel between rows, with what each contact and each row has of its own."""
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
@@ -203,7 +203,7 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
 
     def loss(constants: Array) -> tuple[float, Array]:
         smooth, (plane, quadric, departure) = _kernel(features, features, dimensions, constants)
-        factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
+        factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
         weights = cho_solve(factor, outputs)
         off = (constants - middle) / spread
         value = 0.5 * np.sum(weights * outputs) + n_output * np.log(np.diag(factor[0])).sum()
@@ -300,7 +300,7 @@ def _missed(inverse: Array, weights: Array, rows: Mask) -> Array:
 _BEND = 0.02  # of ln(rise), unknown between two loads alone: ten times that of the shipped scenes
 
 
-def between_loads(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
+def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
     """Weights of the outputs at each load by which to interpolate, and its error."""
     x, place = np.log(loads), math.log(load)
     if len(x) == 1:

@@ -48,11 +48,11 @@ from pipeline.uncertain.emulator import (
     Groups,
     Keeper,
     LeftOut,
-    between_loads,
     columns_until,
     decisive_rises,
     features_of,
     fitted,
+    load_weights,
     outer,
 )
 from pipeline.uncertain.inputs import (
@@ -83,7 +83,7 @@ class Excess(NamedTuple):
     error: Array  # standard error against a simulation with the same inputs
     shared: Array  # part of it that draws near each other share, and more samples make smaller
 
-    def with_chance(self, seed: int) -> Array:
+    def draw_chance(self, seed: int) -> Array:
         """Values with an error of the emulator drawn for each draw, one for all its places."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
@@ -166,7 +166,7 @@ class Ensemble:
         _require_enough(int(np.count_nonzero(done)), len(numbers))
         hold = float(getattr(sweep.scene.loading, "hold", 0.0))
         tests = tuple(test.as_dict() for test in (*sweep.about.measured, *sweep.about.tested))
-        by_hold = {
+        hold_ensembles = {
             other: decisive_rises(until, loads, of_rows)[done]
             for other in {float(test.get("hold", hold)) for test in tests}
             if other < hold and (until := columns_until(columns, loads, other, done)) is not None
@@ -184,7 +184,7 @@ class Ensemble:
             widths=values_of(end_of_point(ds[["time", "contact_width"]]), "contact_width")[done],
             tests=tests,
             hold=hold,
-            rises_by_hold=by_hold,
+            rises_by_hold=hold_ensembles,
             fixed=draw.fixed,
             missing=int(np.count_nonzero(~done)),
             same_rig=sweep.about.same_rig,
@@ -193,14 +193,14 @@ class Ensemble:
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
-        """The ensemble under conditions of a row of a table; see `Conditions.of_row`.
+        """The ensemble under conditions of a row of a table; see `Conditions.row_conditions`.
 
         They take the place of the scene's and of those that are drawn. Raise an `InputError` where
         rises at friction 1 depend on them.
         """
         if not own:
             return self
-        conditions = self.conditions.of_row(own)
+        conditions = self.conditions.row_conditions(own)
         curves = [one.has_friction_curve for one in (self.conditions, conditions)]
         if conditions.bulk_ratio != self.conditions.bulk_ratio or curves[0] != curves[1]:
             raise InputError(
@@ -274,7 +274,7 @@ class Ensemble:
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
 
     @functools.cached_property
-    def by_hold(self) -> dict[float, Ensemble]:
+    def hold_ensembles(self) -> dict[float, Ensemble]:
         """The ensemble at its own hold, and at shorter holds of tests that the samples have."""
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
@@ -303,7 +303,7 @@ class Ensemble:
         if len(velocities) > _NODES:
             nodes = np.geomspace(velocities.min(), velocities.max(), _NODES)
         columns = [self.values(quantity.path, draws) for quantity in self.design.inputs]
-        between = (between_loads(self.loads, self.rises, one) for one in loads.tolist())
+        between = (load_weights(self.loads, self.rises, one) for one in loads.tolist())
         weights, bends = map(np.array, zip(*between, strict=True))
         at_nodes = []
         for node, wider in zip(nodes, self._widening(emulator, nodes).tolist(), strict=True):
@@ -353,7 +353,7 @@ def keep_fits(ds: xr.Dataset) -> None:
     for scene in scenes(ds) if sweep_kind(ds) is Kind.SAMPLES else ():
         with suppress(InputError):  # too few are done
             ensemble = Ensemble.of(scene)
-            for held in ensemble.by_hold.values():
+            for held in ensemble.hold_ensembles.values():
                 _ = held._rise
             _ = ensemble._width
 

@@ -136,12 +136,12 @@ def _inputs(
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
             inputs.append(_input(path, shape.form, shape.parameters))
-    joint = _with_correlations(inputs, table, faults)
+    joint = _correlated(inputs, table, faults)
     known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
     return without(joint, fixed), known
 
 
-def _with_correlations(
+def _correlated(
     unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
 ) -> tuple[Unknown, ...]:
     """Unknown inputs, each with its correlations with those that stand before it in the file."""
@@ -267,7 +267,7 @@ def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
             faults.note(key, f"{where}{error}{instead}")
             return "conditions"
         changed |= {name for name, _ in differing_inputs(sweep, other)} - {"sources"}
-        alike = {name for name, _ in differing_inputs(sweep, _with_heat_of(other, sweep))}
+        alike = {name for name, _ in differing_inputs(sweep, _same_heat(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other.scene, highest) != step_count(sweep.scene, highest):
             faults.note(key, "it changes the number of steps, which must stay; give it")
@@ -287,7 +287,7 @@ def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
     return "heat" if is_heat_alone else "contact"
 
 
-def _with_heat_of(other: Sweep, sweep: Sweep) -> Sweep:
+def _same_heat(other: Sweep, sweep: Sweep) -> Sweep:
     """A sweep with the thermal constants of another."""
 
     def heated(material: Material, like: Material) -> Material:

@@ -22,7 +22,7 @@ from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.rig import SLOPES, Columns, learnt, log_discrepancy, with_rigs
+from pipeline.uncertain.rig import SLOPES, Columns, join_rigs, learnt, log_discrepancy
 from tribo import InputError
 from tribo.types import Array
 
@@ -52,7 +52,7 @@ def require_possible(ensemble: Ensemble) -> None:
         except InputError as error:
             raise InputError(f"{place}: {error}") from error
         hold = test.get("hold", ensemble.hold)
-        if hold not in ensemble.by_hold:
+        if hold not in ensemble.hold_ensembles:
             raise InputError(
                 f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: give "
                 "loading.hold of the longest test, and run the samples with it"
@@ -73,15 +73,15 @@ def distances_of(
 ) -> Distances:
     """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given."""
     values, variance, told = np.empty((3, len(tests), len(inputs)))
-    for hold, held in ensemble.by_hold.items():
+    for hold, held in ensemble.hold_ensembles.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if part := [tests[number] for number in numbers]:
-            part_of = _of_one_hold(held, part, inputs, rig, slopes)
+            part_of = _hold_distances(held, part, inputs, rig, slopes)
             values[numbers], variance[numbers], told[numbers] = part_of
     return Distances(values, variance, told)
 
 
-def _of_one_hold(
+def _hold_distances(
     ensemble: Ensemble,
     tests: Sequence[Test],
     inputs: Array,
@@ -189,7 +189,7 @@ class Joint:
         unknown, columns = _joined(ensembles)
         for one in ensembles:
             require_possible(one)
-        known, (unknown, rigs) = len(unknown), with_rigs(ensembles, unknown, columns)
+        known, (unknown, rigs) = len(unknown), join_rigs(ensembles, unknown, columns)
         unknown += SLOPES if discrepancy else ()
         return cls(ensembles, unknown, known, columns, rigs, discrepancy, scatter * FACTORS)
 

@@ -147,7 +147,7 @@ class SampleField:
     def temperatures(self, load: float, velocity: float) -> Here:
         """See `Field`."""
         ensemble, inputs = self.ensemble, self.draws.inputs
-        excess = ensemble.excess(inputs, load, velocity).with_chance(ensemble.design.seed)
+        excess = ensemble.excess(inputs, load, velocity).draw_chance(ensemble.design.seed)
         friction, bulk, critical = (
             ensemble.values(path, inputs) for path in (FRICTION, BULK, CRITICAL)
         )
@@ -171,7 +171,7 @@ class SampleField:
                 return Turns(unknown, np.full(len(unknown), MILD), ends, 0)
             x = np.log(np.geomspace(*ends, STEPS))
             excess = self.ensemble.excess(self.draws.inputs, np.exp(x), velocity)
-            lines = self._by_chance(excess.with_chance(self.ensemble.design.seed))
+            lines = self._chance_excess(excess.draw_chance(self.ensemble.design.seed))
         turns, places = _crossings(x, lines)
         apart = np.where(turns != 0, np.abs(places - math.log(here)), math.inf)
         nearest = np.take_along_axis(places, apart.argmin(axis=1)[:, None], axis=1)[:, 0]
@@ -240,13 +240,13 @@ class SampleField:
         """Find the lines at some loads, which takes hardly longer than at one of them."""
         velocities = np.geomspace(*self.ensemble.velocities, STEPS)
         excess = self.ensemble.excess(self.draws.inputs, loads, velocities)
-        lines = excess.with_chance(self.ensemble.design.seed)
+        lines = excess.draw_chance(self.ensemble.design.seed)
         if len(self._kept) > _MOST_KEPT:
             self._kept.clear()
         for number, load in enumerate(loads):
-            self._kept[load] = np.log(velocities), self._by_chance(lines[:, number])
+            self._kept[load] = np.log(velocities), self._chance_excess(lines[:, number])
 
-    def _by_chance(self, lines: Array) -> Array:
+    def _chance_excess(self, lines: Array) -> Array:
         """Excess by draw with the friction that the next run has by chance."""
         if self.rig is None:
             return lines

@@ -28,7 +28,7 @@ _BINS = 40
 _LOADS, _VELOCITIES = 45, 121  # of the plane that is drawn
 
 
-@style.in_house_style
+@style.house_style
 def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     """Draw the probability over the plane that the next run is severe."""
     field = single_field(ds)
@@ -78,7 +78,7 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     return figure
 
 
-@style.in_house_style
+@style.house_style
 def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     """Draw the Sobol' indices of the critical velocity by load.
 
@@ -129,7 +129,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     return figure
 
 
-@style.in_house_style
+@style.house_style
 def draw_posterior(posterior: Posterior) -> Figure:
     """Draw the inputs before and after they were measured by, and measured beside computed.
 
@@ -210,7 +210,7 @@ def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
 _LEAST_RISK = 1e-5  # probability that is drawn
 
 
-@style.in_house_style
+@style.house_style
 def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: Ensemble) -> Figure:
     """Draw the probability over an entry with its limit, or limits over another entry.
 

@@ -48,13 +48,13 @@ class Features:
             _spread(one, draws, draws.inputs[:, i], self._origins[i])
             for i, one in enumerate(unknown)
         ]
-        of_draws = self._of(draws.inputs)
+        of_draws = self._coordinates(draws.inputs)
         self.mean = draws.mean(of_draws)
         away = of_draws - self.mean
         self.covariance: Array = (draws.weights * away.T) @ away
-        self.of_truths = self._of(truths)
+        self.of_truths = self._coordinates(truths)
 
-    def _of(self, inputs: Array) -> Array:
+    def _coordinates(self, inputs: Array) -> Array:
         """Coordinates of inputs (n, n_unknown), shape (n, n_feature)."""
         columns = []
         rows = zip(self._unknown, inputs.T, self._spreads, self._origins, strict=True)
@@ -72,7 +72,7 @@ class Features:
         begin = sum(sizes[:number])
         return slice(begin, begin + sizes[number])
 
-    def of_input(self, number: int) -> Array:
+    def input_slopes(self, number: int) -> Array:
         """Slopes of an input, or its logarithm if relative, by coordinates (n, n_feature)."""
         slopes, origin = np.zeros_like(self.of_truths), self._origins[number]
         away = np.ones(len(self.truths))
@@ -88,7 +88,9 @@ class Features:
             column = self.truths[:, number]
             if one.kind == "list":
                 for value, width in zip(one.parameters, spread, strict=True):
-                    shifted.append(_with_column(self.truths, number, np.full_like(column, value)))
+                    shifted.append(
+                        _replaced_column(self.truths, number, np.full_like(column, value))
+                    )
                     widths.append(np.full_like(column, 1 / width))
                 continue
             place = self.numbers(number).start
@@ -97,7 +99,7 @@ class Features:
             by = step * spread
             origin = self._origins[number]
             moved = column + by if origin is None else origin + (column - origin) * np.exp(by)
-            shifted.append(_with_column(self.truths, number, moved))
+            shifted.append(_replaced_column(self.truths, number, moved))
             widths.append(step)
         outputs = np.stack([function(inputs) for inputs in shifted], axis=-1)
         return outputs[..., 0], (outputs[..., 1:] - outputs[..., :1]) / np.stack(widths, axis=-1)
@@ -115,7 +117,7 @@ def _spread(one: Unknown, draws: Draws, column: Array, origin: float | None) -> 
     return max(draws.spread(_coordinate(column, origin)), _LEAST)
 
 
-def _with_column(inputs: Array, number: int, column: Array) -> Array:
+def _replaced_column(inputs: Array, number: int, column: Array) -> Array:
     other = inputs.copy()
     other[:, number] = column
     return other

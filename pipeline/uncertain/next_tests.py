@@ -161,7 +161,7 @@ class _Plan:
         self.before = self.spread
         self.tests, self.others = tuple(self._tests()), tuple(self._others())
 
-    def _of_sweep(self, inputs: Array) -> Array:
+    def _sweep_inputs(self, inputs: Array) -> Array:
         """Inputs of the sweep whose tests are planned, among all."""
         return np.asarray(inputs[:, self._columns])
 
@@ -170,10 +170,10 @@ class _Plan:
         loads = self._ensemble.loads
         for number, quantity in enumerate(self._posterior.unknown):
             if quantity.path == target and quantity.kind != "list":
-                return self._features.of_input(number)[None]
+                return self._features.input_slopes(number)[None]
         wanted = loads if target is None else np.array([load_of_target(self._posterior, target)])
         return self._features.slopes(
-            lambda inputs: log_boundary(self._ensemble, self._of_sweep(inputs), wanted)[0].T
+            lambda inputs: log_boundary(self._ensemble, self._sweep_inputs(inputs), wanted)[0].T
         )[1]
 
     def _scatters_of_truths(self) -> Array:
@@ -214,7 +214,7 @@ class _Plan:
 
     def _others(self) -> Iterator[Observable]:
         """What could be measured beside tests: worn widths, and inputs."""
-        truths, loads = self._of_sweep(self._features.truths), self._ensemble.loads
+        truths, loads = self._sweep_inputs(self._features.truths), self._ensemble.loads
         boundary, _ = log_boundary(self._ensemble, truths, loads)
         for load, column in zip(loads.tolist(), boundary.T, strict=True):
             middle = math.exp(float(np.median(column)))
@@ -236,11 +236,11 @@ class _Plan:
 
     def _log_width(self, load: float, velocity: float, inputs: Array) -> Array:
         """Logarithm of the contact's width at a point, shape (1, n)."""
-        return self._ensemble.width(self._of_sweep(inputs), load, velocity).values[None]
+        return self._ensemble.width(self._sweep_inputs(inputs), load, velocity).values[None]
 
     def _tests(self) -> Iterator[Observable]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""
-        ensemble, inputs = self._ensemble, self._of_sweep(self._features.truths)
+        ensemble, inputs = self._ensemble, self._sweep_inputs(self._features.truths)
         bulks = self._bulks
         if not bulks:
             bulk = float(np.median(ensemble.values(BULK, inputs)))
@@ -276,8 +276,8 @@ class _Plan:
 
         def critical(inputs: Array) -> Array:
             slopes = None if self._posterior.evidence_gain is None else inputs[:, -2:]
-            of_sweep = self._of_sweep(inputs)
-            distances = distances_of(self._ensemble, [test], of_sweep, slopes=slopes)
+            sweep_draws = self._sweep_inputs(inputs)
+            distances = distances_of(self._ensemble, [test], sweep_draws, slopes=slopes)
             return np.stack([place - distances.values[0], distances.variance[0]])
 
         (log_velocity, variance), (slopes, _) = self._features.slopes(critical)

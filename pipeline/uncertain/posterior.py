@@ -93,7 +93,7 @@ class Posterior:
         ]
         return " and ".join(words) or "0 measured transitions"
 
-    def of_sweep(self, number: int) -> Draws:
+    def sweep_draws(self, number: int) -> Draws:
         """Draws of the inputs of one sweep."""
         inputs = self.draws.inputs[:, self.columns[number]]
         return Draws(inputs, self.draws.weights, self.draws.faults)
@@ -188,7 +188,7 @@ class Posterior:
                 dict(judged.test)
                 | {
                     "sweep": self.ensembles[judged.sweep].title,
-                    "critical_velocity": _by_share(judged.critical_velocity),
+                    "critical_velocity": _share_values(judged.critical_velocity),
                     "probability_by_others": judged.probability,
                     "contradicts_others": judged.contradicts,
                 }
@@ -196,7 +196,7 @@ class Posterior:
             ],
             "fixed": {one.unknown.path: one.value for sw in self.ensembles for one in sw.fixed},
             "scatter": self.scatter,
-            "inferred_scatter": _by_share(self.inferred_scatter),
+            "inferred_scatter": _share_values(self.inferred_scatter),
             "inferred_scatter_cut_off": self.cut_off or None,
             "fits": self.fits,
             "faults": list(self.faults),
@@ -207,7 +207,7 @@ class Posterior:
         }
 
 
-def _by_share(values: tuple[float, float, float]) -> dict[str, float]:
+def _share_values(values: tuple[float, float, float]) -> dict[str, float]:
     return dict(zip(("5 %", "50 %", "95 %"), values, strict=True))
 
 
@@ -277,9 +277,9 @@ def contrasts(posterior: Posterior) -> Iterator[Contrast]:
     """Differences of critical temperature, and of velocity at a middle load, of two sweeps."""
     if len(posterior.ensembles) != 2:
         return
-    inputs = [posterior.of_sweep(number).inputs for number in range(2)]
+    inputs = [posterior.sweep_draws(number).inputs for number in range(2)]
     pairs = list(zip(posterior.ensembles, inputs, strict=True))
-    kelvins = [one.values(CRITICAL, of_sweep) for one, of_sweep in pairs]
+    kelvins = [one.values(CRITICAL, sweep_draws) for one, sweep_draws in pairs]
     yield _difference(posterior, "critical temperature", "K", kelvins[1] - kelvins[0])
     low = max(float(one.loads[0]) for one in posterior.ensembles)
     high = min(float(one.loads[-1]) for one in posterior.ensembles)

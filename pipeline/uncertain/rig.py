@@ -53,17 +53,17 @@ def learnt(rig: Array, test: Mapping[str, Any], log_factor: float) -> tuple[Arra
     return acted, by_test * by_error / variance, told
 
 
-def with_rigs(
+def join_rigs(
     ensembles: Sequence[Ensemble], unknown: tuple[Unknown, ...], columns: Sequence[Any]
 ) -> tuple[tuple[Unknown, ...], tuple[Columns, ...]]:
     """Inputs with those of rigs that tests have measured, and the places of each sweep's."""
     joint, frictions = list(unknown), list[int | None]()
-    for number, (ensemble, of_sweep) in enumerate(zip(ensembles, columns, strict=True), 1):
+    for number, (ensemble, sweep_draws) in enumerate(zip(ensembles, columns, strict=True), 1):
         paths = [one.path for one in ensemble.unknown]
         column = None
         if FRICTION in paths and any(test.get("friction") is not None for test in ensemble.tests):
             own = paths.index(FRICTION)
-            column = int(of_sweep[own])
+            column = int(sweep_draws[own])
             if not ensemble.same_rig:
                 column, path = len(joint), f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
                 joint.append(replace(ensemble.unknown[own], path=path, correlated=()))

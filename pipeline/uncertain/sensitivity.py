@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.sweep.unknown import OF_90, Unknown, at_scores
+from pipeline.sweep.unknown import OF_90, Unknown, score_values
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import Draws
@@ -126,7 +126,7 @@ def indices(
 
     estimates = [
         sobol_indices(
-            func=lambda scores: function(at_scores(unknown, scores.T)).T,
+            func=lambda scores: function(score_values(unknown, scores.T)).T,
             n=count // _SCRAMBLES,
             dists=[norm()] * len(unknown),
             rng=np.random.default_rng([seed, number]),

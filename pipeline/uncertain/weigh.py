@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.special import logsumexp, ndtr, ndtri, softmax
 
 from pipeline.analysis.dataset import GIVEN_MEASURED, judged_values
-from pipeline.sweep.unknown import OF_90, Unknown, at_scores, sequence
+from pipeline.sweep.unknown import OF_90, Unknown, score_values, sequence
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Joint, JudgedTests, Test
 from pipeline.uncertain.inputs import Draws, prior
@@ -79,7 +79,7 @@ def posterior(
     draws, judgement, evidence = _weighed(model, before)
     inferred = _inferred(model.scatters, softmax(judgement.joint))
     wrong = faults(model.unknown[: model.known], draws, scatter, inferred)
-    by_others = tuple(_by_others(model, draws, judgement, scatter, not wrong))
+    by_others = tuple(_left_out_judgements(model, draws, judgement, scatter, not wrong))
     wrong = () if any(one.contradicts for one in by_others) else wrong
     gain = None
     if discrepancy:
@@ -125,7 +125,7 @@ def _weighed(model: Joint, before: Draws) -> tuple[Draws, JudgedTests, float]:
     return draws, judgement, evidence
 
 
-def _by_others(
+def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
     """Each test, beside what all others say."""
@@ -209,7 +209,7 @@ def tempered(
     """
     rng = np.random.default_rng(seed)
     scores = ndtri(sequence(seed, count)[:, : len(unknown)])
-    likelihood = log_likelihood(at_scores(unknown, scores))
+    likelihood = log_likelihood(score_values(unknown, scores))
     power, evidence = 0.0, 0.0
     for _ in range(_STEPS):
         step = _step(likelihood, 1.0 - power)
@@ -224,14 +224,14 @@ def tempered(
         walk = 2.38 / np.sqrt(len(unknown)) * np.linalg.cholesky(covariance)
         for _ in range(_MOVES):
             proposed = scores + rng.standard_normal(scores.shape) @ walk.T
-            other = log_likelihood(at_scores(unknown, proposed))
+            other = log_likelihood(score_values(unknown, proposed))
             gain = power * (other - likelihood)
             gain += 0.5 * np.sum(scores**2 - proposed**2, axis=1)
             taken = np.log(rng.random(count)) < gain
             scores[taken], likelihood[taken] = proposed[taken], other[taken]
         if power >= 1.0:
             break
-    return at_scores(unknown, scores), evidence
+    return score_values(unknown, scores), evidence
 
 
 def _step(likelihood: Array, most: float) -> float:

@@ -35,7 +35,7 @@ class Case:
         (nx, ny), (dx, dy) = self.grid.shape, self.grid.spacing
         q = 2 * np.pi * np.hypot(np.fft.fftfreq(nx, dx)[:, None], np.fft.rfftfreq(ny, dy))
         q[0, 0] = math.inf
-        return solid.with_spectrum(2 / (CONTACT_MODULUS * q))
+        return solid.replace_spectrum(2 / (CONTACT_MODULUS * q))
 
 
 def rough(name, n, normal_load, hardness=math.inf):

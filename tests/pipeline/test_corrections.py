@@ -242,7 +242,7 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
     for number in (0, 7):
         values = dict(zip(paths, samples.inputs[number].tolist(), strict=True))
         row = [values.get(one.path, 0.12) for one in samples.unknown]
-        by_hand = direct.as_in_a_scene(samples, row) | at
+        by_hand = direct.scene_values(samples, row) | at
         by_hand[SPECIFIC_WEAR_RATE] = f"{1e9 * values[SPECIFIC_WEAR_RATE]!r} mm^3/(N m)"
         sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
         for load, rise in zip(samples.loads, samples.rises[number], strict=True):

@@ -14,7 +14,7 @@ from pipeline.cli import main
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root, root_document
 from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Reference
-from pipeline.tradeoff.choose import at_accuracy
+from pipeline.tradeoff.choose import choose_accuracy
 from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -163,7 +163,7 @@ def test_no_function_runs_what_a_scene_names_without_the_word(strangers, ran, sc
         lambda path: pipeline.run_sweep(path, "out.zarr"),
         lambda path: pipeline.follow_boundary(path, "out.zarr"),
         lambda path: pipeline.choose_fidelity(path, "5%"),
-        lambda path: at_accuracy(path, "5%"),
+        lambda path: choose_accuracy(path, "5%"),
     ):
         with pytest.raises(pipeline.SceneFileError, match="own_laws=True"):
             function(path)

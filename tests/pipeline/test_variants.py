@@ -39,7 +39,7 @@ def store(tmp_path_factory):
 def test_a_row_is_the_scene_with_what_it_changes(store):
     ds = pipeline.open_sweep(store)
     assert ds["max_rise"].dims[:3] == ("realization", "oil", "case")
-    scene = sweep(wear=Wear(2.4e-15)).on_surface(2)
+    scene = sweep(wear=Wear(2.4e-15)).take_surface(2)
     rise = pipeline.end_of_point(ds)["max_rise"].sel(realization=2, case="wears", load=600.0)
     expected = run_point(scene, 600.0, 1.0).columns["max_rise"][-1]
     assert rise.sel(velocity=1.0).values == pytest.approx([expected, expected], rel=1e-9)

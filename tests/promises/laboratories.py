@@ -132,7 +132,7 @@ def covered(count, between):
         lab = Laboratory(ALL, number)
         tests = tuple(lab.tested(load, between=between) for load in LOADS[:6])
         posterior = pipeline.posterior(dataclasses.replace(samples, tests=tests))
-        draws, inputs = posterior.draws, posterior.of_sweep(0).inputs
+        draws, inputs = posterior.draws, posterior.sweep_draws(0).inputs
         of_draws = (
             np.log((inputs[:, 0] - ROOM) / inputs[:, 2]) - log_rise(ALL, inputs, 400.0)
         ) / EXPONENT

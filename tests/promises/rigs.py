@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 import pipeline
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
-from pipeline.sweep.unknown import at_scores
+from pipeline.sweep.unknown import score_values
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
@@ -115,7 +115,7 @@ class Rig:
         self.ensemble, self.seed = ensemble, number
         chance = np.random.default_rng((_SEED, number))
         scores = chance.standard_normal((1, len(ensemble.unknown)))
-        self.truth = at_scores(ensemble.unknown, scores)[0]
+        self.truth = score_values(ensemble.unknown, scores)[0]
         entries = entries_of(ensemble.unknown, self.truth)
         alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
         self._scene = pipeline.load_scene(scene, overrides=alone).changed(variants=Variants())

@@ -67,10 +67,10 @@ def random_sweep(seed):
         fidelity=ROUGHLY,
     )
     lengths = [rng.uniform(2, 8), rng.uniform(2, 8)]  # of correlation, in pixels
-    return _with_boundary(in_window(sweep, lengths, velocity), velocity)
+    return _with_boundary(window_guess(sweep, lengths, velocity), velocity)
 
 
-def in_window(sweep, lengths, velocity):
+def window_guess(sweep, lengths, velocity):
     """Widen the window until the contact does not touch its edges.
 
     The lengths are those of correlation, in pixels.

@@ -7,10 +7,10 @@ import numpy as np
 
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import at_bulks, contact_temperature
+from pipeline.sweep.severity import bulk_rises, contact_temperature
 from pipeline.sweep.variants import surfaces
 from tests.helpers.sweeps import sweep_of_fields
-from tests.promises.scenes import PAIRS, ROUGHLY, in_window, state_at
+from tests.promises.scenes import PAIRS, ROUGHLY, state_at, window_guess
 
 SHARES = (0.4, 0.7, 1.0)  # of the reference load
 _MIDDLE = 1  # number of the load whose boundary lies in the middle of the velocities
@@ -46,7 +46,7 @@ def random_wide_sweep(seed):
         conditions=Conditions(0.1, 298.15, 400.0),
         fidelity=ROUGHLY,
     )
-    sweep = in_window(sweep, draw.lengths(), velocity)
+    sweep = window_guess(sweep, draw.lengths(), velocity)
     if sweep.scene.roughness is not None and draw.chance(1 / 5):
         sweep = sweep.changed(variants=surfaces((seed, seed + 1000)))
     bulks = draw.between(-0.5, 0.5) if draw.chance(1 / 4) else 0.0
@@ -157,7 +157,7 @@ def _with_boundary(sweep, velocity, bulks):
         conditions = replace(conditions, disk_temperature=conditions.bulk_temperature + apart)
         warmest = conditions.bulk_temperature + max(0.0, apart)
         conditions = replace(conditions, critical_temperature=warmest + 1000.0)
-    rise = float(conditions.decisive.rise(at_bulks(state.heat.columns, conditions)))
+    rise = float(conditions.decisive.rise(bulk_rises(state.heat.columns, conditions)))
     critical = contact_temperature(rise, conditions)
     return sweep.changed(
         unequal_bulks=bulks != 0,

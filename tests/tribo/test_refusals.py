@@ -45,10 +45,10 @@ from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
     Rule,
+    add_bulk_ratio,
     contact_quantiles,
     partition_heat,
     rise_exceeded,
-    with_bulk_ratio,
 )
 from tribo.wear import RollingWear
 from tribo.wear.laws import require_wear, wear_over
@@ -233,7 +233,7 @@ REFUSALS = {
     "own rises": (lambda: judged(lambda *_: np.zeros(2)), "one for each row of quantiles"),
     "own beyond": (lambda: judged(lambda *_: np.float64(2.0)), "beyond the lowest and highest"),
     "own rule": (lambda: judged(lambda *_: 1 / 0), "criterion own: ZeroDivisionError"),
-    "equal bulks": (lambda: with_bulk_ratio({"mean_rise": 1.0}, 2.0), "set unequal_bulks"),
+    "equal bulks": (lambda: add_bulk_ratio({"mean_rise": 1.0}, 2.0), "set unequal_bulks"),
     "no contact": (lambda: contact_quantiles(ZERO, ~ON), "no element is in contact"),
     "share": (lambda: rise_exceeded(ZERO, 1.0), "share is 1.0; it must be at least 0"),
     "stored": (lambda: rise_exceeded(np.ones(2), 0.1, (0.0, 0.5)), "quantiles allow from 0.5"),
@@ -324,7 +324,7 @@ ELSEWHERE = {
     "invariants.check_contact InvariantError": "simulation/test_invariants.py, by wrong solvers",
     "invariants.check_wear InvariantError": "simulation/test_invariants.py, by wear that is wrong",
     "invariants.check_heat InvariantError": "simulation/test_invariants.py, by wrong solvers",
-    "invariants.within_range RangeError": "simulation/test_invariants.py and test_extremes.py",
+    "invariants.guard_range RangeError": "simulation/test_invariants.py and test_extremes.py",
     "invariants._require_finite InvariantError": "simulation/test_invariants.py, by wrong solvers",
     "solver._check InputError": "simulation/test_extremes.py, as steps that are too long",
     "solver.solve_contact ConvergenceError": "contact/test_solver.py",
@@ -332,7 +332,7 @@ ELSEWHERE = {
     "inverse._crossing InputError": "no width within the window needs so high a rate",
     "inverse.rig_heating InputError": "the rig always touches; for the type checker",
     "verdict.judge InputError": "a point always touches; for the type checker",
-    "errors.of_law": "an error of tribo, passed on as it is",
+    "errors.law_errors": "an error of tribo, passed on as it is",
 }
 """Refusals, by function and class, that are not in the table: where they are tested, or why not."""
 

@@ -65,7 +65,7 @@ def active_set_step(
         metric = problem.metric_on(nodes)
         if not metric:
             pressure = _clipped(problem, pressure, stencil)
-        pressure = problem.within_bounds(pressure, nodes, iterate.pressure, metric)
+        pressure = problem.bounded_pressure(pressure, nodes, iterate.pressure, metric)
     whole = iterate.pressure.copy()
     whole.reshape(-1)[nodes] = pressure
     return iterate.pressed(problem, whole, spent), ActiveSet(2 * active.iterations, nodes)

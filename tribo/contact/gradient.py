@@ -39,7 +39,7 @@ def gradient_step(
         old = pressure.take(nodes)
         goal = old - gradient.length * metric.raised(gap.take(nodes))
         step = np.zeros(pressure.shape)
-        step.reshape(-1)[nodes] = problem.within_bounds(goal, nodes, pressure, metric) - old
+        step.reshape(-1)[nodes] = problem.bounded_pressure(goal, nodes, pressure, metric) - old
     else:
         step = nearest(pressure - gradient.length * gap, problem.total, problem.hardness)
         step -= pressure

@@ -22,7 +22,7 @@ _MARGIN = 2  # elements at least, on each side of those that carry load
 _MULTIPLE = 8  # of elements along a window, for short transforms
 
 
-def from_coarser_grids(problem: Problem) -> tuple[Array, float]:
+def coarser_guess(problem: Problem) -> tuple[Array, float]:
     """Guess from the contact of means over 2 × 2 elements, itself begun on a coarser grid [Pa].
 
     A block's elements get its pressure: more elements than will touch in the end, which the
@@ -37,13 +37,13 @@ def from_coarser_grids(problem: Problem) -> tuple[Array, float]:
     means = heights.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3))
     solid, total = problem.solid.coarsened(), problem.total / blocks
     coarse = Problem.of(solid, means, total, problem.hardness)
-    guess, work = from_coarser_grids(coarse)
+    guess, work = coarser_guess(coarse)
     outcome = iterate(coarse, guess, Limits(_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS), spent=work)
     pressure = outcome.pressure.repeat(fx, axis=0).repeat(fy, axis=1)
     return pressure, outcome.convolutions / blocks
 
 
-def in_window(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
+def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
     """Guess improved on the part of the free axes that it loads, if small; 0 elsewhere [Pa].
 
     Also gives the convolutions that it took, by their share of the elements.

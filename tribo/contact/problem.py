@@ -41,7 +41,7 @@ class Problem:
         """Set up the problem of pressing `heights` into a solid."""
         soft, unit = SoftRows.of(solid), solid.self_influence
         coupling = soft.coupling if soft.matter else 0.0
-        fast = solid.in_faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
+        fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
         near = Neighbourhood(solid, soft.axis, coupling)
         return cls(solid, heights, total, hardness, soft, near, fast)
 
@@ -60,7 +60,7 @@ class Problem:
             return None
         return RowMetric(self.solid.self_influence, self.soft.coupling, self.rows_of(nodes))
 
-    def within_bounds(
+    def bounded_pressure(
         self, changed: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
     ) -> Array:
         """Changed pressure of some nodes, within the bounds and with the load of the others [Pa].

@@ -14,7 +14,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from tribo.contact.elasticity import ElasticHalfSpace
-from tribo.contact.guess import from_coarser_grids, in_window
+from tribo.contact.guess import coarser_guess, window_guess
 from tribo.contact.iteration import IterationResult, Limits, iterate
 from tribo.contact.problem import Problem
 from tribo.contact.rows import SoftRows
@@ -162,14 +162,14 @@ def solve_contact(
     if tolerance >= _LOOSE and _single_holds(solid, normal_load):
         problem = replace(problem, solid=problem.fast)
     if initial_pressure is None:
-        guess, spent = from_coarser_grids(problem)
+        guess, spent = coarser_guess(problem)
     else:
         guess, spent = finite_field("initial_pressure", initial_pressure, grid.shape), 0.0
     if initial_displacement is not None:
         finite_field("initial_displacement", initial_displacement, grid.shape)
     elif criterion == "gap":
         loose = Limits(_WINDOW_SHARE * tolerance, max_iterations - spent)
-        guess, more = in_window(problem, guess, loose)
+        guess, more = window_guess(problem, guess, loose)
         spent += more
     limits = Limits(tolerance, max_iterations, by_change=criterion == "pressure-change")
     outcome = iterate(problem, guess, limits, initial_displacement, spent)

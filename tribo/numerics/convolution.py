@@ -54,7 +54,7 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
     return np.where(index <= (n - 1) // 2, index, index - n)
 
 
-def _of_pairs(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
+def _pair_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
     """The kernel between means over pairs of elements along `axis`, at offsets in pairs."""
     beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
     pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
@@ -153,23 +153,23 @@ class Convolution:
         """Relative error of a number of the precision in which the transforms count."""
         return float(np.finfo(np.float32 if self._single else np.float64).eps)
 
-    def in_single_precision(self) -> Self:
+    def single_precision(self) -> Self:
         """Return a copy that counts in single precision: seven digits, faster on large grids.
 
         Examples
         --------
         >>> grid = Grid((4, 4), (1.0, 1.0))
         >>> double = Convolution.from_kernel(grid, np.ones(padded_shape(grid)))
-        >>> double.in_single_precision()(np.eye(4)).max().round(5), double.rounding < 1e-15
+        >>> double.single_precision()(np.eye(4)).max().round(5), double.rounding < 1e-15
         (np.float64(4.0), True)
         """
         real = np.isrealobj(self.spectrum)
-        single = self.with_spectrum(self.spectrum.astype(np.float32 if real else np.complex64))
+        single = self.replace_spectrum(self.spectrum.astype(np.float32 if real else np.complex64))
         single._single = True
         single._factors = single.spectrum.astype(np.complex64, copy=False)  # a faster product
         return single
 
-    def in_faster_precision(self, influence: float) -> Self:
+    def faster_precision(self, influence: float) -> Self:
         """Return the copy that counts in single precision, or itself where that gains nothing.
 
         That is on small grids, and where the influence of an element on itself is a number too
@@ -177,9 +177,9 @@ class Convolution:
         """
         fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
         gains = math.prod(self.grid.shape) >= _LARGE
-        return self.in_single_precision() if fits and gains else self
+        return self.single_precision() if fits and gains else self
 
-    def with_spectrum(self, spectrum: Spectrum) -> Self:
+    def replace_spectrum(self, spectrum: Spectrum) -> Self:
         """Return a copy with another spectrum."""
         changed = copy.copy(self)
         changed.spectrum = changed._factors = spectrum
@@ -196,7 +196,7 @@ class Convolution:
         if grid.shape[1] < self.grid.shape[1]:
             values = np.fft.irfft(kernel, n=self._lengths[1], axis=1)
             kernel = np.fft.rfft(values[:, _wrapped_indices(grid, 1)], axis=1)
-        return self._on(grid, np.fft.fft(kernel, axis=0, out=kernel))
+        return self._copied(grid, np.fft.fft(kernel, axis=0, out=kernel))
 
     def coarsened(self) -> Self:
         """Return the map between means over blocks of 2 × 2 elements.
@@ -209,16 +209,16 @@ class Convolution:
         modes = self.spectrum.astype(np.complex128)
         kernel: Spectrum = np.fft.ifft(modes, axis=0, out=modes)
         if fx == 2:
-            kernel = _of_pairs(kernel, _wrapped_indices(grid, 0), axis=0)
+            kernel = _pair_kernel(kernel, _wrapped_indices(grid, 0), axis=0)
         if fy == 2:
             values = np.fft.irfft(kernel, n=self._lengths[1], axis=1)
-            kernel = np.fft.rfft(_of_pairs(values, _wrapped_indices(grid, 1), axis=1), axis=1)
-        return self._on(grid, np.fft.fft(kernel, axis=0))
+            kernel = np.fft.rfft(_pair_kernel(values, _wrapped_indices(grid, 1), axis=1), axis=1)
+        return self._copied(grid, np.fft.fft(kernel, axis=0))
 
-    def _on(self, grid: Grid, modes: Spectrum) -> Self:
+    def _copied(self, grid: Grid, modes: Spectrum) -> Self:
         """Return a copy with another grid and the modes of its kernel, in any precision."""
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
-        changed = self.with_spectrum(spectrum.astype(self.spectrum.dtype))
+        changed = self.replace_spectrum(spectrum.astype(self.spectrum.dtype))
         changed.grid, changed._lengths = grid, padded_shape(grid)
         return changed
 

@@ -29,10 +29,10 @@ from tribo.errors import InputError, require_positive
 from tribo.loading import Station
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.fidelity import Fidelity
-from tribo.simulation.finer_grids import on_finest_grid
+from tribo.simulation.finer_grids import refine_step
 from tribo.simulation.implicit_end import ended
 from tribo.simulation.loading_step import advance, start
-from tribo.simulation.passing import at_positions
+from tribo.simulation.passing import position_means
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
@@ -219,10 +219,10 @@ def _shown(
     """State of which the temperature is asked, on the finest grid and with enough elements."""
     if not after.pressure.any():
         return after
-    finest = on_finest_grid(levels, before, after, station, velocity)
+    finest = refine_step(levels, before, after, station, velocity)
     shown = more_elements.instead_of(finest)
     if shown is finest:  # others come with their own positions
-        shown = replace(at_positions(levels[-1], before, shown, velocity), course=course)
+        shown = replace(position_means(levels[-1], before, shown, velocity), course=course)
     return replace(shown, is_asked=True)
 
 

@@ -240,11 +240,11 @@ class Corrections:
         ]
         speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
         resistances = (
-            _of_stem(self.stem, moments)
-            + _of_turns(self.pin_track, moments, speeds[:, 0])
+            _stem_resistance(self.stem, moments)
+            + _turn_resistance(self.pin_track, moments, speeds[:, 0])
             + (self.pin_bulk.resistance if self.pin_bulk else 0.0),
             self.film_resistance * columns["mean_pressure"][heats] / F
-            + _of_turns(self.track, moments, speeds[:, 1])
+            + _turn_resistance(self.track, moments, speeds[:, 1])
             + (self.disk_bulk.resistance if self.disk_bulk else 0.0),
         )
         warmings = self._bulk_warmings(moments, V, conductances(theta, share, F * V, *resistances))
@@ -347,14 +347,16 @@ class _Moment(NamedTuple):
         )
 
 
-def _of_stem(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:
+def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:
     """Resistance of the stem at some moments, by its flux until then [K/W]."""
     if stem is None:
         return 0.0
     return np.array([stem.resistance_under(moment.times, moment.loads) for moment in moments])
 
 
-def _of_turns(track: Track | None, moments: Sequence[_Moment], speeds: Array) -> Array | float:
+def _turn_resistance(
+    track: Track | None, moments: Sequence[_Moment], speeds: Array
+) -> Array | float:
     """Resistance by which earlier turns have warmed a track, at some moments [K/W]."""
     if track is None:
         return 0.0

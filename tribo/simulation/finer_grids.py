@@ -16,7 +16,7 @@ from tribo.types import Array
 from tribo.wear import Stage
 
 
-def on_finest_grid(
+def refine_step(
     levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
 ) -> State:
     """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""

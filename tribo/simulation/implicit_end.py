@@ -32,7 +32,7 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
     if not _comes_into_contact(scene, before, after, velocity):
         return after
     near = after.pressure
-    middle = advance(scene, before, _between(before, station), velocity, near)
+    middle = advance(scene, before, _end_start(before, station), velocity, near)
     end = advance(scene, middle, station, velocity, near, scheme="implicit")
     states = (after, middle, end)
     return replace(
@@ -67,7 +67,7 @@ def _worn(scene: Scene, state: State) -> Mask:
     return touched
 
 
-def _between(before: State, station: Station) -> Station:
+def _end_start(before: State, station: Station) -> Station:
     """Start of the end; the load has its share of the impulse as if it changed linearly."""
     share = 1 - _END
     begin, end = before.normal_load, station.normal_load

@@ -136,7 +136,7 @@ def check_heat(
 
 
 @contextmanager
-def within_range(what: str) -> Iterator[None]:
+def guard_range(what: str) -> Iterator[None]:
     """Turn a number beyond double precision into a `RangeError` that says where it arose."""
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):

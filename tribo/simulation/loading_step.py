@@ -8,7 +8,7 @@ from tribo.contact import ContactSolution, solve_contact
 from tribo.loading import Station
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import Pass, passes, separation_at
-from tribo.simulation.invariants import check_contact, check_wear, within_range
+from tribo.simulation.invariants import check_contact, check_wear, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.temperature import heated_since
@@ -47,7 +47,7 @@ def start(scene: Scene) -> State:
     )
 
 
-@within_range("a step of the loading")
+@guard_range("a step of the loading")
 def advance(
     scene: Scene,
     state: State,

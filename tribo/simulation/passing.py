@@ -12,7 +12,7 @@ from tribo.simulation.temperature import heated_since, mean_heat
 from tribo.wear import Stage
 
 
-def at_positions(scene: Scene, before: State, state: State, velocity: float) -> State:
+def position_means(scene: Scene, before: State, state: State, velocity: float) -> State:
     """The state with what its temperature is a mean over, at a velocity [m/s].
 
     Its own pressure and wear stay those of the disk's own position. The state before has the

@@ -111,18 +111,18 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
     rules = (
         _unstable_wear,
         _few_steps,
-        _at_edge,
+        _warn_edge,
         _few_nodes,
         _present_heat,
         _coarse_pixels,
-        _beyond_shape,
+        _warn_shape,
         _few_turns,
         _slow_rise,
     )
     return [PointWarning(*reason) for rule in rules for reason in rule(scene, state)]
 
 
-def _at_edge(scene: Scene, state: State) -> Iterator[Reason]:
+def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where a wider window would carry load as well."""
     touched = [
         f"{name} edge"
@@ -143,7 +143,7 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
     fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
     across = min(_extent(state.pressure, axis) for axis in axes)
     if 0 < across < fewest:
-        smaller = "pixels" if on_pixels(scene, state) else "elements"
+        smaller = "pixels" if elements_are_pixels(scene, state) else "elements"
         yield (
             WarningKind.COARSE_PIXELS,
             f"the contact is {across} elements across at {state.normal_load:g} N; with fewer than "
@@ -166,7 +166,7 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
             )
 
 
-def _beyond_shape(scene: Scene, state: State) -> Iterator[Reason]:
+def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where the contact is so wide, or the wear so deep, that the pin has another shape."""
     radius, depth = scene.pin.radius, float(state.wear_depth.max())
     width = _extent(state.pressure, 0) / len(state.pressure) * scene.grid.size[0]
@@ -234,7 +234,7 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
 
 def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where the decisive temperature is that of a few elements."""
-    smallest = on_pixels(scene, state)
+    smallest = elements_are_pixels(scene, state)
     few = _FEW_SWEPT if smallest and scene.sweeps_over else FEW_NODES
     if not 0 < touching_elements(scene, state) < few or (smallest and not scene.roughness):
         return
@@ -254,7 +254,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     yield WarningKind.FEW_NODES, text
 
 
-def on_pixels(scene: Scene, state: State) -> bool:
+def elements_are_pixels(scene: Scene, state: State) -> bool:
     """True if the elements of a state are the pixels themselves."""
     return len(state.pressure) == scene.pixels.shape[0]
 

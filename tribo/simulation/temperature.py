@@ -10,7 +10,7 @@ import numpy as np
 
 from tribo.numerics import Convolution, Grid
 from tribo.simulation.cache import heat_spectrum
-from tribo.simulation.invariants import check_heat, within_range
+from tribo.simulation.invariants import check_heat, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
 from tribo.thermal import (
@@ -26,7 +26,7 @@ from tribo.thermal import (
 from tribo.types import Array, Mask
 
 
-@within_range("the temperature of a contact")
+@guard_range("the temperature of a contact")
 def heat(scene: Scene, state: State, velocity: float) -> Heat:
     """Temperature of a state, at friction coefficient 1.
 
@@ -46,7 +46,7 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     >>> f"{0.1 * heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
     '13.8 K at friction 0.1'
     """
-    scene = _on_elements_of(scene, state)
+    scene = _refined_scene(scene, state)
     passing = (replace(state, pressure=pressure) for pressure in state.passing)
     return mean_heat([_present_heat(scene, one, velocity) for one in (state, *passing)])
 
@@ -81,7 +81,7 @@ def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
     return _responding(scene, summary, _response(scene, state, velocity, contact), contact)
 
 
-def _on_elements_of(scene: Scene, state: State) -> Scene:
+def _refined_scene(scene: Scene, state: State) -> Scene:
     """The scene with the elements of a state, which are smaller where few touch."""
     block = scene.pixels.shape[0] // len(state.pressure)
     if block == scene.fidelity.pixels_per_element:

@@ -21,7 +21,7 @@ from tribo.simulation.point import simulate
 from tribo.simulation.scene import Scene
 from tribo.simulation.step_measures import measures
 from tribo.simulation.trunks import Trunks
-from tribo.thermal import BULK_RATIOS, Criterion, failed_share, with_bulk_ratio
+from tribo.thermal import BULK_RATIOS, Criterion, add_bulk_ratio, failed_share
 from tribo.types import Array, Indices
 
 RISES = ("max_rise", "mean_rise", "rise_quantile")
@@ -199,7 +199,7 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
     """Columns with rises at friction 1 above the colder body, at a bulk ratio [K]."""
     if bulk_ratio == 0:
         return columns
-    above_pin = with_bulk_ratio(columns, bulk_ratio)
+    above_pin = add_bulk_ratio(columns, bulk_ratio)
     pin = max(0.0, -bulk_ratio)
     return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from tribo.errors import InputError, InvariantError, finite_field, of_law
+from tribo.errors import InputError, InvariantError, finite_field, law_errors
 from tribo.numerics import Grid
 from tribo.surface.topography import self_affine
 from tribo.types import Array
@@ -116,7 +116,7 @@ class UnknownHeights:
 
 def heights_of(surface: Any, pixels: Grid) -> Array:
     """Heights of a surface [m], shape ``pixels.shape``; `InvariantError` if they are not."""
-    with of_law(f"surface {surface!r}"):
+    with law_errors(f"surface {surface!r}"):
         heights = np.asarray(surface.heights(pixels), dtype=float)
     if heights.shape != pixels.shape:
         raise InvariantError(

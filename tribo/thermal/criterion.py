@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from tribo.errors import InputError, InvariantError, of_law
-from tribo.thermal.quantiles import QUANTILES, at_bulk_ratio, require_share, rise_exceeded
+from tribo.errors import InputError, InvariantError, law_errors
+from tribo.thermal.quantiles import QUANTILES, combine_bulks, require_share, rise_exceeded
 from tribo.types import Array
 
 Columns = Mapping[str, Any]
@@ -162,7 +162,7 @@ class Criterion:
             ``quantile`` where the former is not at all of `tribo.QUANTILES`.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
-        with of_law(f"criterion {self.name}"):
+        with law_errors(f"criterion {self.name}"):
             rise = self._rule.rise(columns[self.column], self.share, quantiles)
         if self.rule is not None and self.column == "rise_quantile":
             _require_within(self.name, rise, columns[self.column])
@@ -186,7 +186,7 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
         )
 
 
-def with_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
+def add_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
     """Columns with their rises at friction 1 above the pin's bulk at a bulk ratio [K].
 
     The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The mean rise
@@ -195,7 +195,7 @@ def with_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
     Examples
     --------
     >>> mean = {"mean_rise": 500.0, "mean_bulk_response": 0.75}
-    >>> with_bulk_ratio(mean, bulk_ratio=200.0)["mean_rise"]
+    >>> add_bulk_ratio(mean, bulk_ratio=200.0)["mean_rise"]
     650.0
     """
     if bulk_ratio == 0:
@@ -207,7 +207,7 @@ def with_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
         )
     rises: dict[str, Any] = {}
     if "rise_quantile" in columns:
-        quantiles = at_bulk_ratio(
+        quantiles = combine_bulks(
             columns["rise_quantile"], columns["bulk_rise_quantile"], bulk_ratio
         )
         rises["rise_quantile"] = quantiles

@@ -142,7 +142,7 @@ def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
             root * (first * y1(root * x) - second * j1(root * x)),
         )
 
-    def at_rim(root: Array) -> Array:
+    def rim_function(root: Array) -> Array:
         value, slope = mode(root, 1.0)
         return slope + rim * value
 
@@ -151,12 +151,12 @@ def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     scan = np.concatenate(
         [np.geomspace(1e-6, 0.1, 60) * step, np.arange(0.15, _ROOTS, 0.05) * step]
     )
-    signs = np.sign(at_rim(scan))
+    signs = np.sign(rim_function(scan))
     places = np.flatnonzero(signs[:-1] * signs[1:] < 0)[:_ROOTS]
     low, high = scan[places], scan[places + 1]
     for _ in range(60):
         middle = (low + high) / 2
-        is_low = np.sign(at_rim(middle)) == signs[places]
+        is_low = np.sign(rim_function(middle)) == signs[places]
         low, high = np.where(is_low, middle, low), np.where(is_low, high, middle)
     roots = (low + high) / 2
     value, slope = mode(roots, 1.0)

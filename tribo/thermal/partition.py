@@ -211,14 +211,14 @@ def _iterated(
 ) -> tuple[Array, int]:
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations."""
     if tolerance >= _SINGLE_TOLERANCE:
-        both = both.in_faster_precision(near.influence[1, 0])
+        both = both.faster_precision(near.influence[1, 0])
     precondition = functools.partial(near.on(nodes), near.inverse)
     return _iterate(
-        _on_nodes(both, nodes), precondition, target, _RESERVE * tolerance, max_iterations
+        _node_map(both, nodes), precondition, target, _RESERVE * tolerance, max_iterations
     )
 
 
-def _on_nodes(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
+def _node_map(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
     """The map from flux [W/m²] to temperature [K], both on some nodes alone."""
     field, rise = np.zeros(body.grid.shape), np.empty(body.grid.shape)
     ny = body.grid.shape[1]

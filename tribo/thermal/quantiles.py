@@ -62,7 +62,7 @@ def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
     return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
 
 
-def at_bulk_ratio(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
+def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
     """Quantiles of the rise at friction 1 and a bulk ratio [K], linear between those kept.
 
     Those at the ratio 0 have the shape (..., n_quantile), the others (..., n_ratio, n_quantile).
@@ -73,7 +73,7 @@ def at_bulk_ratio(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: floa
 
     >>> rise, everywhere = np.arange(101.0)[None, :], np.ones((1, 101), bool)
     >>> kept = bulk_ratio_quantiles(rise, np.full(rise.shape, 0.8), everywhere)
-    >>> quantiles = at_bulk_ratio(contact_quantiles(rise, everywhere), kept, ratio=300.0)
+    >>> quantiles = combine_bulks(contact_quantiles(rise, everywhere), kept, ratio=300.0)
     >>> f"{quantiles[QUANTILES.index(0.9)]:.3f}"
     '330.000'
     """

@@ -146,12 +146,12 @@ class Wear:
                 "use the pattern 'local'"
             )
         if self.pattern == "local" or solid.grid.shape[1] == 1:
-            worn = solid.with_spectrum(solid.spectrum + compliance)
+            worn = solid.replace_spectrum(solid.spectrum + compliance)
             worn.self_influence += compliance
             return worn
         spectrum = solid.spectrum.copy()
         spectrum[:, 0] += compliance
-        return solid.with_spectrum(spectrum)
+        return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
         """k·dS/λ_min, the decay of the shortest wave over a sliding distance.
@@ -209,7 +209,7 @@ class RollingWear(Wear):
         spectrum = solid.spectrum.copy()
         waves = slice(1) if self.pattern == "swept" else slice(None)
         spectrum[0, waves] += self._compliance(solid, distance)
-        return solid.with_spectrum(spectrum)
+        return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
         """k·dS/λ_min as in `Wear`, of the waves along y alone: 0 where there are none."""

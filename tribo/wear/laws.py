@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from tribo.errors import InputError, InvariantError, of_law, require_positive
+from tribo.errors import InputError, InvariantError, law_errors, require_positive
 from tribo.wear.archard import Wear, WearPattern
 
 
@@ -97,7 +97,7 @@ def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
         return wear
     if not end > begin:
         return Wear(0.0, wear.pattern)
-    with of_law(f"wear law {wear!r}"):
+    with law_errors(f"wear law {wear!r}"):
         found: object = wear.over(begin, end)
     if not isinstance(found, Wear):
         raise InvariantError(

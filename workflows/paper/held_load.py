@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, house_style
 from tribo import InputError, Ramp
 from tribo.types import Array
 from workflows.paper.report import Report, line, texts
@@ -68,7 +68,7 @@ def fig5(study: Study) -> Report:
     )
 
 
-@in_house_style
+@house_style
 def _draw(curves: _Curves, full: float, title: str) -> Figure:
     figure = Figure(figsize=(7.4, 4.6))
     axes = figure.subplots()

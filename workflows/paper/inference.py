@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, in_house_style
+from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, house_style
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import rig_heating, specific_wear_rate
 from tribo.types import Array
@@ -204,7 +204,7 @@ def _rates(rates: Array, rates_of_a: Sequence[float]) -> Iterator[tuple[str, ...
         yield line(label, ["", _UNIT * rate], ".2f")
 
 
-@in_house_style
+@house_style
 def _draw(critical: dict[str, Array], printed: float, rates: dict[float, list[float]]) -> Figure:
     figure = Figure(figsize=(9.6, 4.4))
     left, right = figure.subplots(1, 2)

@@ -11,7 +11,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from tribo import Cylinder, Grid, InputError, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
@@ -108,7 +108,7 @@ def _middle(field: Array) -> float:
     return float(field[nx // 2, ny // 2])
 
 
-@in_house_style
+@house_style
 def _draw(sweep: Sweep, fields: Mapping[str, Array], peak: float, half_width: float) -> Figure:
     figure = Figure(figsize=(8.4, 6.6))
     upper, (across, along) = figure.subplots(2, 2, height_ratios=(1.15, 1))

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, house_style
 from tribo import InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE
@@ -87,7 +87,7 @@ def _share(sweep: Sweep) -> str:
     return f"{100 * sweep.conditions.failing_share:g} %"
 
 
-@in_house_style
+@house_style
 def _draw(sweep: Sweep, record: MeasuredLoad, curves: _Curves) -> Figure:
     figure = Figure(figsize=(7.4, 6.0))
     upper, lower = figure.subplots(2, 1, sharex=True)

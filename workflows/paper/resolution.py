@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, house_style
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -63,7 +63,7 @@ def fig6(study: Study) -> Report:
     by_increments, unstable, fields = {}, {}, {}
     for name, (pattern, scheme) in _SCHEMES.items():
         scene = _with(worn(sweep, pattern), wear_scheme=scheme)
-        scenes = [scene.on_surface(seed) for seed in seeds]
+        scenes = [scene.take_surface(seed) for seed in seeds]
         stages = study.stages(counts, (name + ", {} increments").format, weight=float)
         by_increments[name], unstable[name], pressures = _with_steps(scenes, stages)
         if pattern == "local" and shown in pressures:
@@ -206,7 +206,7 @@ def _signed(value: float) -> str:
     return f"{round(value, 1) + 0.0:+.1f}" if round(value, 1) else "0.0"
 
 
-@in_house_style
+@house_style
 def _draw(
     sweep: Sweep,
     by_elements: Mapping[str, _Row],

@@ -13,7 +13,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, house_style
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -206,7 +206,7 @@ _IN_FULL = {
 }
 
 
-@in_house_style
+@house_style
 def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
     figure = Figure(figsize=(8.8, 5.6))
     axes = figure.subplots()

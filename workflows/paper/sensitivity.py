@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, house_style
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -180,7 +180,7 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> pd
     return texts(("", share, "highest [°C]", *velocities, "unworn width"), rows)
 
 
-@in_house_style
+@house_style
 def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
     figure = Figure(figsize=(12.4, 6.4))
     rows = figure.subplots(2, len(outcomes), sharex="col", sharey="row")

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Sweep, vary
-from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, celsius, house_style
 from tribo.simulation import contacts, heated
 from tribo.types import Array
 from workflows.paper.report import Report, agree, line, texts
@@ -78,7 +78,7 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
     """
     found = []
     for seed in study.seeds(_SURFACES):
-        surface = sweep.on_surface(seed)
+        surface = sweep.take_surface(seed)
         *_, contact = contacts(surface.scene, row.normal_load, row.velocity)
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)
@@ -136,7 +136,7 @@ def _table(
     )
 
 
-@in_house_style
+@house_style
 def _draw(by_oil: Mapping[str, Array], printed: float) -> Figure:
     figure = Figure(figsize=(7.0, 3.8))
     axes = figure.subplots()

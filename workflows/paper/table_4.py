@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.figures.style import GREY, celsius, in_house_style
+from pipeline.figures.style import GREY, celsius, house_style
 from pipeline.sweep.severity import rise_limit
 from tribo.thermal import Criterion
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4
@@ -158,7 +158,7 @@ def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
     )
 
 
-@in_house_style
+@house_style
 def _draw(data: dict[str, Any], critical: float) -> Figure:
     figure = Figure(figsize=(9.6, 7.0))
     (first, second), (third, fourth) = figure.subplots(2, 2)

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline.figures.style import celsius, in_house_style
+from pipeline.figures.style import celsius, house_style
 from tribo.types import Array
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import Report, agree, line, mean, spread, texts
@@ -140,7 +140,7 @@ def _table(data: dict[str, Any], names: Sequence[str], share: str) -> pd.DataFra
     )
 
 
-@in_house_style
+@house_style
 def _draw(data: dict[str, Any], names: Sequence[str], share: str) -> Figure:
     ticks = ["\n".join(name.rsplit(", ", 1)) for name in names]
     figure = Figure(figsize=(9.6, 4.6))

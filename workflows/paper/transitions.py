@@ -67,7 +67,7 @@ def end_at(sweep: Sweep, state: State, friction: float | None = None) -> Ends:
     the sliding direction that carry at least 5 % of what the most loaded one carries [m]; besides,
     the rises at friction 1 and `tribo.measures`.
     """
-    conditions, carried = sweep.conditions.at_friction(friction), state.pressure.mean(axis=1)
+    conditions, carried = sweep.conditions.replace_friction(friction), state.pressure.mean(axis=1)
     bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * sweep.scene.grid.spacing[0]
     return {
         **measures(sweep.scene, state),
@@ -108,7 +108,7 @@ def on_surfaces(
 ) -> Ends:
     """Simulate transitions on each surface, by `end_of` or another function."""
     surfaces = [
-        _stacked([end(scene.on_surface(seed), test) for scene, test in transitions])
+        _stacked([end(scene.take_surface(seed), test) for scene, test in transitions])
         for seed in seeds
     ]
     return _stacked(surfaces, axis=1)

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.boundary import _patches, with_band
+from pipeline.analysis.boundary import _patches, add_band
 from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, MILD, SEVERE, UNKNOWN
 
 
@@ -18,7 +18,7 @@ def band(outcomes, places, computed=(1.5, 2.5)):
         columns[f"outcome_at_{axis}"] = dims, np.array(outcomes)[:, None]
         for end, value in zip(("from", "to"), computed, strict=True):
             columns[f"computed_{end}_at_{axis}"] = dims, np.full((len(places), 1), value)
-    ds = with_band(xr.Dataset(columns))
+    ds = add_band(xr.Dataset(columns))
     counts = ds["crossing_at_load"].item(), ds["known_at_load"].item()
     return ds["critical_velocity_quantile"].values[:, 0], counts
 
@@ -51,7 +51,7 @@ def test_wear_begins_at_the_first_of_many_patches_as_often_as_not(patches):
         columns[f"outcome_at_{axis}"] = dims, np.full((len(velocities), 1), CROSSES)
         for end, value in (("from", 1.0), ("to", 4.0)):
             columns[f"computed_{end}_at_{axis}"] = dims, np.full((len(velocities), 1), value)
-    ds = with_band(xr.Dataset(columns), patches)
+    ds = add_band(xr.Dataset(columns), patches)
     first = 2.0 * np.exp(0.04 * chance.standard_normal((4000, int(patches))).min(axis=1))
     assert ds["critical_velocity_first"].item() == pytest.approx(np.median(first), rel=4e-3)
     assert ds.attrs["patches"] == patches

@@ -150,5 +150,5 @@ def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     assert np.shape(document["critical_velocity_quantile"]) == (3, 2)
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
     point = irg("point", scene, *place)
-    on_surface = pipeline.load_scene(scene).on_surface(1)
-    assert point["max_rise"] == run_point(on_surface, 400.0, 2.0).columns["max_rise"][-1]
+    take_surface = pipeline.load_scene(scene).take_surface(1)
+    assert point["max_rise"] == run_point(take_surface, 400.0, 2.0).columns["max_rise"][-1]

@@ -38,7 +38,7 @@ def test_less_friction_and_more_wear_raise_the_boundary_and_a_weaker_oil_lowers_
     assert rate > 0.02
     swings = [
         max(np.nanmax(np.abs(variations.changes(variation))) for variation in group)
-        for group in variations.by_key().values()
+        for group in variations.keyed_changes().values()
     ]
     assert swings == sorted(swings, reverse=True)
 

@@ -13,17 +13,19 @@ WARM = Conditions(0.1, 298.15, 418.15, disk_temperature=313.15)
 
 
 def test_a_friction_measured_at_a_point_is_that_of_every_velocity():
-    here = BENT.at_friction(0.07)
+    here = BENT.replace_friction(0.07)
     assert [here.friction_at(velocity) for velocity in (0.5, 2.0, 8.0)] == [0.07] * 3
     assert here.corrections == replace(CURVE, friction=())
-    assert BENT.at_friction(None) == BENT
-    assert BENT.of_row({"friction": 0.05}).friction_at(4.0) == 0.05
-    assert BENT.of_row({"critical_temperature": 400.0}).friction_at(4.0) == pytest.approx(0.08)
+    assert BENT.replace_friction(None) == BENT
+    assert BENT.row_conditions({"friction": 0.05}).friction_at(4.0) == 0.05
+    assert BENT.row_conditions({"critical_temperature": 400.0}).friction_at(4.0) == pytest.approx(
+        0.08
+    )
 
 
 def test_a_row_has_one_bulk_temperature_for_both_bodies():
-    row = WARM.of_row({"bulk_temperature": 333.15, "critical_temperature": 400.0})
+    row = WARM.row_conditions({"bulk_temperature": 333.15, "critical_temperature": 400.0})
     assert row.coldest_bulk_temperature == row.mean_bulk_temperature == 333.15
     assert row.critical_temperature == 400.0
-    assert WARM.of_row({"friction": 0.05}).mean_bulk_temperature == pytest.approx(305.65)
-    assert WARM.of_row({}) == WARM
+    assert WARM.row_conditions({"friction": 0.05}).mean_bulk_temperature == pytest.approx(305.65)
+    assert WARM.row_conditions({}) == WARM

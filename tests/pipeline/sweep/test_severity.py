@@ -9,8 +9,8 @@ import pytest
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import (
-    at_bulks,
     boundary_velocity_error,
+    bulk_rises,
     contact_temperature,
     failed_fraction,
     momentary_rise,
@@ -76,7 +76,7 @@ def test_rises_count_from_the_colder_body_and_temperatures_do_not_depend_on_it(p
     conditions = Conditions(0.1, pin, 418.15, disk_temperature=disk)
     ratio = 10 * (disk - pin)
     kept = np.array([EVEN + 0.4 * warmth for warmth in BULK_RATIOS])  # 0.4 K for each kelvin
-    at_ratio = at_bulks({"rise_quantile": EVEN, "bulk_rise_quantile": kept}, conditions)
+    at_ratio = bulk_rises({"rise_quantile": EVEN, "bulk_rise_quantile": kept}, conditions)
     rises = at_ratio["rise_quantile"]
     assert (rises > 0).all()
     np.testing.assert_allclose(

@@ -13,7 +13,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff import choose as accuracy_module
 from pipeline.tradeoff.choose import (
-    at_accuracy,
+    choose_accuracy,
     choose_fidelity,
     stored_selection,
 )
@@ -36,7 +36,7 @@ WORN, UNWORN = (
 
 
 def test_it_picks_the_first_that_is_good_enough_and_says_why():
-    changed = at_accuracy(WORN, 0.05)
+    changed = choose_accuracy(WORN, 0.05)
     selection = changed.about.selection
     assert changed.scene.fidelity == selection.fidelity == selection.trials[-1].fidelity
     assert all(trial.error > 0.05 for trial in selection.trials[:-1])
@@ -113,7 +113,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
 ):
     out = tmp_path / "out.zarr"
     small = tiny.sweep().changed(loads=(250.0, 600.0), velocities=(1.0, 1.5))
-    begun = at_accuracy(small, 0.1, store=out)  # not there yet
+    begun = choose_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
     assert stored_selection(out) == begun.about.selection
     assert stored_sweep(pipeline.open_sweep(out)).about.selection == begun.about.selection
@@ -124,7 +124,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     monkeypatch.setattr(accuracy_module, "choose_fidelity", refused)
     grown = small.changed(velocities=(1.0, 1.25, 1.5))
     for accuracy in (0.1, 0.3):
-        again = at_accuracy(grown, accuracy, store=out)
+        again = choose_accuracy(grown, accuracy, store=out)
         assert (again.scene.fidelity, again.about.selection) == (
             begun.scene.fidelity,
             begun.about.selection,
@@ -136,4 +136,4 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     assert stored_selection(out) == begun.about.selection
     stricter = begun.about.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
-        at_accuracy(grown, stricter, store=out)
+        choose_accuracy(grown, stricter, store=out)

@@ -34,8 +34,8 @@ def counted(sweep, monkeypatch):
         heats += not sweep.scene.remembers_heat
         return on_way(*arguments)
 
-    on_way = plan._on_way
-    monkeypatch.setattr(plan, "_on_way", noting)
+    on_way = plan._increment_values
+    monkeypatch.setattr(plan, "_increment_values", noting)
     monkeypatch.setattr(plan, "contacts", counting)
     trunks = Trunks()
     for task in tasks(points(sweep), sweep):
@@ -54,7 +54,7 @@ def counted(sweep, monkeypatch):
         {"fidelity": Fidelity(increments=6, heat_model="history")},
         {"fidelity": PRESETS["standard"], "loads": (240.0, 250.0, 750.0), "steps": "end"},
         {"fidelity": Fidelity(increments=30), "wear": None},
-        {"fidelity": Fidelity(increments=9), "loading": Ramp(150.0, 750.0, 1.0, 4)},
+        {"fidelity": Fidelity(increments=9), "loading": Ramp(150.0, 750.0, 1.0)},
     ],
     ids=["ramp", "end", "history", "stations", "no wear", "hold"],
 )

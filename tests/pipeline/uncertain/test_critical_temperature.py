@@ -27,7 +27,7 @@ def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_
         Measurement(load, critical.sel(realization=2, load=load).item())
         for load in sweep.plane.loads
     )
-    result = critical_temperatures(sweep.on_surface(2).changed(measured=measured))
+    result = critical_temperatures(sweep.take_surface(2).changed(measured=measured))
     assert result.surfaces == (2,)
     # Velocities every 0.5 m/s place the boundary to about 1 %, and so half as much of 120 K.
     assert result.means == pytest.approx([418.15] * 2, abs=1.0)

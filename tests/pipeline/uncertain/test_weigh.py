@@ -313,7 +313,7 @@ def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
     assert first["posterior"]["sd"] == pytest.approx(first["prior"]["sd"], rel=0.1)  # untested
     assert length["posterior"]["sd"] < 0.6 * length["prior"]["sd"]
     assert second["posterior"]["sd"] < 1.05
-    assert posterior.of_sweep(0).inputs.shape[1] == 2
+    assert posterior.sweep_draws(0).inputs.shape[1] == 2
     longer = Unknown(LENGTH.path, "uniform", (3e-6, 7e-6), "m")
     with pytest.raises(InputError, match=r"correlation_length is shared.*differ"):
         pipeline.posterior([other, ensemble((CRITICAL, longer))])

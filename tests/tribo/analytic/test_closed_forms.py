@@ -182,7 +182,7 @@ def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
     velocity = peclet * 2 * KAPPA / half_x
 
     def rise(x):
-        def of_row(y):
+        def row_conditions(y):
             reach = half_x * math.sqrt(1 - (y / half_y) ** 2)
 
             def of_point(s):
@@ -195,7 +195,7 @@ def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
 
         # y = half_y·u³, since the rows next to the point are warm as −ln y.
         rows = integrate.quad(
-            lambda u: of_row(half_y * u**3) * 3 * half_y * u**2, 0, 1, epsrel=1e-7
+            lambda u: row_conditions(half_y * u**3) * 3 * half_y * u**2, 0, 1, epsrel=1e-7
         )[0]
         return 2 * rows / (2 * math.pi * K)
 

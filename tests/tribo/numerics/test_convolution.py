@@ -40,7 +40,7 @@ def test_rows_without_a_source_may_be_left_out(shape, periodic):
     field = random.normal(size=shape)
     convolve(field)  # kept buffers carry nothing over
     field[:2], field[4:] = 0.0, 0.0
-    for one in (convolve, convolve.in_single_precision()):
+    for one in (convolve, convolve.single_precision()):
         assert one(field, rows=(2, 4))[2:4] == pytest.approx(one(field)[2:4], abs=1e-14)
 
 
@@ -79,7 +79,7 @@ def test_single_precision_keeps_seven_digits(shape, periodic):
     grid = Grid(shape, (1.0, 0.5), periodic)
     random = np.random.default_rng(3)
     convolve = Convolution.from_kernel(grid, random.normal(size=padded_shape(grid)))
-    single = convolve.in_single_precision()
+    single = convolve.single_precision()
     for _ in range(2):  # kept buffers carry nothing over
         field = random.normal(size=shape)
         exact = convolve(field)
@@ -92,8 +92,8 @@ def test_single_precision_keeps_seven_digits(shape, periodic):
 def test_single_precision_is_taken_only_where_it_holds_the_influence(influence):
     grid = Grid((80, 80), (1.0, 1.0))
     convolve = Convolution.from_kernel(grid, np.ones(padded_shape(grid)))
-    assert convolve.in_faster_precision(1.0).rounding > convolve.rounding
-    assert convolve.in_faster_precision(influence).rounding == convolve.rounding
+    assert convolve.faster_precision(1.0).rounding > convolve.rounding
+    assert convolve.faster_precision(influence).rounding == convolve.rounding
 
 
 def test_a_spectrum_of_the_wrong_shape_is_refused():

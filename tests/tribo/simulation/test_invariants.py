@@ -10,7 +10,7 @@ from tests.helpers.scenes import last, small_scene
 from tribo import InvariantError, TriboError, Wear, simulate
 from tribo.errors import RangeError
 from tribo.simulation import loading_step, temperature
-from tribo.simulation.invariants import check_wear, within_range
+from tribo.simulation.invariants import check_wear, guard_range
 
 
 def test_a_solver_that_is_wrong_is_found_out_in_a_simulation(monkeypatch):
@@ -67,7 +67,7 @@ def test_a_pin_that_grows_back_anywhere_is_found_out_though_its_volume_is_right(
 def test_numbers_beyond_double_precision_are_named():
     for overflow in (lambda: np.float64(1e200) ** 2, lambda: 10.0**400, lambda: 1.0 / 0.0):
         with pytest.raises(RangeError, match=r"the step: .*too large or too small"):  # noqa: SIM117
-            with within_range("the step"):
+            with guard_range("the step"):
                 overflow()
 
 

@@ -25,10 +25,10 @@ from tribo.thermal import (
     ConductingHalfSpace,
     Conductor,
     HeatHistory,
+    add_bulk_ratio,
     contact_quantiles,
     partition_heat,
     partition_with_history,
-    with_bulk_ratio,
 )
 
 NINE_TENTHS = QUANTILES.index(0.9)
@@ -106,7 +106,7 @@ def test_the_rise_is_the_same_with_the_response_and_without_bit_for_bit():
 
 
 def quantiles_at(heat, ratio):
-    return with_bulk_ratio(heat.columns, ratio)["rise_quantile"]
+    return add_bulk_ratio(heat.columns, ratio)["rise_quantile"]
 
 
 def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tribo import BULK_RATIOS, QUANTILES, InputError
-from tribo.thermal import at_bulk_ratio, contact_quantiles, failed_share, rise_exceeded
+from tribo.thermal import combine_bulks, contact_quantiles, failed_share, rise_exceeded
 
 
 def test_quantile_and_failed_share_are_one_criterion():
@@ -57,4 +57,4 @@ def test_beyond_the_kept_bulk_ratios_the_line_of_the_last_two_goes_on(side):
     outer, inner = side * abs(outer), side * abs(inner)
     ratio = 1.5 * outer
     expected = outer**2 + (outer + inner) * (ratio - outer)  # the chord of a parabola
-    assert at_bulk_ratio(at_zero, kept, ratio) == pytest.approx(expected)
+    assert combine_bulks(at_zero, kept, ratio) == pytest.approx(expected)
