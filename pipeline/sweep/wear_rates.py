@@ -28,6 +28,7 @@ def note_on_wear(sweep: Sweep) -> str | None:
         return None
     return (
         f"the wear rate at the bulk temperature, {celsius_text(bulk)}, is {1e9 * rate:.3g} "
-        f"mm³/(N m) by wear.by_temperature, and the contacts have {1e9 * wear.specific_wear_rate:.3g}; run "
+        "mm³/(N m) by wear.by_temperature, and the contacts have "
+        f"{1e9 * wear.specific_wear_rate:.3g}; run "
         f'the scene again with --set "wear.specific_wear_rate={1e9 * rate:.3g} mm^3/(N m)"'
     )
