@@ -184,7 +184,7 @@ SCENES = {
         for key, unit in _VALUES.items()
     ),
     "samples: 1000000 is out of range": "sweep.samples = 1000000",
-    "at most 100000 are allowed": 'loading.hold = "100 h"',
+    "at most 100000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
     "has 10001 entries": "".join(f"k{number} = 1\n" for number in range(10_000)),
     "loads: has 20000 entries": f"sweep.loads = {['1 N'] * 20_000}",
     "larger than 1 MB": f"pin.radius = {'9' * 4_000_000}",

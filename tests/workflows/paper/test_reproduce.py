@@ -17,7 +17,6 @@ from pipeline.scene.load_record import read_load
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
-from workflows.paper import inference
 from workflows.paper.__main__ import main
 from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.synthetic_record import synthetic_record
@@ -72,13 +71,11 @@ def simulate_once(scene, load, velocity, **asked):
 def small(folder, scenes):
     """Reports of small versions, each made once."""
     made = {}
-    held = inference._held
     fewer = {
         "inference": {
             "_DURATIONS": (6.0, 8.0),
             "_CHOSEN": 1,
             "_FRICTIONS": (0.1, 0.2),
-            "_held": lambda *test, steps: held(*test, steps=2),
         },
         "resolution": {"_INCREMENTS": (20, 30)},
         "sensitivity": {"_LENGTHS": (2.0, 8.0), "_HURST": (0.5,), "TABLE_4": TABLE_4[::3]},
@@ -319,8 +316,9 @@ def test_wrong_use_is_named(name, options, said):
 def test_the_command_lists_recomputes_and_names_mistakes(small, monkeypatch, capsys):
     assert main(["--list"]) == 0
     assert "table4" in capsys.readouterr().out
+    report = small("fig4")
     with monkeypatch.context() as patched:
-        patched.setattr(paper, "reproduce", lambda name, out, **options: small(name))
+        patched.setattr(paper, "reproduce", lambda name, out, **options: report)
         assert main(["fig4"]) == 0
     assert "agrees" in capsys.readouterr().out
     assert main(["fig44"]) == 2
