@@ -48,11 +48,13 @@ def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
             f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
             "which the model does not have"
         )
-    if patches := attribute_values(boundaries, "patches"):
+    patches = attribute_values(boundaries, "patches")
+    if patches and boundaries["critical_velocity_first"].notnull().any():
         yield (
             "mean: where the patch of the window turns severe (III); first patch: where the first "
             f"of {max(patches):.0f} such patches does, and severe wear begins (III*), if their "
-            "logarithms are normal; patches lie side by side under the pin, and around the disk's "
+            f"logarithms are normal with the spread of {boundaries.sizes['realization']} surfaces; "
+            "patches lie side by side under the pin, and around the disk's "
             "track where the scene gives it"
         )
     if missing := missing_points(boundaries):

@@ -173,7 +173,7 @@ class _Reader:
                 friction_band=tables["friction"]["band"],
                 same_rig=tables["friction"]["same_rig"],
                 model_scatter=tables["model"] and tables["model"]["scatter"],
-                wear_by_temperature=wear_rates(tables["wear"]),
+                wear_by_temperature=wear_rates(tables["wear"], faults),
                 oil=oil,
                 preset=preset,
                 sources=taken,

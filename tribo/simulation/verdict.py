@@ -134,6 +134,8 @@ class Conditions(Bulks):
         warmest = max(self.bulk_temperature, self.disk_temperature or 0.0)
         if not 0 < self.bulk_temperature < math.inf:
             raise InputError(f"bulk_temperature is {self.bulk_temperature!r} K; it must be above 0")
+        if self.disk_temperature is not None and not 0 < self.disk_temperature < math.inf:
+            raise InputError(f"disk_temperature is {self.disk_temperature!r} K; it must be above 0")
         if self.critical_temperature is not None and not self.critical_temperature > warmest:
             raise InputError(
                 f"critical_temperature is {self.critical_temperature:g} K; it must be above the "
@@ -166,6 +168,11 @@ class Verdict:
         Second part: the rise between two half-spaces [K].
     added_rise : float
         Third part: what bodies that warm, stem, film and friction by velocity add [K].
+
+    Examples
+    --------
+    >>> Verdict(True, 4.0, 425.0, 460.0, 0.2, 298.0, 124.0, 3.0).decisive_temperature
+    425.0
     """
 
     is_severe: bool | None
@@ -279,6 +286,10 @@ def judge(
     if conditions.disk_temperature is not None and not scene.unequal_bulks:
         scene = replace(scene, unequal_bulks=True)
     parts = conditions.corrections and conditions.corrections.under(scene.loading)
+    if parts:
+        parts = replace(parts, motion=scene.motion)
+        if parts.stem and scene.velocities_at(velocity).pin:
+            raise InputError("corrections.stem holds a pin that turns; leave out one of them")
     conditions = replace(conditions, corrections=parts)
     asked: list[int] = []
     if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):

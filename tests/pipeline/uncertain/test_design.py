@@ -10,7 +10,9 @@ from pipeline.analysis.model_error import ModelError
 from pipeline.scene.along import Place
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain import design
+from pipeline.uncertain.answers import run_probability
 from pipeline.uncertain.design import Goal
+from pipeline.uncertain.ensemble import Excess
 from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, ensemble, rise
 from tribo import InputError
 
@@ -60,6 +62,18 @@ def test_a_run_scatters_about_the_model_and_so_does_its_friction(samples, usual,
     usually = pipeline.design(samples, goal, WIDE.path)
     if between == 0.0:
         assert limit.value == usually.value
+
+
+@pytest.mark.parametrize(("usual", "error"), [(0.1, 0.05), (0.1, 0.1), (0.03, 0.1), (0.01, 0.05)])
+def test_the_error_of_a_draw_and_the_scatter_of_a_run_add_up(usual, error):
+    values, slope = np.linspace(-0.6, 0.6, 25), np.full(25, 0.6)
+    z = np.linspace(-8.0, 8.0, 4001)
+    weights = np.exp(-0.5 * z**2) / np.exp(-0.5 * z**2).sum()
+    scatter = ModelError(usual=usual)
+    expected = [weights @ scatter.below((one + error * z) / 0.6) for one in values]
+    errors = np.full(25, error)
+    found, _ = run_probability(Excess(values, errors, errors), scatter, slope)
+    np.testing.assert_allclose(found, expected, atol=6e-4)
 
 
 def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkeypatch):
