@@ -100,7 +100,7 @@ def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     held = replace(scene, loading=replace(scene.loading, hold=4.0))
     states = list(simulate(held, 600.0, 1.25, asked=range(100)))
     rises = [state.heat.mean_rise for state in states]
-    assert len(states) == 8 + 3
+    assert len(states) == 8 + 2
     assert np.argmax(rises) == 7
     assert (np.diff(rises[7:]) < 0).all()
     assert {state.normal_load for state in states[7:]} == {600.0}
