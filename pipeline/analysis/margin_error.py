@@ -5,9 +5,9 @@
 - Warnings: those of the points that the rise rests on.
 
 Each is a bound that some 99 % of places keep, and they are independent, so that their squares add.
-A part that is not known is None, and so is the total. `python -m tests.promises.errors` finds the
-constants again, by `fine` where a tenth of the contact decides, and counts the places that keep to
-the total (workflows/ACCURACY.md). Where the highest temperature decides, fewer do.
+A part that is not known is None, and so is the total. `python -m tests.promises.errors` judges by
+`fine` where a tenth of the contact decides, and counts the places that keep to the total
+(workflows/ACCURACY.md). Where the highest temperature decides, fewer do.
 """
 
 from __future__ import annotations
@@ -30,20 +30,28 @@ BOUNDS, SHARES = (0.03, 0.08), (0.5, 0.6)
 """Bounds of velocity of `standard` and `draft`, and the share of them that their rises err by.
 
 Those of finer presets take the first share. The rise does not depend on the exponent.
+Found by `python -m tests.promises.errors`.
 """
 
 REFINED = 0.4
-"""Factor of that where so few elements touch that smaller ones were taken."""
+"""Factor of that where so few elements touch that smaller ones were taken.
+
+Found by `python -m tests.promises.errors`.
+"""
 
 BETWEEN = 2.7
 """What interpolation errs by, over the root mean square by which it misses points left out.
 
 For equal gaps: it grows in proportion to ln of the gap, as the rise is rough at these distances. On
 one worn ball of ten scenes 4.6, of so little that the preset's part holds it.
+Found by `python -m tests.promises.errors`.
 """
 
 BEYOND = 0.12
-"""Change of the exponent of a power law that is continued, for each unit of ln of the velocity."""
+"""Change of the exponent of a power law that is continued, for each unit of ln of the velocity.
+
+Found by `python -m tests.promises.errors`.
+"""
 
 _OF_WARNED = {
     # Largest that were seen with these three, which the campaign hardly meets; `fine` has the
@@ -55,7 +63,10 @@ _OF_WARNED = {
     WarningKind.FEW_NODES: 0.01,
     WarningKind.SLOW_RISE: 0.03,  # of 33 points `standard` missed one by 3.7 %
 }
-"""Relative error of the rise that a warning adds; that of others is not known."""
+"""Relative error of the rise that a warning adds; that of others is not known.
+
+Found by `python -m tests.promises.errors`.
+"""
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and how much present heat makes contacts too warm at most.

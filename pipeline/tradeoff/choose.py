@@ -34,17 +34,34 @@ from pipeline.tradeoff.probe import (
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError, TriboError
 from tribo.simulation.point_warnings import FEW_NODES
 
-# `make promises` judged all of these together: 300 random scenes, in workflows/ACCURACY.md. Change
-# one, and judge again. Errors scatter from load to load, since each one touches other summits. What
-# holds for loads that were not probed is the larger of these: so much more than the largest that
-# was found, and the mean with so many standard deviations.
+# `make promises` judges these together: change one, and judge all again.
 _MARGIN, _DEVIATIONS = 1.3, 2.5
-_BETWEEN, _BETWEEN_FEW = 1.1, 1.5  # between velocities; where few touch, a quantile is a staircase
-_ONE = 0.1  # by how much more the staircase moves the yardstick itself, where but one touches
+"""Error at loads that were not probed, where each touches other summits: the larger of two.
+
+So much more than the largest that was found, or the mean with so many standard deviations.
+Judged by `make promises`.
+"""
+_BETWEEN, _BETWEEN_FEW = 1.1, 1.5
+"""Factors between velocities; the second where few touch, and a quantile is a staircase.
+
+Judged by `make promises`.
+"""
+_ONE = 0.1
+"""How much more the staircase moves the yardstick itself, where but one touches.
+
+Judged by `make promises`.
+"""
 _SAME = 1.05  # of the finest error, up to which a cheaper choice is no worse
-_MANY_NODES = 1000  # from which a loose contact errs no more than its tolerance lets it
-_TIGHT = 1e-3  # tolerance of the contact where fewer touch
-_OF_HEAT = 0.7  # of the accuracy, that the present heat alone may err
+_MANY_NODES, _TIGHT = 1000, 1e-3
+"""Nodes from which a contact's tolerance is its error, and the tolerance where fewer touch.
+
+Judged by `make promises`.
+"""
+_OF_HEAT = 0.7
+"""Share of the accuracy that the present heat alone may err.
+
+Judged by `make promises`.
+"""
 # What a probe costs, which decides no error.
 _LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
 _APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary

@@ -222,12 +222,20 @@ YARDSTICK = replace(
 )
 """A quarter of the steps of the reference, and looser tolerances."""
 
-# Judged by `make promises`, as those of `pipeline.tradeoff.choose` are.
-_TOLERANCES = 2e-3  # the largest error seen that neither steps nor the heat model account for
+_TOLERANCES = 2e-3
+"""Largest error seen that neither steps nor the heat model account for.
+
+Judged by `make promises`.
+"""
 _HEAT_STEPS, _SMALL = 50, 2e4  # steps, and elements up to which they are the scene's own
-_LEFT = 0.5  # of what half the steps move is left to whole ones; a third, at second order
+_LEFT = 0.5
+"""Share of what half the steps move that is left to whole ones; a third, at second order.
+
+Judged by `make promises`.
+"""
 _COARSER = replace(YARDSTICK, pixels_per_element=2, averaging="sample")
-_MARGIN = 1.2  # errors between the points are so much larger
+_MARGIN = 1.2
+"""Errors between the points over those at them. Judged by `make promises`."""
 
 
 @dataclass(frozen=True, slots=True)

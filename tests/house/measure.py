@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -13,6 +14,7 @@ _PREPOSITION = re.compile(
 )
 
 
+@cache
 def measured():
     """Sizes of today, by table and name."""
     sources = {
