@@ -156,7 +156,7 @@ _UNITS = {
 """Units of the conditions that are attributes of a boundary."""
 
 
-_TURNS = 5  # of a line that are told; more are waves between points
+_TURNS = 5  # turns of a line that are told; more are waves between points
 
 
 def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:
@@ -296,7 +296,7 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
             vectorize=True,
         )
         logs: Any = np.log(boundaries[name].where(mean.notnull()))
-        below = ndtri(-math.expm1(math.log(0.5) / patches))  # of a normal one, half of the time
+        below = ndtri(-math.expm1(math.log(0.5) / patches))  # half of the time the first is below
         first = np.exp(logs.mean("realization") + below * logs.std("realization", ddof=1))
         crossing = (outcome == CROSSES).sum("realization")
         certain = outcome.isin((CROSSES, MILD, SEVERE)).sum("realization")

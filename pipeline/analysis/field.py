@@ -47,7 +47,7 @@ from tribo import InputError
 from tribo.types import Array, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
-_PARTS = 64  # of an interval of velocities, between which friction is taken as it is there
+_PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
 _OF_FILM = 0.032
 """Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
 LEAST_SLOPE = 0.05
@@ -167,7 +167,7 @@ class PointField:
     planes: tuple[RisePlane, ...]  # at one friction, where it depends on the velocity
     conditions: Conditions
     promised: float | None  # relative error of boundary velocities
-    ends: Mapping[str, tuple[float, float]]  # of the loads [N] and velocities [m/s] asked for
+    ends: Mapping[str, tuple[float, float]]  # ends of the loads [N] and velocities [m/s] asked for
     source: xr.Dataset  # where the rises are from
     entries: Mapping[str, Any] = field(default_factory=dict)
     shown: Mapping[str, Any] = field(default_factory=dict)

@@ -26,7 +26,7 @@ from tribo import InputError
 NOT_KNOWN = "not known"
 USUAL_SCATTER = 0.05
 """Relative standard deviation of the velocity of a transition that gives none."""
-_DEVIATIONS = 2.0  # of a measured velocity, within which a transition agrees
+_DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
 _BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",

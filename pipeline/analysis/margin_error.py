@@ -61,7 +61,7 @@ _OF_WARNED = {
     WarningKind.COARSE_PIXELS: 0.70,
     # The elements are the pixels then. Other surfaces and smaller pixels are no error of these.
     WarningKind.FEW_NODES: 0.01,
-    WarningKind.SLOW_RISE: 0.03,  # of 33 points `standard` missed one by 3.7 %
+    WarningKind.SLOW_RISE: 0.03,  # `standard` missed one of 33 points by 3.7 %
 }
 """Relative error of the rise that a warning adds; that of others is not known.
 
@@ -238,7 +238,7 @@ def _gap_error(grid: RisePlane, axis: str, gap: Array) -> float | None:
     return None if missed is None else BETWEEN * missed * math.log(gap[-1] / gap[0])
 
 
-@functools.lru_cache(maxsize=1024)  # of many places between the same points
+@functools.lru_cache(maxsize=1024)  # many places lie between the same points
 def _missed(grid: RisePlane, axis: str) -> float | None:
     """Root mean square of what interpolation misses left-out points by, over ln of the gap."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)

@@ -42,7 +42,7 @@ class Result:
 
     document: dict[str, Any]
     text: Iterable[str | pd.DataFrame]
-    warned: Warned | None = None  # of its points
+    warned: Warned | None = None  # what its points warn of
     frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Figure] | None = None
     out: Path | None = None  # file of the figure where the user names none

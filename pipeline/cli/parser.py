@@ -177,7 +177,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Read the options of one command; `function_of` gives its function."""
     parser = whole_parser()
     if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
-        with suppress(ImportError):  # of the extra completion
+        with suppress(ImportError):  # that extra may not be installed
             import argcomplete
 
             argcomplete.autocomplete(parser)

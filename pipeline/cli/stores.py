@@ -151,7 +151,7 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
         return None
     stats = []
     for file in [path] if path.is_file() else path.rglob("*"):
-        with suppress(FileNotFoundError):  # of a store that is being written
+        with suppress(FileNotFoundError):  # a store may be in the midst of being written
             if not file.is_dir():
                 stats.append(file.stat())
     changed = datetime.fromtimestamp(max((stat.st_mtime for stat in stats), default=0.0))

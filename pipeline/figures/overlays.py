@@ -169,9 +169,9 @@ def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any
 
 
 MILD, SEVERE = "mild wear (I and II)", "severe adhesive wear (III* and III)"
-_LETTER = 0.0115, 0.045  # of the axes: about what a letter of a name takes
+_LETTER = 0.0115, 0.045  # share of the axes that a letter of a name takes, about
 _CROSSED = "Λ", "band edge"  # what a line's mark begins with, over which no name stands
-_LEAST_ROOM = 0.5  # of a label's size, around its middle
+_LEAST_ROOM = 0.5  # share of a label's size, around its middle
 
 
 def name_regions(

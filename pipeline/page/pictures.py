@@ -21,7 +21,7 @@ POINT = ("realization", "load", "velocity")
 """Dimensions of the points of a page, as far as its sweep has them."""
 _SIDE = 120  # elements along each axis, at most
 _LEVELS = 255
-_COLOURS = "viridis_r", "inferno", "cividis_r"  # of pressure, temperature and wear, as in figures
+_COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear, as in figures
 
 
 def packed_fields(

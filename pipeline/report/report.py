@@ -58,7 +58,7 @@ _QUESTION = (
     "At which load and sliding velocity does wear of this lubricated contact turn from mild to "
     "severe adhesive wear (scuffing)"
 )
-_MOST_VALUES = 12  # of an entry, that are listed
+_MOST_VALUES = 12  # values of an entry that are listed
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
     "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "

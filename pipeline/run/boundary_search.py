@@ -31,14 +31,14 @@ from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.variants import Variant
 from tribo import InputError, Scene
 
-_EXPONENT = 0.6  # of the rise over velocity, until it is known
-_TREND = -0.8  # of the boundary's velocity over load, until it is known
+_EXPONENT = 0.6  # exponent of the rise over velocity, until it is known
+_TREND = -0.8  # exponent of the boundary's velocity over load, until it is known
 _CURVATURE = 0.5  # κ until it is known
 _LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
-_WIDEST = 0.35  # of h
-_NEAR = 0.1  # of h: how near to a node a crossing must be expected to ask beyond it
+_WIDEST = 0.35  # largest h
+_NEAR = 0.1  # share of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
-_ROUNDING = 1e-5  # of a velocity in round figures, and more
+_ROUNDING = 1e-5  # relative, of a velocity in round figures, and more
 
 
 @dataclass(frozen=True, slots=True)

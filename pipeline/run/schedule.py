@@ -47,7 +47,7 @@ STARTS = 3
 
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there
-_SOONER = 0.1  # of the time since the beginning between them, until that is more
+_SOONER = 0.1  # share of the time since the beginning that is between them, until that is more
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
 _END = 300.0  # [s] without a worker that computes, after which the sweep is given up
 _KILLED = (
@@ -127,7 +127,7 @@ class _Run:
         self._connection, self._writer, self._reports = connection, writer, reports
         self._label, self._learn, self._waiting = label, learn, HandOut(waiting)
         self._numbers = itertools.count()
-        self._losses: dict[Point, int] = {}  # of suspects, each while it was tried alone
+        self._losses: dict[Point, int] = {}  # losses of each suspect while it was tried alone
         self._workers: Counter[str] = Counter()
         self._began = connection.clock()
         self._looked = -_POLL
@@ -277,7 +277,7 @@ class _Run:
             self._reports.send_again()
             self._waiting.put_back(task.task)
             return
-        if isinstance(error, ExecutionError):  # of a worker that cannot run this program
+        if isinstance(error, ExecutionError):  # from a worker that cannot run this program
             raise error
         killed = isinstance(error, KilledWorker)
         self._accuse(task, _KILLED if killed else f"{type(error).__name__}: {error}")

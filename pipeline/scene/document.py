@@ -29,7 +29,7 @@ from tribo.errors import reason_of
 
 _REPLACED = {"count": ("step",), "step": ("count", "spacing")}
 """Keys of a range that are left out where one is given that says the same."""
-_LEVELS = 10  # of tables in tables, more than the format has
+_LEVELS = 10  # depth of tables in tables, more than the format has
 _KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 _LONG_KEY = re.compile(

@@ -36,7 +36,7 @@ _MATERIAL: dict[str, tuple[Any, ...]] = {
 _USUAL_BULK = 223.15, 523.15  # −50 to 250 °C, where oils are used
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
-_MOST_RISE = 2.0  # of the mean plane over the window, in Rq
+_MOST_RISE = 2.0  # rise of the mean plane over the window, in Rq
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
 

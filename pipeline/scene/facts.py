@@ -18,8 +18,8 @@ from tribo import Corrections, InputError, Track, contact_modulus
 from tribo.types import Array
 from tribo.wear import wear_over
 
-USUAL_HARDNESS = 0.001, 0.2  # of the elastic modulus; lead has 0.003, diamond 0.1
-_FEWEST_WIDTHS = 10.0  # of the contact in a track, so that a pass is short beside a round
+USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
+_FEWEST_WIDTHS = 10.0  # contact widths in a track, so that a pass is short beside a round
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
 
 
@@ -49,8 +49,8 @@ class Facts:
     sliding_distance: Annotated[Span, "m"]  # distance slid until then
     wear_depth: Annotated[Span | None, "m"]  # expected on the pin by then; None without wear
     peclet_number: Annotated[Span, "1"]  # u a/(2κ) of the disk, a the half-width of Hertz
-    pin_velocity: Annotated[Span | None, "m/s"]  # of its surface through the contact
-    disk_velocity: Annotated[Span | None, "m/s"]  # of both, None where the pin is at rest
+    pin_velocity: Annotated[Span | None, "m/s"]  # that of its surface through the contact
+    disk_velocity: Annotated[Span | None, "m/s"]  # the same; both are None where the pin is at rest
     pin_turns: Annotated[Span | None, "1"]  # around its track until the end; None likewise
     greatest_load: Annotated[float, "N"]  # all the window at the hardness; may be infinite
     contact_widths: tuple[tuple[float, ...], ...]  # by load and velocity [m]

@@ -181,7 +181,7 @@ class Sheet:
     headings: list[Heading]
     rows: list[Row]
     places: dict[str, int]  # column of each quantity that was found
-    faults: list[str]  # of columns
+    faults: list[str]  # those of columns
     of_rows: list[str] = field(default_factory=list)  # faults of rows
     decimal: str = "."
     form: list[str] = field(default_factory=list)  # words on how the file was read

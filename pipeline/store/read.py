@@ -131,7 +131,7 @@ class _Masked(BackendArray):
 
 
 _Index = tuple[int, ...]
-_KEPT = "status/kept-"  # of files beside the lock, which are no data
+_KEPT = "status/kept-"  # files beside the lock, which are no data
 _FEW = 2000  # points, which are all checked with the first, in 0.2 ms each without fields
 _CLOSE = 1e-9  # relative distance of a coordinate that was scaled, and scaled back
 

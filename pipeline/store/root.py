@@ -62,7 +62,7 @@ class Facts:
     generation: int  # how often its points have moved
     axes: dict[str, list[Any]]  # values along each dimension, and of columns that follow from one
     points_per_chunk: dict[str, int]
-    versions: Versions  # of the packages that began it
+    versions: Versions  # those of the packages that began it
     later_versions: dict[str, Versions] = field(default_factory=dict)  # by the time they came
     worker_versions: dict[str, Versions] = field(default_factory=dict)
 

@@ -73,7 +73,7 @@ class Store:
         self.simulated = Simulated(root.sweep)
         try:
             self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
-        except (ValueError, TypeError, KeyError) as error:  # of what Zarr cannot be
+        except (ValueError, TypeError, KeyError) as error:  # what cannot be Zarr
             raise StoreError(f"{place}: {ROOT} describes no store: {error}") from error
         status = self.arrays["status"]
         self.dims: tuple[str, ...] = status.metadata.dimension_names

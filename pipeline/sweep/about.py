@@ -23,7 +23,7 @@ class Measurement:
     load_scatter: float | None = None  # standard deviations [N, m/s, 1]
     velocity_scatter: float | None = None
     friction_scatter: float | None = None
-    bulk_temperature: float | None = None  # of both bodies [K]
+    bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]
     outcome: str | None = None  # "mild" or "severe"; None at a transition
 
@@ -50,12 +50,12 @@ class FromLibrary(NamedTuple):
 class About:
     """What a scene says besides what is simulated and judged."""
 
-    name: str  # of the file, without its ending
+    name: str  # that of the file, without its ending
     title: str  # a line for people
     measured: tuple[Measurement, ...] = ()  # transitions
     tested: tuple[Measurement, ...] = ()  # tests that stayed mild or turned severe
     friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
-    model_scatter: float | None = None  # of a run about the model; what is usual if None
+    model_scatter: float | None = None  # how runs scatter about the model; what is usual if None
     same_rig: bool = True  # the friction that tests measured is that of the scene's machine
     # Bulk temperatures [K] and the specific wear rates there [m²/N]; enter no simulation.
     wear_by_temperature: tuple[tuple[float, float], ...] = ()

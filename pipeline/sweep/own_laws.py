@@ -67,7 +67,7 @@ class _Text(NamedTuple):
 class Laws:
     """Where names of code are looked for, and whether that may run."""
 
-    folder: Path  # of the scene, or of the command where an option names the code
+    folder: Path  # the scene's, or the command's where an option names the code
     are_allowed: bool  # by the user: --own-laws or own_laws=True
 
     def named(self, kind: str, reference: str, parameters: Mapping[str, Any] | None = None) -> Own:
@@ -158,7 +158,7 @@ class Reference(UnknownHeights):
     kind: str
     parameters: tuple[tuple[str, Any], ...]
     digest: str
-    pattern: str | None = None  # of a wear law
+    pattern: str | None = None  # a wear law has one
 
     @property
     def made(self) -> Any:

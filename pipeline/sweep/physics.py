@@ -18,7 +18,7 @@ from tribo.types import Array
 
 _TRACK = 0.34  # m, of the paper's disk
 _THICKNESS = 10e-3  # m, of a disk or a disc
-_FALL = 0.1  # of friction, from the lowest to the highest velocity, as in the paper's measurements
+_FALL = 0.1  # fall of friction from the lowest to the highest velocity, as the paper measured
 _FILM = 10e-9, 2.0  # m and W/(m K), of an oxide
 # Conductivity and specific heat of a carbon steel about 60 K above room temperature.
 _CONDUCTIVITY, _SPECIFIC_HEAT = 42 / 45, 520 / 470
@@ -77,7 +77,7 @@ class _Sized:
     size: str
     certainty: str
     entries: tuple[str, ...]
-    parts: dict[str, Any]  # of `Corrections`
+    parts: dict[str, Any]  # arguments of `Corrections`
 
 
 def physics_of(sweep: Sweep) -> tuple[Effect, ...]:

@@ -23,9 +23,9 @@ from tribo import (
 from tribo.simulation.pins import OilEntry, Pin
 from tribo.types import Array
 
-_MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
-_RQ_OF_RA = math.sqrt(math.pi / 2)  # of heights distributed normally
-_IS_LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
+_MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
+_RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
+_IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height is that of rounding
 _LAY = 2.0  # slopes across the grooves, in those along them, from which a surface has a lay
 
 
@@ -37,7 +37,7 @@ class SurfaceFacts:
     ra: float  # mean distance of the heights from their mean plane [m]
     rq: float  # root mean square of it [m]
     mean_height: float = 0.0  # [m]
-    rise: tuple[float, float] = (0.0, 0.0)  # of the mean plane over the window, along x and y [m]
+    rise: tuple[float, float] = (0.0, 0.0)  # the mean plane's along x and y [m]
     lay: float | None = None  # from grooves to the sliding direction [°]; None without grooves
     slope: float | None = None  # root mean square along x; None of one that is not made
 
@@ -145,7 +145,7 @@ class Lubrication:
     oil: Oil  # with a pressure-viscosity coefficient
     pin: Pin
     contact_modulus: float  # [Pa]
-    rms_height: float  # of the disk [m]
+    rms_height: float  # the disk's [m]
     motion: Motion | None = None  # None if the pin is at rest
 
     @classmethod

@@ -21,17 +21,17 @@ Form = Literal["normal", "log-normal", "uniform", "list"]
 
 OF_90 = 1.645
 """Normal score within which 90 % lie, on either side."""
-_LEAST = 1e-6  # of the variance of an input's score that the others must leave open
+_LEAST = 1e-6  # share of an input's variance that the others must leave open
 _OUTERMOST = 7.0  # normal score beyond which nothing is drawn
-_OFF_FACES = 2.0**-40  # of the unit cube, on which a normal score is infinite
+_OFF_FACES = 2.0**-40  # distance from the faces of the unit cube, where a normal score is infinite
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
     """A unit in which values are shown."""
 
-    name: str  # of a pure number, ``1``
-    size: float = 1.0  # of one [SI]
+    name: str  # ``1`` for a pure number
+    size: float = 1.0  # value of one [SI]
     zero: float = 0.0  # value at its zero [SI]
 
     def __post_init__(self) -> None:

@@ -27,7 +27,7 @@ class Column:
     """A label of each row of a table: the value along a dimension, or one that follows from it."""
 
     name: str
-    values: tuple[Label, ...]  # of each row [SI]
+    values: tuple[Label, ...]  # one for each row [SI]
     unit: str | None = "1"  # None for words
     along: str = ""  # dimension that the values follow from; empty of a dimension
     is_drawn: bool = False  # rows that differ in it alone differ by chance, each as likely

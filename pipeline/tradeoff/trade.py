@@ -34,7 +34,7 @@ from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
 _SAVES, _MOVES = 1.1, 0.002  # a choice is wasted that saves so much, and moves so little
-_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # of the error, for each of which the cheapest is named
+_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors, for each of which the cheapest is named
 _HEADS = (
     "name", "velocity error [%]", "rise error [%]", "width error [%]", "share error",
     "area error [%]", "pressure error [%]", "saturated error", "seconds [s]", "speedup", "saving",
@@ -46,7 +46,7 @@ _HEADS = (
 class Choice:
     """One fidelity against the reference."""
 
-    name: str  # of a preset, or what is varied in it
+    name: str  # a preset's, or what is varied in it
     varied: str | None  # field of the fidelity
     fidelity: Fidelity
     velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
@@ -73,7 +73,7 @@ class Wasted:
     """A numerical choice that costs much and gains nothing."""
 
     preset: str
-    field: str  # of its fidelity
+    field: str  # field of the fidelity
     value: Any  # that the preset has
     cheaper: Any  # value that would do
     saving: float  # factor by which it takes less work

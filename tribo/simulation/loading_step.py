@@ -137,7 +137,7 @@ def _worn_volume(
 ) -> float:
     """Volume that the whole pin has lost by its law up to a station [m³]."""
     rate = wear.specific_wear_rate * abs(velocity)
-    if scene.wears_by_law:  # of this step alone is the rate known
+    if scene.wears_by_law:  # the rate is known for this step alone
         before = float(state.wear_depth.sum()) * element_area
         return before + rate * (station.impulse - state.impulse)
     return rate * station.impulse

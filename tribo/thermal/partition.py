@@ -27,7 +27,7 @@ from tribo.types import Array, Mask, Nodes
 
 # Directions that the iteration keeps orthogonal. It rarely needs as many.
 _KEPT_DIRECTIONS = 60
-_RESERVE = 0.9  # of the tolerance, for the iteration; the rest is for rounding
+_RESERVE = 0.9  # share of the tolerance for the iteration; the rest is for rounding
 # The iteration goes by single precision, in two thirds of the time, down to this tolerance. What it
 # finds is judged in double.
 _SINGLE_TOLERANCE = 1e-4
