@@ -22,7 +22,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.margins import margin, row_labels
+from pipeline.analysis.margin_frame import margin, row_labels
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
 from pipeline.store.place import PathLike

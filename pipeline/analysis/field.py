@@ -33,8 +33,8 @@ from pipeline.analysis.decisive import (
     require_sound,
     strip_friction,
 )
-from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.model_error import Scatter, severe_share
+from pipeline.analysis.rise_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import UNITS, Transition, Turns, range_of
 from pipeline.store.place import PathLike

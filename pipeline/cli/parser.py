@@ -48,13 +48,13 @@ COMMANDS = (
         "results/scene.zarr --repair", (o.STORE, o.REPAIR),
     ),
     Command(
-        "boundary", "margins:boundary",
+        "boundary", "verdicts:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (o.STORE, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS),
     ),
     Command(
-        "margin", "margins:margin",
+        "margin", "verdicts:margin",
         "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
         (

@@ -13,8 +13,8 @@ from pipeline.analysis.margin import (
     probabilities_alone,
     verdict_between,
 )
-from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import USUAL, ModelError
+from pipeline.analysis.rise_error import RiseError, error_of_point
 from pipeline.analysis.tables import frame_of, upright
 from pipeline.cli.given import conditions_in, one_scene_in, selected
 from pipeline.cli.next_steps import lines_on, point_that_decides

@@ -22,7 +22,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.frames import boundary_parts
 from pipeline.analysis.laboratory import compared, test_parts
-from pipeline.analysis.margins import LONG, counts_in_words, margin
+from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.scenes import parts_of, scenes, value_text
 from pipeline.analysis.tables import (
     frame_of,

@@ -14,8 +14,8 @@ from scipy.special import ndtr
 
 from pipeline.analysis.dataset import taken_entries
 from pipeline.analysis.field import LEAST_SLOPE, Here
-from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.rise_error import RiseError, error_of_point
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Turns
 from pipeline.cli.output import counted

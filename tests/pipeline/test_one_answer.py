@@ -25,7 +25,7 @@ from pipeline.analysis.transition import (
     outcomes,
 )
 from pipeline.cli import main
-from pipeline.cli.margins import document_of
+from pipeline.cli.verdicts import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.severity import rise_limit
 from tests.helpers.scenes import SCENE

@@ -18,7 +18,7 @@ import xarray as xr
 from scipy import stats
 
 import pipeline
-from pipeline.analysis.margin_error import error_of_point
+from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.transition import outcomes
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers

@@ -10,7 +10,7 @@ from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.frames import frames_of
-from pipeline.cli.margins import document_of
+from pipeline.cli.verdicts import document_of
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
 from tests.helpers import synthetic

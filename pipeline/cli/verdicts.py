@@ -25,7 +25,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.margin import NOT_DECIDED, Margin
-from pipeline.analysis.margins import LONG, Judged, counts_in_words, judged, margin_frame
+from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
