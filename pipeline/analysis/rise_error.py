@@ -7,7 +7,7 @@
 Each is a bound that some 99 % of places keep, and they are independent, so that their squares add.
 A part that is not known is None, and so is the total. `python -m tests.promises.errors` judges by
 `fine` where a tenth of the contact decides, and counts the places that keep to the total
-(workflows/ACCURACY.md). Where the highest temperature decides, fewer do.
+(workflows/MEASURED.md). Where the highest temperature decides, fewer do.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ Found by `python -m tests.promises.errors`.
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and how much present heat makes contacts too warm at most.
 
-The table of ACCURACY.md; 5 % is that of loads that jump late, also in longer tests. On ramps of
+The table of MEASURED.md; 5 % is that of loads that jump late, also in longer tests. On ramps of
 seconds it was 1 %.
 """
 

@@ -40,7 +40,7 @@ class List(Kind):
     distinct: bool = False
 
     def __str__(self) -> str:
-        return f"a list{f' of {self.length}' if self.length else ''}, each {self.of}"
+        return f"a list of {f'{self.length} ' if self.length else ''}values, each {self.of}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
@@ -236,7 +236,7 @@ class ByPath(Kind):
     keys: str
 
     def __str__(self) -> str:
-        return f"a table with {self.keys}, each with {self.of}"
+        return f"a table whose keys are {self.keys}, each with {self.of}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
         require(value, dict, "is not a table")

@@ -121,14 +121,16 @@ def quantity_in(kind: Kind) -> Quantity | None:
 
 def page() -> str:
     """The tables of all entries, as the page of the scene file has them behind its head."""
-    parts = []
+    parts, listed = [], dict[str, str]()
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
-        need = " May be left out." if isinstance(section.entry, Optional) else ""
-        parts.append(f"## {title}\n\n{section.entry.meaning}{need}\n")
+        need = " Optional." if isinstance(section.entry, Optional) else ""
+        keys, like = _new_keys(section, listed)
+        also = f" Keys as in `{like}`, and these:" if like else ""
+        parts.append(f"## {title}\n\n{section.entry.meaning}{need}{also}\n")
         rows = [
             [f"`{key}`", str(entry.kind), _default_cell(section, entry, form), entry.meaning]
-            for key, (entry, form) in section.keys().items()
+            for key, (entry, form) in keys.items()
         ]
         parts += _table(["key", "give", "default", "meaning"], rows) if rows else []
     presets = [
@@ -138,6 +140,17 @@ def page() -> str:
     ]
     about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
     return "\n".join([*parts, "## Presets\n", about, *_table(["", *tribo.PRESETS], presets)])
+
+
+def _new_keys(section: Section, listed: dict[str, str]) -> tuple[dict[str, tuple[Entry, str]], str]:
+    """Keys of a section that lists of tables before it, `listed`, lack; the one with the others."""
+    keys = section.keys()
+    if not section.is_list or "." in section.path:
+        return keys, ""
+    shared = listed.keys() & keys.keys()
+    like = listed[min(shared)] if shared else ""
+    listed |= dict.fromkeys(keys, section.header)
+    return {key: entry for key, entry in keys.items() if key not in shared}, like
 
 
 def _table(heads: list[str], rows: list[list[str]]) -> list[str]:
@@ -249,12 +262,8 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
         if name == "NAME":
             ((name, values),) = entries[table].items()
             path = f"{table}.{name}"
-        keys, meaning = section.keys(), section.entry.meaning
-        if section.is_list and section.path == table:
-            if earlier := listed.keys() & keys.keys():
-                meaning = f"With the keys of {listed[min(earlier)]}, and these"
-            keys = {key: entry for key, entry in keys.items() if key not in listed}
-            listed |= dict.fromkeys(keys, section.header)
+        keys, like = _new_keys(section, listed)
+        meaning = f"Keys as in {like}, and these" if like else section.entry.meaning
         if path:
             yield _meant("" if values else "#", section.header.replace(section.path, path), meaning)
         for key, (entry, form) in keys.items():

@@ -183,7 +183,7 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"disk.roughness.ra": "0.27 parsnip"}, "unknown unit: 'parsnip'"),
         (
             {"disk.roughness.correlation_length": ["4 um"]},
-            "has 1 entry; give a list of 2, each a length",
+            "has 1 entry; give a list of 2 values, each a length",
         ),
         ({"materials.steel.poisson_ratio": math.nan}, "nan is out of range"),
         ({"pin.shape": "cylindr"}, '(did you mean "cylinder"?); give "cylinder", "ball" or "crow'),
