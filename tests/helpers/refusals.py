@@ -53,7 +53,7 @@ class Refusals:
         assert said in message, message
         assert len(message.strip().splitlines()) == 1, message
 
-    def check_all(self, elsewhere: Collection[str]) -> None:
+    def check_all(self, elsewhere: Collection[str] = ()) -> None:
         """Assert that the table has every error and fault but those that are tested elsewhere."""
         missing = self._missing()
         unknown = [f"{place} {name}" for name, place in missing.items() if name not in elsewhere]
