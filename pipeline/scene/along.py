@@ -176,7 +176,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
 
 def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
-    if sweep.variants.velocities:
+    if reading.tables["sweep"]["samples"]:
         raise InputError(
             "sweep.along: its rows have places of their own, as samples have; leave out one or the "
             "other"

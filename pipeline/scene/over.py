@@ -39,15 +39,14 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
         return sweep
     axes = {path: _axis(path, values) for path, values in asked.items()}
     if (count := math.prod(len(axis.values) for axis in axes.values())) > MOST_SCENES:
-        raise InputError(
-            f"sweep.over: {count} combinations are too many; give {MOST_SCENES} at most"
-        )
+        raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
     names = combinations({path: axis.values for path, axis in axes.items()})
     texts = {path: axis.text_of for path, axis in axes.items()}
     written = [{path: texts[path][value] for path, value in name} for name in names]
     scenes = [scene_with(values, sweep, reading.make, "sweep.over") for values in written]
     parts = tuple(tuple(differing_inputs(sweep, scene)) for scene in scenes)
-    if len(parts) > 1 and all(part == parts[0] for part in parts):
+    changed = [[one for one in part if one[0] != "arguments"] for part in parts]
+    if len(parts) > 1 and all(part == changed[0] for part in changed):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
         )

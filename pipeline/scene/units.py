@@ -90,6 +90,10 @@ def exact_si(text: str, like: str) -> Decimal:
         if unit in units and needed in units:
             return Decimal(number) * Decimal(units[unit]) + _ZERO.get(unit, 0)
     quantity = _parsed(text)
+    try:
+        value: Decimal = quantity.to_base_units().magnitude
+    except Exception as error:  # pint raises more than its own
+        raise UnitError(f"{_quoted(text)} cannot be expressed in SI") from error
     if not quantity.check(_parsed(like).dimensionality):
         if quantity.unitless:
             raise UnitError(f"{_quoted(text)} has no unit")
@@ -98,10 +102,6 @@ def exact_si(text: str, like: str) -> Decimal:
             raise UnitError(f"{_quoted(text)}: {what}; write {number} {meant}")
         hint = _what_to_give(quantity, needed)
         raise UnitError(f"{_quoted(text)} cannot be converted to {needed}{hint}")
-    try:
-        value: Decimal = quantity.to_base_units().magnitude
-    except Exception as error:  # pint raises more than its own
-        raise UnitError(f"{_quoted(text)} cannot be expressed in SI") from error
     return value
 
 

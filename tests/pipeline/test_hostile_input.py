@@ -178,7 +178,7 @@ def test_where_memory_is_short_a_line_says_so(alone, tmp_path, command, megabyte
 _VALUES = {"pin.radius": "mm", "pin.length": "mm", "loading.rate": "N/s"}
 _FIRST = 'extends = "first_try"\n'
 SCENES = {
-    "combinations are too many": "[sweep.over]\n"
+    "values are too many": "[sweep.over]\n"
     + "".join(
         f'"{key}" = {json.dumps([f"{5 + number / 100} {unit}" for number in range(149)])}\n'
         for key, unit in _VALUES.items()

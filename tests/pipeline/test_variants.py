@@ -116,16 +116,3 @@ def test_a_row_that_moved_is_another_store(tmp_path):
     run(1.5)
     with pytest.raises(StoreMismatchError, match=r"velocity\.1: 1\.5 in the store, 1\.0 in"):
         run(1.0)
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: sweep(variants=rows("case", {0: {"pin.colour": 1}})), "without colour"),
-        (lambda: rows("case", CASES) * rows("case", OILS), "give one"),
-        (lambda: sweep(variants=TABLE).variant((("oil", "none"),)), "which the sweep does not"),
-    ],
-)
-def test_what_a_table_cannot_be_is_told(make, words):
-    with pytest.raises(InputError, match=words):
-        make()

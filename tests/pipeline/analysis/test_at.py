@@ -90,34 +90,6 @@ def test_conditions_outlive_what_xarray_does_to_a_dataset(alone, tmp_path):
         xr.testing.assert_equal(pipeline.boundary(back)["critical_velocity"], expected)
 
 
-def test_an_attribute_that_was_overwritten_is_refused(sweep):
-    with pytest.raises(InputError, match="the attribute at is 'hotter', which is none"):
-        pipeline.boundary(sweep.assign_attrs(at="hotter"))
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"pin.radius": "3 mm"}, r"run irg run synthetic.toml --set 'pin.radius=3 mm' -o"),
-        ({"friction": 0.1, "friction.coefficient": 0.2}, "friction.coefficient is given twice"),
-        ({"friction": "a lot"}, "friction is 'a lot'; give a number"),
-        ({"friction": -0.1}, "friction is -0.1; it must be at least 0"),
-        ({"friction": ()}, "friction has no value"),
-        ({"criterion": ["mean", "highest"]}, "temperature.criterion takes one value at a time"),
-        ({"criterion": "coldest"}, "coldest"),
-        ({"critical_temperature": 145.0}, "145 K"),
-        ({"bulk_temperature": "60 N"}, "60 N"),
-        ({"share": 1.5}, "1.5"),
-        ({"given_measured": True}, "the sweep has no samples"),
-        ({"scatter": 0.1}, "the sweep has no samples"),
-    ],
-)
-def test_what_cannot_be_judged_afterwards_is_refused_in_a_line(sweep, given, message):
-    with pytest.raises(InputError, match=message) as refused:
-        pipeline.at(sweep, **given)
-    assert "\n" not in str(refused.value)
-
-
 def test_what_needs_a_run_names_the_values_that_the_sweep_has():
     with pytest.raises(InputError) as refused:
         pipeline.at(synthetic.sweep(), **{"window.pixel_size": "5 um"})

@@ -15,7 +15,6 @@ from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.surface import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES
-from tribo import InputError
 from tribo.thermal import failed_share
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
@@ -196,8 +195,6 @@ def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
         for name in alone.data_vars:
             np.testing.assert_array_equal(part[name], alone[name])
     assert crossings.attrs["critical_temperature"] == 418.15
-    with pytest.raises(InputError, match="at least 0"):
-        boundary(at(sweep, friction=(0.1, -0.1)))
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():

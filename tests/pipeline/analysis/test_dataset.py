@@ -150,19 +150,6 @@ def test_a_dataset_that_xarray_opened_or_interpolated_answers(alone, ds):
     assert between["load"].values.tolist() == ds["load"].values.tolist()
 
 
-@pytest.mark.parametrize(
-    ("cut", "reason"),
-    [
-        (lambda ds: ds[["max_rise"]], "has no status, rise_quantile, cooler_share"),
-        (lambda ds: ds.drop_attrs(), "has no attribute sweep"),
-        (lambda ds: ds.isel(load=0), "at a single load"),
-    ],
-)
-def test_a_dataset_that_lacks_what_an_answer_needs_is_refused_in_a_line(ds, cut, reason):
-    with pytest.raises(tribo.InputError, match=reason):
-        boundary(cut(ds))
-
-
 def test_units_are_such_as_other_programs_read(ds):
     registry = pint.UnitRegistry()
     for name, variable in ds.variables.items():

@@ -13,7 +13,7 @@ from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import synthetic
 from tests.pipeline.page import sweeps
-from tribo import PRESETS, InputError, WarningKind
+from tribo import PRESETS, WarningKind
 
 LIMIT = synthetic.limit()
 
@@ -198,21 +198,3 @@ def test_what_is_continued_tells_its_error():
                 missed.append(off / beyond.error.interpolation)
     assert len(missed) >= 5
     assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0
-
-
-@pytest.mark.parametrize(
-    ("load", "velocity", "message"),
-    [
-        (900.0, 2.0, "load is 900 N; the sweep has 200 to 750 N"),
-        (400.0, 0.1, "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
-    ],
-)
-def test_a_place_outside_the_sweep_is_refused(load, velocity, message):
-    with pytest.raises(InputError, match=message):
-        pipeline.margin(synthetic.sweep(), load, velocity)
-
-
-def test_a_sweep_with_nothing_done_about_a_place_says_so():
-    status = {(load, v): PENDING for load in synthetic.LOADS for v in synthetic.VELOCITIES}
-    with pytest.raises(InputError, match="too few points about"):
-        pipeline.margin(synthetic.sweep(status=status), 400.0, 2.1)

@@ -56,26 +56,6 @@ def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
     assert "at radius" in faults(scene(tmp_path, TABLES.replace("1 m/s", "600 rpm")))
 
 
-@pytest.mark.parametrize(
-    ("rows", "words"),
-    [
-        ("load [N],pin.radius [mm]\n300,3\n", 'no column "velocity [m/s]"'),
-        (FILE.replace("600", "-600"), "a load above 0"),
-        (FILE.replace("pin.radius", "pin.radios"), "pin.radios"),
-        (FILE.replace("4,0.12", ",0.12"), 'row 3, column "pin.radius [mm]" is empty'),
-        ("load [N],velocity [m/s]\n", "has no rows"),
-    ],
-)
-def test_faults_of_rows_are_named(tmp_path, rows, words):
-    assert words in faults(scene(tmp_path, rows=rows))
-
-
-def test_what_a_row_lacks_is_named(tmp_path):
-    said = faults(scene(tmp_path, TABLES.replace(', velocity = "2 m/s"', "")))
-    assert "sweep.along[1].velocity: missing" in said
-    assert "sweep.along is not given" in faults(scene(tmp_path, "around = 5"))
-
-
 def test_a_label_in_numbers_keeps_its_unit(tmp_path):
     heads = "cycle time [min],angle [deg],gear,load [N],velocity [m/s]"
     rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"

@@ -69,16 +69,7 @@ def test_an_entry_without_its_mark_takes_effect(template, tmp_path):
     assert load_scene(tmp_path / "held.toml").scene.loading.hold == 4.0
 
 
-def test_what_cannot_be_written_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"give a name such as mine\.toml"):
-        new_scene(tmp_path / "mine")
-    with pytest.raises(InputError, match=r'did you mean "twin_disc"\?.*there are ball_on_disk'):
-        new_scene(tmp_path / "mine.toml", like="twin_disk")
-    with pytest.raises(InputError, match=r"mine\.toml cannot be written: there is no folder .*no"):
-        new_scene(tmp_path / "no" / "mine.toml")
-    new_scene(tmp_path / "mine.toml")
-    with pytest.raises(InputError, match="exists already"):
-        new_scene(tmp_path / "mine.toml")
+def test_a_copy_replaces_no_file_that_the_scene_names(tmp_path):
     (tmp_path / "fig8_load_record.csv").write_text("mine")
     with pytest.raises(InputError, match=r"fig8_load_record\.csv exists already"):
         new_scene(tmp_path / "other.toml", like="fig8")

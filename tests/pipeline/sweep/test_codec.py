@@ -144,30 +144,6 @@ def test_a_forged_text_is_an_error_or_another_sweep_of_the_same_types(data):
     assert repr(sweep)
 
 
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        ("[" * 10_000 + "]" * 10_000, "not the text of a sweep"),
-        ('{"type": "Material"}', "is unknown or missing"),
-        ('{"type": "Own", "reference": "os:system", "is_allowed": true}', "type 'Own' is unknown"),
-        ("3", "text of a int"),
-    ],
-)
-def test_what_is_no_sweep_is_named(text, reason):
-    with pytest.raises(CodecError, match=reason):
-        text_sweep(text, {})
-
-
-def test_an_array_that_is_missing_or_another_is_named():
-    arrays = {}
-    text = sweep_text(tiny.full(roughness=SCANNED), arrays)
-    with pytest.raises(CodecError, match="is missing"):
-        text_sweep(text, {})
-    (digest,) = arrays
-    with pytest.raises(CodecError, match="is another one"):
-        text_sweep(text, {digest: arrays[digest] + 1e-12})
-
-
 @dataclass(frozen=True)
 class Fading:
     """A law of the user's own."""

@@ -1,0 +1,125 @@
+"""Tables of refusals: what causes each, what its message says, and the places that none causes."""
+
+import ast
+import contextlib
+import sys
+import tempfile
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pipeline
+from tribo import TriboError
+
+ROOT = Path(pipeline.__file__).resolve().parent
+
+
+class Outcome(NamedTuple):
+    """The message of a refusal, and the texts of all errors and faults by place in the code."""
+
+    message: str
+    places: list[tuple[str, int, str]]
+
+
+class Refusals:
+    """The refusals of a room: builds by name, each run once, in a folder of its own.
+
+    A build raises a `TriboError`, or returns what a command said. A place in the code is in the
+    table if an entry has caused its error or fault, and asks for a text that stands in it.
+    """
+
+    def __init__(
+        self,
+        room: str,
+        table: dict[str, tuple[Callable[[], Any], str]],
+        folder: Path,
+        stores: dict[str, Path] | None = None,
+    ) -> None:
+        self.room, self.table, self.folder, self.stores = ROOT / room, table, folder, stores or {}
+        self.outcomes: dict[str, Outcome] = {}
+
+    def outcome(self, name: str) -> Outcome:
+        """What came of an entry; stores are there under their names."""
+        if name not in self.outcomes:
+            place = Path(tempfile.mkdtemp(dir=self.folder))
+            for link, store in self.stores.items():
+                (place / link).symlink_to(store)
+            self.outcomes[name] = self._run(self.table[name][0], place)
+        return self.outcomes[name]
+
+    def check(self, name: str) -> None:
+        """Assert that an entry is refused in a line that says what its table asks for."""
+        message, said = self.outcome(name).message, self.table[name][1]
+        assert said in message, message
+        assert len(message.strip().splitlines()) == 1, message
+
+    def check_all(self, elsewhere: Collection[str] = ()) -> None:
+        """Assert that the table has every error and fault but those that are tested elsewhere."""
+        missing = self._missing()
+        unknown = [f"{place} {name}" for name, place in missing.items() if name not in elsewhere]
+        assert unknown == [], "\n".join(["the table lacks", *unknown])
+        assert sorted(missing) == sorted(elsewhere), "what the table has need not be elsewhere"
+
+    def _missing(self) -> dict[str, str]:
+        """Function and class of each error or fault that no entry causes, with its place."""
+        caused = {
+            (file, line)
+            for name, (_, said) in self.table.items()
+            for file, line, text in self.outcome(name).places
+            if said in text
+        }
+        return {
+            name: f"{file}:{lines[0]}"
+            for file, lines, name in self._statements()
+            if not any((file, line) in caused for line in lines)
+        }
+
+    def _run(self, build: Callable[[], Any], place: Path) -> Outcome:
+        places: list[tuple[str, int, str]] = []
+        room = str(self.room)
+
+        def on_error(frame: Any, event: str, argument: Any) -> Any:
+            if event == "exception":
+                said = " ".join(str(argument[1]).split())
+                places.append((frame.f_code.co_filename, frame.f_lineno, said))
+            return on_error
+
+        def on_call(frame: Any, event: str, argument: Any) -> Any:
+            if frame.f_code.co_name == "note" and "problem" in frame.f_locals:
+                said, caller = "{key}: {problem}".format(**frame.f_locals), frame.f_back
+                places.append((caller.f_code.co_filename, caller.f_lineno, said))
+            if not frame.f_code.co_filename.startswith(room):
+                return None
+            frame.f_trace_lines = False
+            return on_error
+
+        before = sys.gettrace()
+        with contextlib.chdir(place):
+            sys.settrace(on_call)
+            try:
+                message = str(build())
+            except TriboError as error:
+                message = str(error)
+            finally:
+                sys.settrace(before)
+        return Outcome(message, places)
+
+    def _statements(self) -> Iterator[tuple[str, range, str]]:
+        """Each statement that raises or notes, with its lines and its name."""
+        for file in sorted(self.room.rglob("*.py")) if self.room.is_dir() else [self.room]:
+            for function in ast.walk(ast.parse(file.read_text("utf-8"))):
+                if isinstance(function, ast.FunctionDef):
+                    for node in ast.walk(function):
+                        if error := _refusal(node):
+                            lines = range(node.lineno, node.end_lineno + 1)
+                            yield str(file), lines, f"{file.stem}.{function.name} {error}".strip()
+
+
+def _refusal(node: ast.AST) -> str | None:
+    """Class of the error that a statement makes, or "fault" where it notes one."""
+    match node:
+        case ast.Raise(exc=ast.Call(func=error)):
+            return ast.unparse(error)
+        case ast.Call(func=ast.Attribute(attr="note")):
+            return "fault"
+    return None

@@ -1,0 +1,154 @@
+"""All refusals of answers: what causes each, and what its message says."""
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import pipeline
+from pipeline.analysis.dataset import read_conditions, select_surface
+from pipeline.analysis.tables import writable_path, write_text
+from pipeline.store.create import writing
+from pipeline.store.schema import PENDING
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.own_laws import CRITERION, Reference
+from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.variants import placed_rows, rows
+from tests.helpers import synthetic, tiny
+from tests.helpers.refusals import Refusals
+from tests.helpers.samples import ALL, dataset, ensemble
+from tests.helpers.sweeps import with_fields
+from tribo import Motion
+
+plane = cache(synthetic.sweep)
+
+
+@cache
+def samples():
+    return dataset(ensemble(ALL, 32))
+
+
+def made(**values):
+    """Dataset of a store without any point."""
+    with writing("some.zarr", tiny.sweep(**values)):
+        pass
+    return pipeline.open_sweep("some.zarr")
+
+
+def places():
+    return made(variants=placed_rows([()], [], [250.0], [1.0]))
+
+
+def pins():
+    return made(variants=rows("pin", {"a": {}, "b": {"pin.radius": 6e-3}}))
+
+
+def at(**values):
+    return lambda: pipeline.at(plane(), **values)
+
+
+def drawn(**values):
+    return lambda: pipeline.at(samples(), **values)
+
+
+def margin(*place, **values):
+    return lambda: pipeline.margin(synthetic.sweep(**values), *place)
+
+
+def rough():
+    hurst = Unknown("disk.roughness.hurst_exponent", "uniform", (0.7, 0.9))
+    drawn = dataset(ensemble((*ALL, hurst), 32))
+    return pipeline.at(drawn, **{hurst.path: "a"})
+
+
+def nothing():
+    with pytest.raises(AttributeError) as caught:
+        _ = plane().irg.nothing
+    return caught.value
+
+
+def coded():
+    """A plane that was judged by code."""
+    law = Reference("laws:median", CRITERION, (), "0")
+    values = synthetic.CONDITIONS | {"criterion": "laws:median", "own_criterion": law}
+    return read_conditions(with_fields(plane(), conditions=Conditions(**values)))
+
+
+def unmoved():
+    rolling = with_fields(plane(), motion=Motion(entrainment_velocity=2.0), friction_heat=False)
+    return read_conditions(rolling)
+
+
+def taken():
+    Path("a.csv").mkdir()
+    return writable_path("a.csv", (".csv",))
+
+
+def unwritable():
+    Path("a.csv").mkdir()
+    return write_text("", Path("a.csv"))
+
+
+NOTHING = {(load, v): PENDING for load in synthetic.LOADS for v in synthetic.VELOCITIES}
+REFUSALS = {
+    # other conditions
+    "entry": (at(**{"pin.radius": "3 mm"}), "run irg run synthetic.toml --set 'pin.radius=3 mm'"),
+    "twice": (at(friction=0.1, **{"friction.coefficient": 0.2}), "coefficient is given twice"),
+    "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
+    "negative": (at(friction=-0.1), "friction is -0.1; it must be at least 0"),
+    "one negative": (at(friction=(0.1, -0.1)), "friction is -0.1; it must be at least 0"),
+    "none": (at(friction=()), "friction has no value"),
+    "criteria": (at(criterion=["mean", "highest"]), "criterion takes one value at a time"),
+    "criterion": (at(criterion="coldest"), "coldest"),
+    "cold": (at(critical_temperature=145.0), "critical_temperature is -128.1 °C (145 K)"),
+    "hot": (at(bulk_temperature=1200.0), "(1200 K), at which no oil works"),
+    "unit": (at(bulk_temperature="60 N"), "60 N"),
+    "share": (at(share=1.5), "1.5"),
+    "one body": (at(bulk_temperature={"pin": 300.0}), "bulk_temperature names pin"),
+    "bodies": (at(bulk_temperature={"pin": 300.0, "disk": 310.0}), "bodies of one bulk"),
+    "measured": (at(given_measured=True), "the sweep has no samples"),
+    "scatter": (at(scatter=0.1), "the sweep has no samples"),
+    "scatter alone": (drawn(scatter=0.1), "scatter is 0.1, of measured velocities"),
+    "weighed": (drawn(given_measured=True, friction=0.1), "were drawn: leave out friction"),
+    "text": (rough, 'disk.roughness.hurst_exponent is "a"; give a plain number'),
+    "beyond": (drawn(**{"wear.specific_wear_rate": 1.0}), "beyond the samples; give one from"),
+    "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
+    "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "at is 'hotter'"),
+    "code": (coded, "the store was judged by the criterion \"laws:median\""),
+    "no heat": (unmoved, "the sweep was computed without friction"),
+    "surface": (lambda: select_surface(plane(), 3), "realization is 3, which the sweep does not"),
+    # datasets
+    "variables": (lambda: pipeline.boundary(plane()[["max_rise"]]), "the dataset has no status"),
+    "no sweep": (lambda: pipeline.boundary(plane().drop_attrs()), "has no attribute sweep"),
+    "one load": (lambda: pipeline.boundary(plane().isel(load=0)), "at a single load"),
+    "no plane": (lambda: pipeline.boundary(places()), "no plane of velocities and loads"),
+    "pins": (lambda: pipeline.diff(pins(), plane()), "the sweep has several values of pin"),
+    "kinds": (lambda: pipeline.diff(places(), plane()), "compare stores of a kind"),
+    "answer": (nothing, "a sweep has no nothing; it has at, boundary"),
+    # places
+    "load": (margin(900.0, 2.0), "load is 900 N; the sweep has 200 to 750 N"),
+    "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
+    "nothing": (margin(400.0, 2.1, status=NOTHING), "too few points about 400 N and 2.1 m/s"),
+    "no load": (margin(None, 2.0), "velocity is given without a load"),
+    "no velocity": (margin(400.0), "load is given without a velocity"),
+    "no place": (margin(), "no operating point is given"),
+    # files
+    "suffix": (lambda: writable_path("a.txt", (".csv", ".xlsx")), "must be one of .csv, .xlsx"),
+    "folder": (lambda: writable_path("no/a.csv", (".csv",)), "there is no folder no"),
+    "taken": (taken, "it is a folder"),
+    "unwritable": (unwritable, "cannot write a.csv: Is a directory"),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("analysis", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all()

@@ -1,0 +1,352 @@
+"""All refusals of scenes, and of the files that they name: what causes each, and what it says."""
+
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.scene.along import OperatingPoints
+from pipeline.scene.facts import require_bearable_load
+from pipeline.scene.height_file import read_heights
+from pipeline.scene.load_record import read_load
+from pipeline.scene.reference import new_scene
+from pipeline.scene.scenefile import load_scene
+from pipeline.scene.units import difference_in_si, in_si, require_count, share_of, to_si
+from tests.helpers.refusals import Refusals
+from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
+
+BALL_TABLE = {"without": "pin.length", "pin.shape": "ball"}
+STEEL = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]
+WEAR = TEXT[TEXT.index("[wear]") : TEXT.index("[friction]")]
+RAMP = 'rate = "150 N/s"\nreference_load = "750 N"'
+LONG = "title = 'a'\n" + ".".join("a" * 20) + " = 1\n"
+
+
+def scene(*changes, text=TEXT, **overrides):
+    """Read the scene of these tests with texts replaced, or with other entries."""
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    Path("scene.toml").write_text(text, encoding="utf-8")
+    return load_scene("scene.toml", overrides=overrides)
+
+
+def entry(key, value, **others):
+    return lambda: scene(**{key: value}, **others)
+
+
+def text(old, new):
+    return lambda: scene((old, new))
+
+
+def toml(content, name="scene.toml"):
+    def read():
+        Path(name).write_bytes(content)
+        return load_scene(name)
+
+    return read
+
+
+def file(read, name, content):
+    """Read a file of some content."""
+
+    def build():
+        Path(name).write_bytes(content)
+        return read(Path(name))
+
+    return build
+
+
+def heights(name, content):
+    return file(read_heights, name, content)
+
+
+def load(content, **arguments):
+    return file(lambda path: read_load(path, **arguments), "load.csv", content)
+
+
+def points(content):
+    return file(OperatingPoints.read, "points.csv", content.encode())
+
+
+def along(rows, **others):
+    def build():
+        Path("rows.csv").write_text(rows)
+        return scene(**{"sweep.along": "rows.csv"}, **others)
+
+    return build
+
+
+def header(shape, descr="<f8"):
+    text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}"
+    return b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + text.ljust(117).encode() + b"\n"
+
+
+def saved(save, **array):
+    buffer = io.BytesIO()
+    save(buffer, **array)
+    return buffer.getvalue()
+
+
+def vast(descr="<f8", shape=(10**5, 10**5)):
+    """A file of so many heights, most of them holes."""
+    with Path("a.npy").open("wb") as file:
+        start = file.write(header(shape, descr))
+        file.truncate(start + math.prod(shape) * np.dtype(descr).itemsize)
+    return read_heights(Path("a.npy"))
+
+
+def measured(shape, **others):
+    np.save("surface.npy", np.zeros(shape))
+    return scene((ROUGHNESS, MEASURED_SURFACE), **others)
+
+
+def code():
+    Path("mine.py").write_text("")
+    return scene((WEAR, '[wear]\nlaw = "mine:Own"\n'))
+
+
+def chained():
+    for number in range(30):
+        Path(f"{number}.toml").write_text(f'extends = "{number + 1}.toml"\n')
+    return load_scene("0.toml")
+
+
+def extending(text):
+    Path("base.toml").write_text(TEXT, encoding="utf-8")
+    Path("scene.toml").write_text(f'extends = "base.toml"\n{text}')
+    return load_scene("scene.toml")
+
+
+def again():
+    new_scene("mine.toml")
+    return new_scene("mine.toml")
+
+
+def over(path, values, **others):
+    return entry("sweep.over", {path: values}, **others)
+
+
+FILES = {
+    "csv": (heights("a.csv", b"1,2\n3,x\n"), "line 2"),
+    "csv unequal": (heights("a.csv", b"1,2\n3\n"), "line 2: 1 numbers, but 2"),
+    "csv nan": (heights("a.csv", b"1,2\n3,nan\n"), "row 1, column 1"),
+    "semicolons": (heights("a.csv", b"1;2;3" * 999),
+                   "; put commas between numbers, in place of semicolons"),
+    "decimal commas": (heights("a.csv", b"1,5;2,5\n3,5;4,5\n"),
+                       "of semicolons, and write decimals with a point"),
+    "tabs": (heights("a.csv", b"1\t2\n3\t4\n"), "in place of tabs"),
+    "csv header": (heights("a.csv", b"x,y\n1,2\n"), "leave a header out"),
+    "csv empty": (heights("a.csv", b""), "two-dimensional"),
+    "csv long": (heights("a.csv", b"1," + b"9" * 200_000), "field larger than"),
+    "csv null": (heights("a.csv", b"1,2\n3,\x00\n"), "line 2"),
+    "csv utf-16": (heights("a.csv", "1,2\n3,4\n".encode("utf-16")), "utf-8"),
+    "no file": (lambda: read_heights(Path("a.npy")), "a.npy: cannot be read"),
+    "npz": (heights("a.npy", saved(np.savez, heights=np.ones((2, 2)))), "begin as NumPy"),
+    "npy text": (heights("a.npy", saved(np.save, arr=np.array([["a"]]))), "real numbers"),
+    "npy vast": (heights("a.npy", header("(10000000, 10000000)")), "more than there is memory"),
+    "npy large": (vast, "74.5 GiB"),
+    "npy heights": (lambda: vast("|i1", (10_001, 10_000)), "100010000 heights"),
+    "npy short": (heights("a.npy", header("(3, 3)") + b"12345678"), "not a plain array"),
+    "npy none": (heights("a.npy", header("(0, 5)")), "shape (0, 5)"),
+    "format": (heights("a.txt", b"1"), "use .npy or .csv"),
+    "load short": (load(b"time [s],load [N]\n0,0\n"), "1 rows"),
+    "load header": (load(b"0,0\n1,5\n"), "line 1: the header is '0,0'"),
+    "load columns": (load(b"time [s],load [N]\n0,0\n1,5,6\n"), "line 3: 3 columns"),
+    "load words": (load(b"time [s],load [N]\n0,0\n1,five\n"), "line 3: could not convert"),
+    "load nan": (load(b"time [s],load [N]\n0,0\n\n1,nan\n"), "line 4: 1 s, nan N; both must be"),
+    "load back": (load(b"time [s],load [N]\n0,0\n2,5\n# pause\n1,6\n"),
+                  "line 5: time 1 s after 2 s"),
+    "load semicolons": (load(b"time [s];load [N]\n0;0\n1;5\n"), "in place of semicolons"),
+    "load utf-16": (load("time [s], load [N]\n0,0\n".encode("utf-16")), "UTF-8"),
+    "load long": (load(b"time [s], load [N]\n0," + b"9" * 200_000), "field larger than"),
+    "load falls": (load(b"time [s],load [N]\n0,7\n1,5\n"), "begins at 7 N"),
+    "no load": (lambda: read_load(Path("no.csv")), "no.csv: cannot be read"),
+    "load folder": (lambda: read_load(Path()), "cannot be read"),
+}  # fmt: skip
+
+QUANTITIES = {
+    "no unit": (lambda: to_si("4 m/m", like="1 m"), '"4 m/m" has no unit'),
+    "degrees": (lambda: to_si("25 C", like="1 K"), "write 25 degC"),
+    "dimension": (lambda: to_si("7 kg", like="750 N"), "its weight is 68.65 N"),
+    "rotation": (lambda: to_si("7 rpm", like="1 m/s"), '"500 rpm at radius 30 mm"'),
+    "si": (lambda: to_si("4 dB", like="1 m"), '"4 dB"'),
+    "temperature": (lambda: difference_in_si("8 degC", like="1 K"), "give a difference"),
+    "no quantity": (lambda: to_si("five", like="1 m"), '"five" is not a number followed by'),
+    "hardness": (lambda: to_si("19 HRC", like="6 GPa"), "20 to 68 HRC; give it in HV"),
+    "unknown": (lambda: to_si("4 kp", like="1 N"), '"4 kp" has an unknown unit'),
+    "unit": (lambda: to_si("4 2 um", like="1 m"), "has a unit that cannot be read"),
+    "named": (lambda: in_si("load", "4 m", "750 N"), 'load: "4 m"'),
+    "count": (lambda: require_count("samples", 1.5), "samples is 1.5"),
+    "share": (lambda: share_of("ten"), '"ten": give a share such as 10% or 0.1'),
+}
+
+ENTRIES = {
+    "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
+    "ra unit": (entry("disk.roughness.ra", "0.27 GPa"), '"0.27 GPa" cannot be converted to um'),
+    "ra word": (entry("disk.roughness.ra", "0.27 parsnip"), "unknown unit: 'parsnip'"),
+    "pair": (entry("disk.roughness.correlation_length", ["4 um"]),
+             "has 1 entry; give a list of 2, each a length"),
+    "no list": (entry("sweep.loads", []), "[] is empty"),
+    "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
+    "huge": (entry("model.scatter", 1e-200), "is out of range, which is from"),
+    "shape": (entry("pin.shape", "cylindr"), '"cylindr" is unknown (did you mean "cylinder"?)'),
+    "short pin": (entry("pin.length", "0.455 mm"), "0.455 mm is shorter than the window, 480 pix"),
+    "material": (entry("disk.material", "stell"), 'disk.material: "stell" is neither'),
+    "like": (entry("oil", "vg33"), '"vg33" is not in the library'),
+    "pixels": (entry("window.pixels", [480, 481]), "[480, 481] cannot be averaged 4 × 4; give"),
+    "one pixel": (entry("window.pixels", [1, 1], **{"fidelity.pixels_per_element": 1}),
+                  "[1, 1] cannot be rough"),
+    "pixel": (entry("window.pixel_size", ["1e10 um", "2 um"]), "one side must be at most 1e+06"),
+    "periodic": (entry("window.periodic_y", True, **BALL_TABLE), "true does not fit a ball"),
+    "crown": (entry("pin.shape", "crowned", without="pin.length"),
+              "pin.crown_radius: missing; a crowned pin needs"),
+    "powers": (entry("wear.specific_wear_rate", "1 mm3/(N m)"), 'powers as in "mm^3"'),
+    "motion": (entry("motion", {}), "entrainment_velocity None; exactly one of them must be"),
+    "motions": (entry("motion", {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}),
+                "motion.slide_roll_ratio: 1 stands beside an entrainment_velocity; give one"),
+    "short track": (entry("motion", {"slide_roll_ratio": 1, "track_length": "0.1 mm"}),
+                    "motion.track_length: 0.1 mm is shorter than the window, "),
+    "critical": (entry("temperature.critical", "25 degC"), "not above temperature.bulk, 25 °C"),
+    "cold": (entry("temperature.bulk", "-300 degC"), "is out of range; give a temperature above 0"),
+    "far": (entry("temperature.bulk", "1e9 degC"), '"1e9 degC" is out of range, which is from'),
+    "share of area": (entry("temperature.failing_share", "150%"), "give a share such as 0.1"),
+    "large pixel": (entry("window.pixel_size", ["0.8 mm", "0.8 mm"]),
+                    "is shorter than the window, 480 pixels of 800 µm along y"),
+    "band": (entry("friction.band", [0.103, 0.09]), "falls; give the lower one first"),
+    "comma": (entry("friction.coefficient", "0,1"), '"0,1" is not a plain number'),
+    "step": (entry("sweep.velocities.step", "0.7 m/s"), 'steps of "0.7 m/s", not a whole number'),
+    "step and count": (entry("sweep.velocities", {"from": "1 m/s", "to": "2 m/s", "count": 4,
+                                                  "step": "1 m/s"}), "has both step and count"),
+    "small step": (entry("sweep.velocities.step", "1e-9 m/s"), "3e+9 steps of"),
+    "falling": (entry("sweep.velocities.to", "0.1 m/s"), "falls, and from is the lower end"),
+    "log": (entry("sweep.velocities", {"from": "0 m/s", "to": "2 m/s", "count": 4,
+                                       "spacing": "log"}), "begins at 0, and spacing"),
+    "title": (entry("title", 3), "give text in quotes"),
+    "no title": (entry("title", ""), "the text is empty"),
+    "null": (entry("title", "a\0"), "has a null character"),
+    "materials": (entry("materials", 3), "is not a table that holds tables"),
+    "table": (entry("title.long", "x"), "title.long: title is not a table"),
+    "key": (entry("realisations", 3), 'realisations: unknown key (did you mean "sweep.real'),
+    "seeds": (entry("sweep.realizations", [3, 3]), "sweep.realizations[1]: 3 equals entry [0]"),
+    "without": (entry("without", "pin.lenght"), '"pin.lenght" is not an entry of'),
+    "load": (lambda: require_bearable_load(scene(), 1e6, "--load"),
+             "--load: 1e+06 N is more than the window carries"),
+    "points": (entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 100_000},
+                     **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 100_000}}),
+               "1e+10 points are too many"),
+    "temperatures": (entry("wear.by_temperature", [
+        {"temperature": "300 K", "specific_wear_rate": "1e-15 m^2/N"}] * 2), "stands twice"),
+    "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
+                                   **{"sweep.realizations": 3}), "does not fit a smooth disk"),
+    "measured seeds": (lambda: measured((480, 480), **{"sweep.realizations": 3}),
+                       "3 does not fit a measured disk"),
+    "surfaces": (entry("disk.surface", {"law": "mine:Own"}), "there is a [disk.roughness], too"),
+    "scan": (lambda: measured((48, 20)), "the surface has 20 × 48 heights along x and y"),
+    "own law": (lambda: scene((WEAR, '[wear]\nlaw = "mine:Own"\n')), 'wear.law: "mine:Own"'),
+    "code": (code, "code runs only if you say so"),
+    "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
+    "distribution": (entry("unknown", {"friction.coefficient": 0.1}),
+                     "0.1 is not a distribution"),
+    "height unit": (lambda: measured((480, 480), **{"disk.roughness.height_unit": "parsnip"}),
+                    '"parsnip" is not '),
+    # several values of an entry
+    "over fixed": (over("sweep.loads", [1, 2]), "this cannot take several values"),
+    "over units": (over("pin.radius", ["1 mm", 2]), "give all with a unit, or none"),
+    "over twice": (over("pin.radius", ["1 mm", "1000 um"]), "are the same; give each value once"),
+    "over faulty": (over("pin.radius", ["2 mm", "-1 mm"]), '"-1 mm" is out of range'),
+    "over nothing": (lambda: scene(
+        ("[pin]", STEEL.replace("steel", "spare") + "[pin]"),
+        **{"sweep.over": {"materials.spare.density": ["7 g/cm^3", "8 g/cm^3"]}}),
+        "changes nothing in this scene"),
+    "over bulks": (over("temperature.bulk.disk", ["25 degC", "50 degC"],
+                        **{"temperature.bulk": {"pin": "25 degC", "disk": "25 degC"}}),
+                   "which every value has in common"),
+    "over grid": (over("fidelity.pixels_per_element", [2, 4]), "the grid of the stored fields"),
+    "over many": (over("pin.radius", [f"{2 + n / 1000} mm" for n in range(149)], **{
+        "sweep.over.pin.length": [f"{3 + n / 1000} mm" for n in range(149)]}), "are too many"),
+    # rows of a scene
+    "around": (entry("sweep.around", 5), "sweep.along is not given"),
+    "rows": (entry("sweep.along", [{"load": "1 N", "velocity": "1 m/s"},
+                                   {"load": "1 N", "velocity": "2 m/s", "gear": "a"}]),
+             "sweep.along[1]: not all rows have gear"),
+    "row lacks": (entry("sweep.along", [{"load": "1 N"}]), "sweep.along[0].velocity: missing"),
+    "row column": (along("load [N],pin.radius [mm]\n300,3\n"), 'no column "velocity [m/s]"'),
+    "row empty": (along("pin.radius [mm],load [N],velocity [m/s]\n3,1,1\n,1,2\n"),
+                  'row 3, column "pin.radius [mm]" is empty'),
+    "row load": (along("load [N],velocity [m/s]\n-600,1\n"), '"-600 N" is out of range'),
+    "row path": (along("load [N],velocity [m/s],pin.radios [mm]\n600,1,3\n"), "pin.radios"),
+    "no rows": (along("load [N],velocity [m/s]\n"), "has no rows"),
+    "no row file": (entry("sweep.along", "no.csv"), "no.csv"),
+    "row samples": (along("load [N],velocity [m/s]\n300,1\n300,2\n", **{
+        "unknown": {"friction.coefficient": {"mean": 0.1, "sd": 0.01}}, "sweep.samples": 8}),
+                    "leave out one or the other"),
+    "row count": (along("load [N],velocity [m/s]\n" + "".join(
+        f"{300 + n / 100},1\n" for n in range(5000)), **{"sweep.around": 9}),
+        "places are too many"),
+    # tables of points
+    "points alone": (lambda: OperatingPoints.read(
+        {"load": ["1 N"], "velocity": ["1 m/s"], "friction": [0.1]}).require_places_alone("no"),
+        "the table has columns for friction"),
+    "points faulty": (points("load [N],velocity [m/s]\n-3,1\n"), "load: "),
+    "points decimals": (points("load [N];velocity [m/s]\n1.200;1,5\n"), '"1.200" beside decimal'),
+    "points type": (lambda: OperatingPoints.read(3), "points are of type int"),
+    "points lengths": (lambda: OperatingPoints.read({"load": ["1 N"], "velocity": []}),
+                       "columns of unlike lengths"),
+}  # fmt: skip
+
+TEXTS = {
+    "hardnes": (text("hardness =", "hardnes ="), 'did you mean "hardness"?'),
+    "number of pixels": (text("[480, 480]", "[480, 480.0]"), "480.0 is not a whole number"),
+    "record": (text(RAMP, 'file = "no.csv"'), "No such file"),
+    "odd key": (text("[pin]", '"a\\u2028b" = 1\n[pin]'), 'materials.steel."a\\u2028b": unknown'),
+    "thousands": (text('["200 N"', '["1,200 N"'), '"1.200 N", and thousands without a comma: "'),
+    "equal loads": (text('"400 N"', '"0.2 kN"'), "sweep.loads[1]: "),
+    "line": (toml(b'a = 1\ntitle = "no end\n'), "line 2"),
+    "twice": (toml(b"a = 1\nb = 2\na = 3\n"), "A key is given twice (at line 3"),
+    "utf-16": (toml(TEXT.encode("utf-16")), "not UTF-8"),
+    "large": (toml(b"#" * 10_000_001), "larger than 1 MB"),
+    "deep": (toml(b"a = " + b"[" * 100_000), "not valid TOML"),
+    "backslash": (toml(b'[disk]\nfile = "C:\\scans\\disk.npy"'), "write / in place of \\ in"),
+    "quotes": (toml("title = “Disk”".encode()), "write straight quotes"),
+    "key of parts": (toml(LONG.encode()), "line 2 has a key of more than 10 parts"),
+    "entries": (toml("".join(f"k{n} = 1\n" for n in range(10_001)).encode()), "10001 entries"),
+    "list": (toml(f"sweep.loads = {['1 N'] * 20_000}".encode()), "loads: has 20000 entries"),
+    "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
+    "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
+    "layers": (chained, "more than 20 scenes"),
+    "circle": (toml(b'extends = "scene.toml"\n'), "closes a circle"),
+    "extends": (toml(b"extends = 3\n"), "extends: 3"),
+    "extends none": (toml(b'extends = "no.toml"\n'), "extends: no.toml"),
+    "nothing to leave": (text("title =", 'without = ["pin"]\ntitle ='), "nothing to leave out"),
+    "lacks": (lambda: extending('without = ["pin.radius"]\n'), "missing; give a length above 0"),
+    "new": (lambda: new_scene("mine.txt"), "give a name such as mine.toml"),
+    "new like": (lambda: new_scene("mine.toml", "twin_disk"), 'did you mean "twin_disc"?'),
+    "new again": (again, "mine.toml exists already"),
+    "new folder": (lambda: new_scene("no/mine.toml"), "there is no folder no"),
+}
+
+REFUSALS = {**FILES, **QUANTITIES, **ENTRIES, **TEXTS}
+
+ELSEWHERE = {
+    "load_record.read_load InputError": "test_load_record.py, since it takes a million rows",
+    "height_file._read_csv _too_large": "by nobody, since it takes 200 MB of text",
+    "headings._read_csv InputError": "by nobody: read where the extra laboratory was taken away",
+}
+"""Refusals that are not in the table: where they are tested, or why not."""
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("scene", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all(ELSEWHERE)

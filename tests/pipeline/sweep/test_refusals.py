@@ -1,0 +1,169 @@
+"""All refusals of sweeps, their conditions, variants and own laws: causes, and what each says."""
+
+import math
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tribo
+from pipeline.sweep.codec import encode, sweep_text, text_sweep
+from pipeline.sweep.conditions import Conditions, bulk_entries
+from pipeline.sweep.model import Plane
+from pipeline.sweep.own_laws import CRITERION, WEAR, Laws, Own, Reference, refer
+from pipeline.sweep.severity import require_bulks
+from pipeline.sweep.unknown import Unit, Unknown
+from pipeline.sweep.variants import placed_rows, rows, surfaces
+from tests.helpers import tiny
+from tests.helpers.refusals import Refusals
+
+OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
+RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
+CURVE = tribo.Corrections(friction=((1.0, 1.0), (2.0, 1.1)))
+LAWS = """
+import tribo
+
+class Law:
+    pattern = "swept"
+    def __init__(self, distance):
+        self.distance = distance / 2
+    def over(self, begin, end):
+        return tribo.Wear(1e-15)
+
+ready = Law(1.0)
+"""
+
+
+def conditions(**changes):
+    return lambda: Conditions(**OIL | changes)
+
+
+def law(reference, text=LAWS, kind=WEAR, allowed=True, **parameters):
+    def build():
+        Path("laws.py").write_text(text)
+        return Laws(Path(), allowed).named(kind, reference, parameters)
+
+    return build
+
+
+def large():
+    with Path("laws.py").open("wb") as file:
+        file.truncate(10**9)
+    return Laws(Path(), True).named(WEAR, "laws:Law")
+
+
+def unknown(kind, *parameters):
+    return lambda: Unknown("friction.coefficient", kind, parameters)
+
+
+def scanned(change):
+    """A sweep with a measured surface, read from its text and other arrays."""
+    heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
+    text = sweep_text(tiny.full(roughness=tribo.MeasuredRoughness(heights)), arrays := {})
+    return text_sweep(text, {key: array + change for key, array in arrays.items() if change})
+
+
+def unsourced():
+    return refer(type("Unsourced", (), {"over": None, "pattern": "swept"})())
+
+
+def misnamed():
+    with pytest.raises(TypeError) as caught:
+        tiny.sweep().changed(friktion=0.1)
+    return caught.value
+
+
+def hidden():
+    with pytest.raises(AttributeError) as caught:
+        _ = law("laws:ready")()._hidden
+    return caught.value
+
+
+PLACED = tiny.sweep(variants=placed_rows([()], [], [100.0], [1.0]))
+SMOOTH = tiny.sweep(roughness=None)
+REFUSALS = {
+    # conditions
+    "friction": (conditions(friction=-0.1), "friction is -0.1; it must be at least 0"),
+    "two frictions": (conditions(friction=(0.1, 0.2)), "(0.1, 0.2); it must be one number"),
+    "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
+    "bulk": (conditions(bulk_temperature=-1.0), "it must be above 0 K"),
+    "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 25 °C"),
+    "disk above": (conditions(disk_temperature=420.0), "must lie above the bulk temperature, 146"),
+    "share": (conditions(failing_share=1.0), "share is 1.0"),
+    "share nan": (conditions(failing_share=math.nan), "failing_share is nan"),
+    "curve": (conditions(corrections=CURVE, disk_temperature=350.0), "friction.by_velocity: "),
+    "criterion": (conditions(criterion="laws:median"), 'criterion is "laws:median", which is code'),
+    "no critical": (lambda: conditions(critical_temperature=None)().known_critical_temperature(),
+                    "temperature.critical is missing"),
+    "bodies": (lambda: bulk_entries({"pin": 300.0}), "bulk_temperature names pin; give one"),
+    "unequal": (lambda: require_bulks({}, conditions(disk_temperature=350.0)()),
+                "25 °C (298.15 K) of the pin"),
+    # the sweep and its variants
+    "plane": (lambda: Plane((), (1.0,)), "no load or no velocity"),
+    "search": (PLACED.require_search, "each row has a velocity of its own"),
+    "hold": (lambda: tiny.sweep(loading=RECORD).held(2.0), "hold is 2 s, but the load follows"),
+    "field": (misnamed, "a sweep has no friktion"),
+    "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),
+    "part": (lambda: SMOOTH.replace_part((("roughness.seed", 3),)), "roughness.seed is 3"),
+    "tables": (lambda: surfaces((1, 2)) * surfaces((3,)), "have realization; give one"),
+    "row": (lambda: surfaces((1, 2)).part((("realization", 5),)),
+            "realization is 5, which the sweep does not have; it has 1, 2"),
+    "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
+        surfaces((2,)) * rows("pin", {"b": {}})), "such as realization 1, pin b"),
+    # inputs that are not known exactly
+    "sd": (unknown("normal", 0.1, 0.0), "sd is 0; give above 0"),
+    "median": (unknown("log-normal", -1.0, 1.5), "median is -1; give above 0"),
+    "factor": (unknown("log-normal", 1.0, 1.0), "factor is 1; give above 1"),
+    "falling": (unknown("uniform", 6.0, 3.0), "from 6 to 3 does not rise"),
+    "one": (unknown("list", 1.0), "at least two different values"),
+    "equal": (unknown("list", 1.0, 1.0), "at least two different values"),
+    "nan": (unknown("normal", math.nan, 1.0), "is not a distribution; give finite numbers"),
+    "kind": (unknown("even", 0.0, 1.0), "even with (0.0, 1.0) is not a distribution"),
+    "unit": (lambda: Unit("mm", size=0.0), "a unit of 0 mm is none"),
+    # texts of sweeps
+    "object": (lambda: encode(object(), {}), "is a object, which a store cannot keep"),
+    "nested": (lambda: text_sweep("[" * 10_000 + "]" * 10_000, {}), "not the text of a sweep"),
+    "fields": (lambda: text_sweep('{"type": "Material"}', {}), "is unknown or missing"),
+    "value": (lambda: text_sweep('{"type": "Wear", "specific_wear_rate": "x", "pattern": "local"}',
+                                 {}), "Wear.specific_wear_rate is 'x', which it cannot be"),
+    "own": (lambda: text_sweep('{"type": "Own", "reference": "os:system"}', {}), "type 'Own' is"),
+    "number": (lambda: text_sweep("3", {}), "text of a int"),
+    "no array": (lambda: scanned(0.0), "is missing"),
+    "array": (lambda: scanned(1e-12), "is another one"),
+    # laws of a user's own
+    "no name": (law("laws"), '"laws" is not the name of an object; give "module:name"'),
+    "not allowed": (law("laws:Law", allowed=False), "code runs only if you say so"),
+    "no file": (law("none:Law"), "there is no file none.py in"),
+    "dots": (law("a.b:Law"), 'there is no file for "a.b" in'),
+    "large": (large, "laws.py is larger than"),
+    "missing": (law("laws:Missing"), "the module has no Missing"),
+    "faulty": (law("laws:Law", "x = 1\n1 / 0\n"), "laws.py, line 2: ZeroDivisionError"),
+    "no text": (law("laws:Law", "x = (\n"), "laws.py, line 1: SyntaxError"),
+    "parameter": (law("laws:Law", distance="x"), "cannot be made with distance = 'x': TypeError"),
+    "parameters": (law("laws:Law"), "cannot be made with no parameters: TypeError"),
+    "no class": (law("laws:ready", distance=1.0), "is no class, and takes no parameters"),
+    "no rule": (law("laws:Law", kind=CRITERION), "is not a tribo.Rule"),
+    "method": (law("laws:tribo"), "has no method over(begin, end)"),
+    "forged": (partial(Own, "laws:Law", WEAR, (), b"", "", None, False), "is not allowed to run"),
+    "hash": (partial(Own, "laws:Law", WEAR, (), b"", "0", None, True), "was read with 0"),
+    "absent": (partial(Own, "laws:Law", WEAR, (), b"", "0", "rig", True), "is missing here"),
+    "stored": (lambda: Reference("laws:Law", WEAR, (), "0").over(0.0, 1.0),
+               "nothing that a store names is run"),
+    "hidden": (hidden, "_hidden"),
+    "no source": (unsourced, "Unsourced cannot be read"),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("sweep", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all()
