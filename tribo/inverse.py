@@ -22,6 +22,7 @@ from tribo.simulation import (
     Ball,
     Corrections,
     Fidelity,
+    Friction,
     Scene,
     advance,
     measures,
@@ -111,7 +112,7 @@ def critical_temperature(
         Bulk temperature of the disk less that of the pin [K]; the scene must have `unequal_bulks`
         if it is not 0.
     corrections : Corrections, optional
-        Physics beside the half-spaces; of its friction by velocity nothing is used, since each
+        Physics beside the half-spaces; of its friction nothing is used, since each
         transition has its friction.
 
     Examples
@@ -131,7 +132,7 @@ def critical_temperature(
             "both must be finite"
         )
     decisive = Criterion.of(criterion)
-    apart = replace(corrections, friction=()) if corrections else None
+    apart = replace(corrections, friction=Friction()) if corrections else None
     for _, _, friction in transitions:
         require_positive(friction=friction)
     temperatures = []

@@ -338,6 +338,12 @@ FRICTION_TABLE = Table({
         "coefficient": Entry(FRICTION, "Coefficient of friction there."),
     })), "Friction at sliding velocities, smooth in between and constant beyond them; another "
          "coefficient scales it. It takes effect after the simulation.", default=()),
+    "by_temperature": Optional(List(Table({
+        "temperature": Entry(TEMPERATURE, "Temperature of the contact."),
+        "coefficient": Entry(Number(above=0), "Coefficient of friction there."),
+    })), "Friction at temperatures of the contact, each part of it at its own; linear in between, "
+         "and constant beyond them. Its factor on the coefficient multiplies that of the velocity. "
+         "It takes effect after the simulation.", default=()),
 })
 
 TEMPERATURES = Table({

@@ -11,6 +11,8 @@ from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import moment_of as moment_of
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
+from tribo.simulation.friction import FRICTIONS as FRICTIONS
+from tribo.simulation.friction import Friction as Friction
 from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start
 from tribo.simulation.motion import Motion as Motion

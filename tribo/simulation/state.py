@@ -36,7 +36,7 @@ class Heat:
         Mean of `bulk_response` over the contact area [K/K]; NaN where there is none.
     bulk_rise_quantile : ndarray, shape (len(BULK_RATIOS), len(QUANTILES)), or None
         Quantiles over the contact area of ``rise + ratio * bulk_response`` [K], for each ratio of
-        `tribo.BULK_RATIOS`.
+        `tribo.thermal.BULK_RATIOS`.
 
     Examples
     --------

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
-from pipeline.sweep.severity import boundary_velocity_error, contact_temperature, rise_limit
+from pipeline.sweep.severity import boundary_velocity_error, rise_limit
 from pipeline.sweep.surface import Lubrication
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import moment_of
@@ -147,7 +147,7 @@ def history(
     conditions, columns = sweep.conditions, result.columns
     warm = np.isfinite(columns["mean_rise"])
     rise = np.append(0.0, criterion.rise(columns)[warm])
-    temperature: Array = celsius(contact_temperature(rise, conditions))
+    temperature: Array = celsius(conditions.contact_temperature(rise))
     return np.append(0.0, columns["time"][warm]), temperature, result.state
 
 

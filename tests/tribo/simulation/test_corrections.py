@@ -161,7 +161,10 @@ def test_what_the_bodies_keep_has_the_friction_of_the_velocity_too():
     film = tribo.Corrections(film_resistance=1e-7)
     alone, both = (
         corrections.applied(columns)["mean_rise"]
-        for corrections in (film, replace(film, friction=((1.0, 0.8), (4.0, 0.8))))
+        for corrections in (
+            film,
+            replace(film, friction=tribo.Friction(by_velocity=((1.0, 0.8), (4.0, 0.8)))),
+        )
     )
     assert alone > 1.01 * RISE
     assert both == pytest.approx(0.8 * alone)
@@ -179,10 +182,10 @@ def test_a_moment_before_the_end_has_the_record_up_to_there():
 
 
 def test_friction_by_velocity_has_no_kink_where_it_ends():
-    falling = tribo.Corrections(friction=((1.0, 1.2), (2.0, 1.0), (4.0, 0.9)))
+    falling = tribo.Friction(by_velocity=((1.0, 1.2), (2.0, 1.0), (4.0, 0.9)))
     velocities = np.array([0.1, 0.7, 1.0, 1.001, 3.996, 4.0, 6.0, 100.0])
     expected = [1.2, 1.2, 1.2, 1.2, 0.9, 0.9, 0.9, 0.9]
-    assert falling.friction_factor(velocities) == pytest.approx(expected, abs=1e-5)
-    between = falling.friction_factor(np.geomspace(1.0, 4.0, 50))
+    assert falling.at(velocities) == pytest.approx(expected, abs=1e-5)
+    between = falling.at(np.geomspace(1.0, 4.0, 50))
     assert (np.diff(between) < 0).all()
-    assert falling.friction_factor(np.array([2.0])) == pytest.approx(1.0)
+    assert falling.at(np.array([2.0])) == pytest.approx(1.0)
