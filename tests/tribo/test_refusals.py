@@ -54,11 +54,12 @@ from tribo.thermal import (
 )
 from tribo.wear import RollingWear
 from tribo.wear.laws import require_wear, wear_over
+from workflows.paper.rig import critical_temperature_rig
 
 GRID, FREE = Grid((6, 5), (1e-6, 1e-6)), Grid((6, 5), (1e-6, 1e-6), (False, False))
 ZERO, ON = np.zeros(GRID.shape), np.ones(GRID.shape, bool)
 WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 15e-9))
-RIG = tribo.inverse.critical_temperature_rig()
+RIG = critical_temperature_rig()
 INFINITE = math.inf
 
 
@@ -342,7 +343,6 @@ ELSEWHERE = {
     "solver.solve_contact ConvergenceError": "contact/test_solver.py",
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
-    "inverse.rig_heating InputError": "the rig always touches; for the type checker",
     "verdict.judge InputError": "a point always touches; for the type checker",
     "errors.law_errors": "an error of tribo, passed on as it is",
 }

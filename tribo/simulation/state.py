@@ -40,8 +40,7 @@ class Heat:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> f"{0.1 * state.heat.max_rise:.1f} K at friction 0.1"
     '7.5 K at friction 0.1'
@@ -122,8 +121,7 @@ class State:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> state.normal_load, state.time, f"{state.pressure.max() / 1e9:.2f} GPa"
     (10.0, 61.0, '0.64 GPa')

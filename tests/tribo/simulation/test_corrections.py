@@ -7,8 +7,8 @@ import pytest
 from scipy.special import erf
 
 import tribo
-import tribo.inverse
 from tribo.simulation import moment_of
+from workflows.paper.rig import critical_temperature_rig
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
 DIFFUSIVITY, CAPACITY = 45.0 / (7800.0 * 470.0), 7800.0 * 470.0
@@ -138,7 +138,7 @@ def test_a_steady_state_is_two_chains_of_resistances():
 
 def test_a_moment_knows_the_load_that_its_scene_had_before():
     """A ramp of 1 s and a hold of 60 s: 0.065 m/s times 605 N s are 39.3 J at friction 1."""
-    scene = tribo.inverse.critical_temperature_rig()
+    scene = critical_temperature_rig()
     *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
     plain, warm = (moment_of(scene, state, parts)["mean_rise"] for parts in (None, bulk))
@@ -147,7 +147,7 @@ def test_a_moment_knows_the_load_that_its_scene_had_before():
 
 
 def test_the_columns_of_a_hold_without_wear_know_the_load_before_it():
-    scene = tribo.inverse.critical_temperature_rig()
+    scene = critical_temperature_rig()
     states = list(tribo.simulate(scene, normal_load=10.0, velocity=0.065))
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
     records = [{**tribo.measures(scene, state), **state.heat.columns} for state in states]

@@ -76,5 +76,6 @@ def test_the_script_of_the_page_prints_a_verdict(capsys):
     page = (Path(tribo.__file__).parent / "README.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     assert "pipeline" not in code
+    assert len([line for line in code.splitlines() if line]) <= 10
     exec(code, {})
     assert capsys.readouterr().out.startswith("Verdict(is_severe=")
