@@ -44,7 +44,7 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import add_turns, cold_bodies, describe_cold_bodies
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tribo.types import Array
 
 
@@ -128,7 +128,7 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line, ds))
     result.attrs["missing_points"] = int(sum(plane.is_missing.sum() for plane in found.planes))
-    if oil := Lubrication.of(stored_sweep(ds)):
+    if oil := find_lubrication(stored_sweep(ds)):
         for axis, line in (("velocity", "load"), ("load", "velocity")):
             places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
             film = oil.film_parameter(

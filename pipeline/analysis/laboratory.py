@@ -182,7 +182,7 @@ def _answer(test: Measurement, field: PointField) -> tuple[str, float, str]:
     place = test.normal_load, test.velocity
     here, error = field.temperatures(*place), field.error(*place).total
     temperature = quantile(here.values, field.weights, 0.5)
-    rises = here.values - field.conditions.coldest_bulk_temperature
+    rises = np.array([*map(field.conditions.temperature_error, here.values.tolist())])
     known = error is not None and np.abs(here.critical - here.values) > error * rises
     verdict = NOT_DECIDED
     if np.all(known) and len({*here.is_severe.tolist()}) == 1:

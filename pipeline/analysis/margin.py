@@ -181,7 +181,7 @@ def answer(
             name: (quantile(values, weights, DECIDED[0]), quantile(values, weights, DECIDED[-1]))
             for name, values in spread.items()
         }
-    rise = middles["decisive_temperature"] - field.conditions.coldest_bulk_temperature
+    scale = field.conditions.temperature_error(middles["decisive_temperature"])
     told: dict[str, Any] = {
         f"{axis}_{name}": value
         for axis, one in turns.items()
@@ -201,7 +201,7 @@ def answer(
         probability=float(middle[0]),
         lowest=float(lowest[0]),
         highest=float(highest[0]),
-        error=error.times(rise),
+        error=error.times(scale),
         critical_temperature=quantile(here.critical, weights, 0.5),
         model_error=scatter.worded,
         is_computed=here.is_computed,

@@ -15,7 +15,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 import scipy  # loads its parts when they are used
@@ -23,6 +23,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import asked, keep_steps, stored_sweep
 from pipeline.analysis.warned_points import warnings_of
+from pipeline.sweep.conditions import Conditions
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
@@ -67,6 +68,11 @@ _OF_WARNED = {
 
 Found by `python -m tests.promises.errors`.
 """
+
+_OF_FILM = 0.032
+"""Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
+_OF_FRICTION = 0.14
+"""That of friction by temperature, over the change of ln(friction) from the bulk to the limit."""
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and how much present heat makes contacts too warm at most.
@@ -194,6 +200,18 @@ def error_of_point(
 ) -> RiseError:
     """Relative error of the rise of a point by itself."""
     return RiseError(0.0, _preset(velocity_error, is_refined), warned_error([(flags, duration)]))
+
+
+def add_counted(error: RiseError, conditions: Conditions) -> RiseError:
+    """The error with that of what is counted after the simulation: a film, friction when warm."""
+    law, parts = conditions.friction_law, conditions.corrections
+    if error.warned is None or parts is None:
+        return error
+    film = _OF_FILM if parts.film_resistance else 0.0
+    bulk = conditions.coldest_bulk_temperature
+    ends = law.at(temperature=np.array([bulk, conditions.critical_temperature or bulk]))
+    change = abs(math.log(ends[1] / ends[0])) if law.by_temperature else 0.0
+    return replace(error, warned=math.hypot(error.warned, film, _OF_FRICTION * change))
 
 
 def _preset(velocity_error: float | None, is_refined: bool) -> float | None:

@@ -27,7 +27,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.stages import duration
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
 from tribo import lubrication_regime
@@ -194,7 +194,7 @@ def _film(sweep: Sweep) -> Iterator[_Row]:
         return
     bulk = sweep.conditions.mean_bulk_temperature
     yield "oil", f"{1e3 * sweep.about.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
-    lubrication = Lubrication.of(sweep)
+    lubrication = find_lubrication(sweep)
     if lubrication is None:
         has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"

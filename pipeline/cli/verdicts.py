@@ -178,21 +178,22 @@ def boundary(options: argparse.Namespace) -> Result:
         return _row_boundaries(ds)
     with working("finding the boundary"):
         crossings = pipeline.boundary(ds)
-    command, cold, tests = None, None, None
+    command, tests = None, None
     document = document_of(crossings)
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)))]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
+    left_out = [note_on_wear(stored_sweep(ds))]
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)
-        left_out = turns_left_out(ds, crossings), note_on_wear(stored_sweep(ds))
-        cold = "; ".join(filter(None, left_out)) or None
+        left_out.insert(0, turns_left_out(ds, crossings))
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
         text += ["", f"compute more of the boundary with: {command}"] if command else []
-        text += ["", f"warning: {cold}"] if cold else []
+    if cold := "; ".join(filter(None, left_out)) or None:
+        text += ["", f"warning: {cold}"]
         text += [] if tests is None else ["", *laboratory.test_parts(tests)]
         text += after_boundary(scene_sweep(ds), options.store)
     document |= {"command": command, "not_counted": cold}

@@ -22,7 +22,7 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tribo import Criterion, InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask
@@ -40,7 +40,7 @@ _LEVELS = (
 
 def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
-    lubrication = Lubrication.of(stored_sweep(ds))
+    lubrication = find_lubrication(stored_sweep(ds))
     if lubrication is None:
         return []
     ends = {name: ds[name].values[[0, -1]].tolist() for name in PLANE}

@@ -324,6 +324,9 @@ def _planes(
         "beside": np.stack([own_rows[below], own_rows[above]], axis=-1).tolist(),
         "measured": _tests(ds, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": conditions.friction_factor(nodes).tolist(),
+        "friction_by_temperature": [
+            *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
+        ],
         "plane": packed_array(np.concatenate([plane.ravel(), columns.ravel()]), "<f4"),
         "columns": {
             f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size

@@ -59,7 +59,7 @@ class BoundarySearch:
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """A search between a sweep's lowest and highest velocity; `InputError` if there is none."""
-        limit, corrections = rise_limit(sweep.conditions), sweep.conditions.corrections
+        limit = rise_limit(sweep.conditions)
         if not math.isfinite(limit):
             raise InputError(
                 "there is no boundary to look for without friction; give friction.coefficient a "
@@ -74,7 +74,7 @@ class BoundarySearch:
             )
         # Friction by velocity bends the rise where its table has a node, which points beside do
         # not tell.
-        if corrections and corrections.friction:
+        if sweep.conditions.has_friction_curve:
             tolerance /= 10
         return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale)
 

@@ -212,16 +212,16 @@ def _condition_faults(sound: Sound) -> Misfits:
     (band,) = sound("friction.band")
     if band and band[0] > band[1]:
         yield "friction.band", f"{quoted(list(band))} falls; give the lower one first"
-    (measured,) = sound("friction.by_velocity")
-    velocities = [entry["velocity"] for entry in measured or ()]
-    if twice := sorted({velocity for velocity in velocities if velocities.count(velocity) > 1}):
-        yield "friction.by_velocity", f"has {twice[0]:g} m/s twice; give each velocity once"
-    coefficient, measured = sound("friction.coefficient", "friction.by_velocity")
-    if measured and coefficient == 0:
-        yield (
-            "friction.coefficient",
-            "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1",
-        )
+    for name, unit in (("velocity", "m/s"), ("temperature", "°C")):
+        coefficient, rows = sound("friction.coefficient", f"friction.by_{name}")
+        nodes = [row[name] for row in rows or ()]
+        if twice := sorted({node for node in nodes if nodes.count(node) > 1}):
+            yield f"friction.by_{name}", f"has {display(twice[0], unit)} twice; give each once"
+        if rows and coefficient == 0:
+            yield (
+                "friction.coefficient",
+                f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1",
+            )
 
 
 def _step_faults(sound: Sound, increments: int) -> Misfits:

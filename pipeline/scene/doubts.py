@@ -200,9 +200,8 @@ def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
 def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float) -> float:
     """Highest temperature of a smooth contact at the end of a point [K], roughly."""
     pin, conditions, speeds = sweep.scene.pin, sweep.conditions, sweep.scene.velocities_at(velocity)
-    bulk = conditions.mean_bulk_temperature
     if not velocity:
-        return bulk
+        return conditions.coldest_bulk_temperature
     along_y = pin.length or math.pi / 4 * width * pin.hertz(1.0, 1e11).aspect
     conducted = sum(
         max(
@@ -214,7 +213,8 @@ def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float
     rise = load * velocity / (width * along_y * conducted)  # at friction 1
     columns = columns_in_closed_form(sweep, load, velocity, rise)
     corrections = conditions.corrections or Corrections()
-    return bulk + conditions.friction * float(corrections.applied(columns)["mean_rise"][-1])
+    rise = float(corrections.applied(columns)["mean_rise"][-1])
+    return float(conditions.contact_temperature(rise))
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:

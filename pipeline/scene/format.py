@@ -19,7 +19,7 @@ from pipeline.scene.compounds import (
     Tables,
     fields_of,
 )
-from pipeline.scene.faults import quoted
+from pipeline.scene.faults import did_you_mean, quoted
 from pipeline.scene.kinds import (
     Flag,
     Number,
@@ -270,7 +270,7 @@ def _law_form(name: str) -> Table:
     law: Any = tribo.LAWS[name]
     meanings = {key: entry.meaning for key, entry in fields_of(law).items()}
     entries: dict[str, Entry] = {
-        "law": Entry(OneOf((name,)), "Name of a law that ships."),
+        "law": Entry(OneOf(tuple(tribo.LAWS)), "Name of a law that ships."),
     }
     for one in fields(law):
         if one.name == "pattern":
@@ -282,8 +282,11 @@ def _law_form(name: str) -> Table:
 
 def _wear_form(table: Any) -> int:
     """Place of the form that a table of wear has."""
-    law = table.get("law") if isinstance(table, dict) else None
-    return 2 + [*tribo.LAWS].index(law) if law in [*tribo.LAWS] else int(law is not None)
+    law, laws = (table.get("law") if isinstance(table, dict) else None), [*tribo.LAWS]
+    if law in laws:
+        return 2 + laws.index(law)
+    near = [one for one in laws if isinstance(law, str) and did_you_mean(law, [one])]
+    return 2 + laws.index(near[0]) if near else int(law is not None)
 
 
 WEAR = Either(
@@ -339,6 +342,12 @@ FRICTION_TABLE = Table({
         "coefficient": Entry(FRICTION, "Coefficient of friction."),
     })), "Friction by sliding velocity, smooth between the given values and constant beyond them. "
          f"Another coefficient scales it. {LATER}", default=()),
+    "by_temperature": Optional(List(Table({
+        "temperature": Entry(TEMPERATURE, "Temperature of the contact."),
+        "coefficient": Entry(Number(above=0), "Coefficient of friction."),
+    })), "Friction by the temperature of the contact, in each of its parts; linear between the "
+         "given values and constant beyond them. Its factor on the coefficient multiplies that of "
+         f"the velocity. {LATER}", default=()),
 })
 
 TEMPERATURES = Table({

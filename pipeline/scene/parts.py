@@ -98,9 +98,11 @@ def corrections_of(
     """Physics beside the two half-spaces, from sound tables."""
     coefficient = tables["friction"]["coefficient"]
     rod, film = tables["pin"]["stem"], tables["disk"]["film"]
-    measured = sorted(
-        (entry["velocity"], entry["coefficient"]) for entry in tables["friction"]["by_velocity"]
-    )
+    curves: dict[str, Any] = {
+        f"by_{name}": tuple(sorted((row[name], row["coefficient"] / coefficient) for row in rows))
+        for name in ("velocity", "temperature")
+        if (rows := tables["friction"][f"by_{name}"])
+    }
     stem = None
     if rod and "resistance" in rod:
         stem = tribo.Stem(rod["resistance"])
@@ -108,7 +110,7 @@ def corrections_of(
         conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
         stem = tribo.Stem.rod(rod["length"], rod["area"], *conduction)
     corrections = tribo.Corrections(
-        friction=tuple((velocity, mu / coefficient) for velocity, mu in measured),
+        friction=tribo.Friction(**curves),
         track=_ring_of(tables["disk"], pin, disk),
         pin_track=_ring_of(tables["pin"], pin, pin.material),
         stem=stem,

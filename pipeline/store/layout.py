@@ -28,7 +28,8 @@ from pipeline.sweep.model import Plane, Sweep
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import combinations
-from tribo import BULK_RATIOS, QUANTILES
+from tribo import QUANTILES
+from tribo.thermal import BULK_RATIOS
 from tribo.types import Array, Mask
 
 Slices = tuple[slice, ...]

@@ -48,9 +48,12 @@ class Effect:
 
 
 _EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
-    "friction by velocity": (
-        {"friction.by_velocity": "friction by velocity"}, {"friction": ()}
-    ),
+    **{
+        f"friction by {name}": (
+            {f"friction.by_{name}": f"friction by {name}"}, {"friction": {f"by_{name}": ()}}
+        )
+        for name in ("velocity", "temperature")
+    },
     "earlier turns": (
         {
             "pin.track_length": "earlier turns of the pin",
@@ -123,7 +126,8 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
 
 
 def _changed(sweep: Sweep, present: Corrections, parts: dict[str, Any]) -> Sweep:
-    corrections = replace(present, **parts)
+    friction = replace(present.friction, **parts.get("friction", {}))
+    corrections = replace(present, **parts | {"friction": friction})
     return replace(sweep, conditions=replace(sweep.conditions, corrections=corrections))
 
 
@@ -143,7 +147,7 @@ def _usual_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Friction by velocity, as measured at transitions or as is usual."""
     conditions = sweep.conditions
     sliding = [velocity for velocity in sweep.plane.velocities if velocity]
-    if present.friction:
+    if present.friction.by_velocity:
         return None
     if conditions.bulk_difference:
         return "the bulk temperatures differ, so that the rise is not proportional to friction"
@@ -164,7 +168,16 @@ def _usual_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
         factors = [(slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)]
         size = f"falling by {_FALL:.0%} from {slow:g} to {fast:g} m/s"
         certainty = "assumed: measure friction at two velocities or more"
-    return _Sized(size, certainty, ("friction.by_velocity",), {"friction": tuple(factors)})
+    return _Sized(
+        size, certainty, ("friction.by_velocity",), {"friction": {"by_velocity": tuple(factors)}}
+    )
+
+
+def _warm_friction(sweep: Sweep, present: Corrections) -> str | None:
+    """Friction by temperature, of which nothing is usual."""
+    if present.friction.by_temperature:
+        return None
+    return "friction at two temperatures of the contact or more would have to be measured"
 
 
 def _usual_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
@@ -259,7 +272,7 @@ def _usual_film(sweep: Sweep, present: Corrections) -> _Sized | None:
 _FOUND: dict[str, Callable[[Sweep, Corrections], _Sized | str | None]] = dict(
     zip(
         _EFFECTS,
-        (_usual_friction, _usual_turns, _usual_bulk, _usual_stem, _usual_film),
+        (_usual_friction, _warm_friction, _usual_turns, _usual_bulk, _usual_stem, _usual_film),
         strict=True,
     )
 )
@@ -338,7 +351,7 @@ def note_on_turns(
         track=turns.track if "disk" in cold else None,
     )
     columns = columns_in_closed_form(sweep, load, velocity, _HOT)
-    warming = conditions.friction * float(alone.added_rise(columns)[-1])
+    warming = conditions.friction_at(velocity) * float(alone.added_rise(columns)[-1])
     return describe_cold_bodies(
         cold,
         around,

@@ -269,9 +269,16 @@ class Ensemble:
         margin [K] it is the rise that stays as far below the critical temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
+        if friction is None:  # one that is given was measured as warm as it was
+            frictions = frictions * np.exp(self.log_friction_factor(draws, margin))
         bulks = self.values(BULK, draws) if bulk is None else bulk
         rise = np.maximum(self.values(CRITICAL, draws) - margin - bulks, _LEAST_RISE)
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
+
+    def log_friction_factor(self, draws: Array, margin: float = 0.0) -> Array:
+        """Logarithm of the factor of friction at a margin below the critical temperature (n,)."""
+        law = replace(self.conditions.friction_law, coefficient=1.0)
+        return np.asarray(np.log(law.at(temperature=self.values(CRITICAL, draws) - margin)))
 
     @functools.cached_property
     def hold_ensembles(self) -> dict[float, Ensemble]:

@@ -111,7 +111,7 @@ def _hold_distances(
         by_rig = np.zeros(1)
         by_friction: Any = (test.get("friction_scatter", 0.0) / (friction or 1.0)) ** 2
         if rig is not None:
-            factor = float(np.interp(log_velocity, x, table))
+            factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(inputs)
             acted, by_friction, by_rig = learnt(rig, test, factor)
             friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))

@@ -15,7 +15,7 @@ from scipy.special import ndtr
 from pipeline.analysis.dataset import taken_entries
 from pipeline.analysis.field import LEAST_SLOPE, Here
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.rise_error import RiseError, error_of_point
+from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Turns
 from pipeline.cli.output import counted
@@ -151,12 +151,14 @@ class SampleField:
         friction, bulk, critical = (
             ensemble.values(path, inputs) for path in (FRICTION, BULK, CRITICAL)
         )
+        law = replace(ensemble.conditions.friction_law, coefficient=1.0)
         rise = friction * np.exp(excess + ensemble.log_limit(inputs))
-        return Here(bulk + rise, excess > 0, critical, False, False)
+        temperatures = np.vectorize(law.temperature, otypes=[float])(rise, bulk)
+        return Here(temperatures, excess > 0, critical, False, False)
 
     def error(self, load: float, velocity: float) -> RiseError:
         """See `Field`: that of the preset."""
-        return error_of_point(0, 1.0, self.ensemble.velocity_error)
+        return add_counted(error_of_point(0, 1.0, self.ensemble.velocity_error), self.conditions)
 
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """See `Field`."""

@@ -35,11 +35,11 @@ Columns = list[int] | None
 _ROUNDED = 0.005  # of a measured friction: its error at least, as logs have two or three digits
 
 
-def learnt(rig: Array, test: Mapping[str, Any], log_factor: float) -> tuple[Array, Array, Array]:
+def learnt(rig: Array, test: Mapping[str, Any], log_factor: Array) -> tuple[Array, Array, Array]:
     """Logarithm of the friction that acted in a test, its variance, and what it tells.
 
     The last is the logarithm of the likelihood of the measured friction. Draws of a rig (n, 2) are
-    its friction and its scatter; the factor is that of friction at the velocity of the test.
+    its friction and its scatter; the factor is that of friction at the velocity of the test, (n,).
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + log_factor
     by_test = rig[:, 1] ** 2

@@ -24,8 +24,7 @@ def start(scene: Scene) -> State:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> start(scene).normal_load
     0.0
     """
@@ -84,8 +83,7 @@ def advance(
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> first = next(iter(scene.stations(10.0)))
     >>> advance(scene, start(scene), first, velocity=0.065).normal_load
     10.0

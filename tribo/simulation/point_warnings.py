@@ -85,7 +85,7 @@ class PointWarning(NamedTuple):
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> PointWarning(tribo.WarningKind.CONTACT_AT_EDGE, "give a wider window").kind.label
     'contact at edge'
     """
@@ -102,8 +102,7 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> [warning.kind.label for warning in tribo.warnings(scene, state)]
     []

@@ -38,8 +38,7 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> f"{100 * excess_of_present_heat(scene, state):.3f} %"  # after a minute at full load
     '0.000 %'

@@ -66,9 +66,9 @@ class Trunks:
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> from dataclasses import replace
-    >>> scene = replace(tribo.inverse.critical_temperature_rig(), wear=tribo.Wear(1e-15))
+    >>> scene = replace(scene, wear=tribo.Wear(1e-15))
     >>> ramp, fine = tribo.Ramp(1.0, 10.0), replace(scene.fidelity, increments=8)
     >>> scene = replace(scene, loading=ramp, fidelity=fine)
     >>> trunks = Trunks()

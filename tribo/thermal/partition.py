@@ -54,10 +54,9 @@ class HeatPartition:
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> import numpy as np
     >>> patch = tribo.Grid((8, 8), (1e-6, 1e-6))
-    >>> steel = tribo.inverse.AISI_316
     >>> body = tribo.thermal.ConductingHalfSpace(patch, steel, velocity=0.0, time=1e-5)
     >>> flux = np.zeros((8, 8))
     >>> flux[2:5, 3:6] = 1e9

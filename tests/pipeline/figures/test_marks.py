@@ -19,7 +19,7 @@ from pipeline.run.vary import Variation, Variations
 from pipeline.scene.along import Place
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.unknown import Unit, Unknown
 from pipeline.tradeoff.trade import Choice, Trade
 from pipeline.uncertain.design import Goal, Limit
@@ -65,7 +65,7 @@ def test_the_full_film_begins_at_three_times_the_height_of_the_roughness():
     for level, beyond in ((1, "mixed"), (3, "full film")):
         label = f"Λ = {level}, {beyond} beyond"
         velocity, load = contour(axes, label)[0].T
-        film = Lubrication.of(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
+        film = find_lubrication(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
         assert film == pytest.approx(np.full(len(load), level), rel=2e-3)
         assert label in labels(axes.figure.legends[0])
 

@@ -24,7 +24,7 @@ from tests.helpers.samples import (
     ensemble,
     rise,
 )
-from tribo import Corrections, InputError
+from tribo import Corrections, Friction, InputError
 
 
 def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=None):
@@ -394,7 +394,7 @@ def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
 
 
 def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
-    falling = Corrections(friction=((1.0, 1.2), (4.0, 0.8)))
+    falling = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
     entry = {"normal_load": 400.0, "velocity": 1.2, "outcome": "mild"}  # which tells nothing new
     limit = (CRITICAL.parameters[0] - 298.15) / 0.1
     steady = alone(limit, 400.0)
