@@ -21,6 +21,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import Candidate, load_of_target, ranking_command
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
+from pipeline.uncertain.weigh import FALSE_ALARMS
 from tribo import InputError
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
@@ -100,7 +101,8 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
             yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
     yield from (
         f"warning: {_place(weighed, judged)}: the other tests leave this a probability of "
-        f"{judged.probability:.1g}; look at the test, or leave it out"
+        f"{judged.probability:.1g}, below the {judged.limit:.1g} that one sound log of "
+        f"{1 / FALSE_ALARMS:.0f} has somewhere; look at the test, or leave it out"
         for judged in weighed.judged
         if judged.contradicts
     )

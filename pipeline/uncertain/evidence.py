@@ -10,6 +10,7 @@ by the slope of the rise, and the emulator's error.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -150,6 +151,27 @@ class Runs(NamedTuple):
     log_likelihoods: Array
 
 
+def decisive_tests(tests: Sequence[Test]) -> list[Test]:
+    """Tests without those of a run that a harder mild one, or an easier severe one, implies."""
+    seen = dict[Any, tuple[int, tuple[float, float]]]()
+    kept = dict(enumerate(tests))
+    for number, test in enumerate(tests):
+        if "run" not in test:
+            continue
+        sign = SIGNS[test["outcome"]]
+        at = -sign * test["normal_load"], -sign * test["velocity"]
+        same = {k: v for k, v in test.items() if k not in ("normal_load", "velocity", "number")}
+        key = tuple(same.items())
+        before, there = seen.get(key, (number, at))
+        if at[0] >= there[0] and at[1] >= there[1]:
+            seen[key] = number, at
+            if before != number:
+                del kept[before]
+        elif at[0] <= there[0] and at[1] <= there[1]:
+            del kept[number]
+    return list(kept.values())
+
+
 def group_runs(tests: Sequence[Test], sweeps: Sequence[int]) -> list[list[int]]:
     """Numbers of the tests of each run; a test without one is a run of its own."""
     runs = dict[Any, list[int]]()
@@ -207,9 +229,11 @@ _IMPOSSIBLE = -1e6
 
 OF_LUBRICANT = ("temperature.", "wear.", "friction.", "oil.")
 """Beginnings of the paths of inputs that each sweep has of its own; others are shared."""
-FACTORS = np.exp(np.log(2.0) * np.linspace(-2.0, 2.5, 10))
+FACTOR = 3.0
+"""Factor within which two thirds of scatters are of the one that is said: rigs differ as much."""
+FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
 """Factors on the scatter that is said."""
-_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(2.0)) ** 2  # of the factors
+_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # of the factors
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
 
@@ -221,7 +245,7 @@ class JudgedTests(NamedTuple):
     joint: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Joint:
     """Inputs of all sweeps, and their tests."""
 
@@ -243,15 +267,20 @@ class Joint:
         unknown += SLOPES if discrepancy else ()
         return cls(ensembles, unknown, known, columns, rigs, discrepancy, scatter * FACTORS)
 
+    @functools.cached_property
+    def by_sweep(self) -> list[list[Test]]:
+        """Tests of each sweep that count."""
+        return [decisive_tests(one.tests) for one in self.ensembles]
+
     @property
     def tests(self) -> list[Test]:
         """Tests of all sweeps, in their order."""
-        return [test for one in self.ensembles for test in one.tests]
+        return [test for tests in self.by_sweep for test in tests]
 
     @property
     def sweeps(self) -> list[int]:
         """Number of the sweep of each test."""
-        return [number for number, one in enumerate(self.ensembles) for _ in one.tests]
+        return [number for number, tests in enumerate(self.by_sweep) for _ in tests]
 
     @property
     def runs(self) -> list[list[int]]:
@@ -262,8 +291,10 @@ class Joint:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
         slopes = inputs[:, -2:] if self.has_discrepancy else None
         parts = [
-            distances_of(one, one.tests, inputs[:, part], inputs[:, rig] if rig else None, slopes)
-            for one, part, rig in zip(self.ensembles, self.columns, self.rigs, strict=True)
+            distances_of(one, tests, inputs[:, part], inputs[:, rig] if rig else None, slopes)
+            for one, tests, part, rig in zip(
+                self.ensembles, self.by_sweep, self.columns, self.rigs, strict=True
+            )
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         runs = weigh_runs(self.tests, self.runs, distances, self.scatters)

@@ -19,7 +19,6 @@ from pipeline.uncertain.rig import Columns
 from tribo.types import Array
 
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
-_CONTRADICTS = 0.02  # probability, by all others, below which a test contradicts them
 
 
 def shown_test(tests: Sequence[Test]) -> int:
@@ -42,6 +41,7 @@ class Judged(NamedTuple):
     critical_velocity: tuple[float, float, float]
     #: Probability of its outcome, or of a transition as far off, given all other tests.
     probability: float
+    limit: float  #: Probability below which it contradicts them.
     is_blamed: bool = True  #: The model fits the others, which else may be wrong instead.
 
     @property
@@ -68,7 +68,7 @@ class Judged(NamedTuple):
     @property
     def contradicts(self) -> bool:
         """True if the other tests hardly allow this one, and the model fits them."""
-        return self.is_blamed and self.probability < _CONTRADICTS
+        return self.is_blamed and self.probability < self.limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)

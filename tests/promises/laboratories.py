@@ -62,7 +62,7 @@ def log_rise(unknown, inputs, load):
     return np.log(rise(inputs, load, 1.0, unknown) * (by_steel / 45.0) ** -0.6)
 
 
-def _excess(self, draws, load, velocity):
+def closed_excess(self, draws, load, velocity):
     """`Ensemble.excess` without an emulator."""
     loads, velocities = np.atleast_1d(load), np.atleast_1d(velocity)
     by_load = np.stack([log_rise(self.unknown, draws, one) for one in loads], axis=1)
@@ -202,7 +202,7 @@ def main():
     options = parser.parse_args()
     parts = []
     width = mock.Mock(side_effect=lambda draws, *_: Excess(*np.full((3, len(draws)), 1e-3)))
-    with mock.patch.multiple(Ensemble, excess=_excess, width=width):
+    with mock.patch.multiple(Ensemble, excess=closed_excess, width=width):
         for row in rows(options.count):
             print(json.dumps(row), file=sys.stderr, flush=True)
             parts.append(row)

@@ -23,6 +23,7 @@ import numpy as np
 from scipy import stats
 
 from pipeline.uncertain.answers import draws_of
+from pipeline.uncertain.evidence import FACTOR
 from pipeline.uncertain.fields import SampleField
 from tests.helpers.campaigns import conclude
 from tests.promises.coverage import van_der_corput
@@ -39,7 +40,7 @@ _GRID = 241
 
 def law_scatters(seed):
     """Scatter of a rig by law: drawn as the tool assumes it, or fixed."""
-    drawn = SCATTER * 2.0 ** float(stats.norm.ppf(van_der_corput(seed + 1)))
+    drawn = SCATTER * FACTOR ** float(stats.norm.ppf(van_der_corput(seed + 1)))
     return {"drawn": drawn} | {f"{100 * one:g} %": one for one in FIXED}
 
 

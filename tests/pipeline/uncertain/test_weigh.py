@@ -5,12 +5,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
 from pipeline.uncertain.evidence import log_between
 from pipeline.uncertain.inputs import prior
+from pipeline.uncertain.weigh import _long_tailed
 from tests.helpers.samples import (
     CRITICAL,
     EXPONENT,
@@ -52,7 +54,7 @@ def test_without_data_what_is_assumed_comes_back():
     for row in posterior.summary():
         assert row["posterior"] == row["prior"]
     assert not list(posterior.hidden())
-    ends = 2.0 ** np.array([-1.645, 0.0, 1.645])
+    ends = 3.0 ** np.array([-1.645, 0.0, 1.645])
     assert posterior.inferred_scatter == pytest.approx(0.05 * ends, rel=1e-3)
     # Values of a uniform input are correlated a little less than their normal scores.
     assert posterior.correlations == pytest.approx(correlations(JOINT), abs=0.02)
@@ -230,6 +232,7 @@ def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
         "severe",
     ]
     assert posterior.evidence == "3 runs"
+    assert [len(one.tests) for one in posterior.judged] == [2, 1, 1]  # those that decide
 
 
 def test_the_friction_of_a_specimen_counts_once_however_often_it_was_measured():
@@ -239,6 +242,11 @@ def test_the_friction_of_a_specimen_counts_once_however_often_it_was_measured():
         return friction["posterior"]["sd"]
 
     assert spread(*"1234") < 0.8 * spread(*"1111")
+
+
+def test_outliers_have_long_tails():
+    z = np.array([-1e5, -30.0, -3.0, -0.5, 0.0, 2.0, 40.0])
+    assert _long_tailed(z) == pytest.approx(stats.t(4).cdf(math.sqrt(2) * z), rel=1e-9)
 
 
 def test_an_interval_far_out_has_the_logarithm_of_its_probability():
