@@ -71,6 +71,9 @@ def tests(options: argparse.Namespace) -> Result:
         outcomes = Counter(test.get("outcome", "transition") for test in found)
         counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
         number = counted(len(found), "test", "tests")
+        if any("run" in test for test in found):
+            runs = {test.get("run", k) for k, test in enumerate(map(dict, found), -len(found))}
+            number += f" of {counted(len(runs), 'run', 'runs')}"
         text.append(f"{number}: {counts}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
             text.append(

@@ -51,6 +51,13 @@ _WORDS = {
         r"(\b(crit|krit)\w*\b.*temp|temp.*\b(crit|krit)\w*\b|grenztemperatur)", r"$^",
     ),
     "hold": (r"(\b(hold|dwell)\b|halte(zeit|dauer))", r"$^"),
+    "number": (
+        r"^((test|versuch|essai|prova|ensayo)( (no|nr|n|number|nummer))?|no|nr|nummer)$", r"$^",
+    ),
+    "run": (
+        r"\b(run|specimen|lauf|prüfling|probe|éprouvette|provino|probeta)\b",
+        r"\b(running|run in|time|speed|length|temp\w*|out)\b",
+    ),
     "outcome": (
         r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat|esito|resultado)\b"
         r"|ergebnis|befund|bewertung|urteil|verschlei(ß|ss)(art|form)?$|fresse(r|n)\b)",

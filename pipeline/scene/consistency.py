@@ -13,6 +13,7 @@ import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, Roughness, track_of
+from pipeline.scene.runs import run_faults
 from pipeline.scene.units import display
 from tribo.simulation.pins import sizes_of
 
@@ -250,6 +251,8 @@ def _test_faults(tables: dict[str, Any]) -> Misfits:
                 problem = "needs a measured friction; give it above 0"
                 key = f"{table}[{number}].friction_scatter"
                 yield key, f"{entry['friction_scatter']:g} {problem}"
+    if None not in (tables["tested"] or ()):
+        yield from run_faults(tables["tested"] or ())
 
 
 def _oil_faults(sound: Sound) -> Misfits:

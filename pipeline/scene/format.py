@@ -63,6 +63,7 @@ CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 HEAT_TRANSFER = Quantity("a heat transfer coefficient", "50 W/(m^2 K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
+NAME = Either(Text(), Whole(at_least=0), when=lambda value: isinstance(value, int))
 
 # fmt: off
 MATERIAL = Table({
@@ -419,12 +420,14 @@ UNKNOWN = ByPath(Distribution(
 ), "the paths of entries")
 
 OUTCOMES = ("mild", "severe")
+_LOAD = "Normal load on the pin there."
+_VELOCITY = "Sliding velocity there."
 _TEST = {
-    "load": Entry(LOAD, "Normal load on the pin there."),
+    "load": Entry(LOAD, _LOAD),
     "load_scatter": Optional(Quantity("a load", "10 N"),
         "Standard deviation of the load in repeated tests, which `irg infer` of samples counts "
         "with; none by default."),
-    "velocity": Entry(VELOCITY, "Sliding velocity there."),
+    "velocity": Entry(VELOCITY, _VELOCITY),
     "velocity_scatter": Optional(Quantity("a velocity", "0.1 m/s"),
         "Standard deviation of the velocity; by default what `--scatter` gives, 5 % of the "
         "velocity."),
@@ -435,12 +438,33 @@ _TEST = {
     "bulk_temperature": Optional(BULK,
         "Bulk temperature of both bodies there; by default the scene's."),
     "hold": Optional(DURATION, "Duration at the full load; by default that of `[loading]`."),
+    "number": Optional(NAME,
+        "Number or name of the test, by which answers call it; by default its place in the file, "
+        "or its row in a log."),
+    "oil": Optional(NAME,
+        "Oil that ran, where those of one rig are compared; by default the scene's."),
 }
 TRANSITION = Table(_TEST, form="entries")
+_RUN = {
+    "run": Optional(NAME,
+        "Run of the test. Tests of one run are of one specimen, as the stages of a load-stage test "
+        "are, and count as one; by default each is a run."),
+}
 TEST = Table({
-    **_TEST,
+    **_TEST, **_RUN,
     "outcome": Entry(OneOf(OUTCOMES), "Outcome of the test, at the end of its hold."),
 }, form="entries")
+STAGES = Table({
+    **_TEST, **_RUN,
+    "load": Optional(LOAD, _LOAD),
+    "velocity": Optional(VELOCITY, _VELOCITY),
+    "mild_up_to": Optional(Scalar(),
+        "Highest stage of a run that stayed mild, in place of the outcome: a load beside a "
+        "velocity, or a velocity beside a load; alone where the last stage was mild, too.",
+        example="400 N"),
+    "severe_at": Optional(Scalar(),
+        "Stage that turned severe; alone if it was the first.", example="450 N"),
+}, form="run by stages")
 LOG = Table({
     "file": Entry(Text(),
         "Log as CSV or Excel in place of the entries: a row for each test, and columns such as "
@@ -509,9 +533,9 @@ FORMAT = Table({
     "measured": Optional(List(Either(TRANSITION, LOG)),
         "Transitions that were measured, each a table `[[measured]]`: drawn in the diagram, and "
         "what `irg infer` goes by.", default=()),
-    "tested": Optional(List(Either(TEST, LOG)),
-        "Tests that stayed mild or turned severe, each a table `[[tested]]`, or rows of a log in "
-        "CSV; what `irg infer` of samples goes by, too.", default=()),
+    "tested": Optional(List(Either(TEST, LOG, STAGES)),
+        "Tests that stayed mild or turned severe, each a table `[[tested]]`, a run by its stages, "
+        "or rows of a log in CSV; what `irg infer` of samples goes by, too.", default=()),
 })
 SCENE = Entry(FORMAT, "The file itself, above its first table.")
 # fmt: on

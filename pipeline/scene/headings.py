@@ -228,6 +228,8 @@ class Sheet:
                 table[name] = as_entry(cell, self.headings[place].unit)
                 if doubt := self.doubt(cell):
                     wrong.note(name, doubt)
+            if "number" in row_of.keys:
+                table.setdefault("number", f"row {row.number}")
             values = row_of.read(table, "", wrong)
             if not wrong:
                 tables.append(table)

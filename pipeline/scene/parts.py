@@ -20,14 +20,6 @@ DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
-def tested_holds(tables: Mapping[str, Any]) -> tuple[float, ...]:
-    """Durations at the full load of the tests that samples are compared with [s]."""
-    if not entry_at(tables, "sweep.samples"):
-        return ()
-    tests = [*(tables["measured"] or ()), *(tables["tested"] or ())]
-    return tuple(sorted({test["hold"] for test in tests if test and test["hold"]}))
-
-
 def loading_of(
     table: Mapping[str, Any] | None,
     document: Document,

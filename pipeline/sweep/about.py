@@ -26,11 +26,15 @@ class Measurement:
     bulk_temperature: float | None = None  # of both bodies [K]
     hold: float | None = None  # at the full load [s]
     outcome: str | None = None  # "mild" or "severe"; None at a transition
+    number: str | None = None  # by which answers call it
+    run: str | None = None  # of several tests, which are of one specimen then
+    oil: str | None = None  # the scene's if None
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Measurement:
         """The test of an entry of a scene."""
-        return cls(normal_load=entry["load"], **{k: v for k, v in entry.items() if k != "load"})
+        names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
+        return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data, of those after the friction only what is known."""

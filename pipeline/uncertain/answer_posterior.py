@@ -109,14 +109,15 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
 def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
     """Each test beside the critical velocity that 5, 50 and 95 % stay below, given all tests."""
     ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
-    heads = "sweep", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
+    heads = "test", "sweep", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
     rows = (
         (
+            one.test.get("number"),
             one.sweep + 1 if len(weighed.ensembles) > 1 else None,
             one.test["normal_load"],
             one.test.get("bulk_temperature"),
             one.test["velocity"],
-            one.test.get("outcome", "transition"),
+            one.outcome,
             *one.critical_velocity,
         )
         for one in weighed.judged
@@ -164,8 +165,9 @@ def _place(weighed: Posterior, judged: Judged) -> str:
     bulk = ""
     if "bulk_temperature" in test:
         bulk = f" and a bulk of {display(test['bulk_temperature'], '°C')}"
-    found = f"{test['outcome']} at" if test.get("outcome") else "measured"
-    return f"{sweep}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
+    name = f"test {test['number']}, " if "number" in test else ""
+    found = f"{judged.outcome}, at" if test.get("outcome") else "measured"
+    return f"{name}{sweep}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
 
 
 _SHOWN = 12  # candidates

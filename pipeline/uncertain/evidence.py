@@ -1,10 +1,11 @@
-"""Likelihood of tests by the inputs of all sweeps: of measured transitions, and single points.
+"""Likelihood of runs by the inputs of all sweeps: of measured transitions, points, and stages.
 
 Each draw of the inputs has a velocity V_c of its own at which wear turns severe, at the load,
-friction and bulk temperature of the test. With d = ln(V/V_c) over its standard deviation σ, a
+friction and bulk temperature of the test. With d = ln(V/V_c) and its standard deviation σ, a
 transition measured at V has the likelihood φ(d/σ)/σ, a test that turned severe Φ(d/σ), a mild one
-Φ(−d/σ). σ has the scatter of the velocity, those of load and friction by the slope of the rise, and
-the emulator's error.
+Φ(−d/σ). A run is of one specimen, whose scatter all its tests share: mild at d₁ and severe at d₂ it
+has the likelihood Φ(d₂/σ) − Φ(d₁/σ). σ has the scatter of the velocity, those of load and friction
+by the slope of the rise, and the emulator's error.
 """
 
 from __future__ import annotations
@@ -137,21 +138,71 @@ def _around(test: Test, ends: Array) -> tuple[float, ...]:
     return float(low), float(high)
 
 
-def log_likelihoods(
-    tests: Sequence[Test], distances: Distances, scatters: Sequence[float] | Array
-) -> tuple[Array, Array]:
-    """Distances over standard deviations, and log likelihoods, each (n_test, n, n_scatter)."""
-    by_test = np.tile(scatters, (len(tests), 1, 1))
-    for scatter, test in zip(by_test, tests, strict=True):
-        if "velocity_scatter" in test:
-            scatter[:] = test["velocity_scatter"] / test["velocity"]
-    deviation = np.sqrt(distances.variance[..., None] + by_test**2)
-    z = distances.values[..., None] / deviation
-    logarithms = -0.5 * z**2 - np.log(deviation)
-    for number, test in enumerate(tests):
-        if "outcome" in test:
-            logarithms[number] = log_ndtr(SIGNS[test["outcome"]] * z[number])
-    return z, logarithms + np.asarray(distances.told)[..., None]
+class Runs(NamedTuple):
+    """Runs beside draws and scatters, each (n_run, n, n_scatter).
+
+    A specimen is off by more than `low` and by less than `high` standard deviations of its scatter;
+    by both at a transition.
+    """
+
+    low: Array
+    high: Array
+    log_likelihoods: Array
+
+
+def group_runs(tests: Sequence[Test], sweeps: Sequence[int]) -> list[list[int]]:
+    """Numbers of the tests of each run; a test without one is a run of its own."""
+    runs = dict[Any, list[int]]()
+    for number, (test, sweep) in enumerate(zip(tests, sweeps, strict=True)):
+        runs.setdefault((sweep, test["run"]) if "run" in test else number, []).append(number)
+    return list(runs.values())
+
+
+def weigh_runs(
+    tests: Sequence[Test],
+    runs: Sequence[Sequence[int]],
+    distances: Distances,
+    scatters: Sequence[float] | Array,
+) -> Runs:
+    """Scores and log likelihoods of runs, given the distances of their tests."""
+    shape = len(runs), distances.values.shape[1], len(scatters)
+    low, high, likelihoods = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
+    told = np.broadcast_to(np.asarray(distances.told, float), distances.values.shape)
+    for run, rows in enumerate(runs):
+        for row in rows:
+            test, by_run = tests[row], np.asarray(scatters, float)
+            if "velocity_scatter" in test:
+                by_run = np.full(len(by_run), test["velocity_scatter"] / test["velocity"])
+            deviation = np.sqrt(distances.variance[row, :, None] + by_run**2)
+            z = distances.values[row, :, None] / deviation
+            if test.get("outcome") != "severe":
+                low[run] = np.maximum(low[run], z)
+            if test.get("outcome") != "mild":
+                high[run] = np.minimum(high[run], z)
+            if "outcome" not in test:
+                likelihoods[run] -= 0.5 * z**2 + np.log(deviation)
+        if any("outcome" in tests[row] for row in rows):
+            likelihoods[run] += log_between(low[run], high[run])
+        # The friction of a specimen is one, however often it was measured.
+        measured = [row for row in rows if tests[row].get("friction") is not None]
+        if measured:
+            likelihoods[run] += told[measured].mean(axis=0)[:, None]
+    return Runs(low, high, likelihoods)
+
+
+def log_between(low: Array, high: Array) -> Array:
+    """Logarithm of Φ(high) − Φ(low), also far out; very low where none lies between."""
+    is_above = low > 0  # Φ(−low) − Φ(−high) has no rounding there
+    low, high = np.where(is_above, -high, low), np.where(is_above, -low, high)
+    upper = log_ndtr(high)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = -np.expm1(np.minimum(log_ndtr(low) - upper, 0.0))
+        return np.asarray(
+            np.where(high > low, upper + np.log(share), _IMPOSSIBLE).clip(_IMPOSSIBLE)
+        )
+
+
+_IMPOSSIBLE = -1e6
 
 
 OF_LUBRICANT = ("temperature.", "wear.", "friction.", "oil.")
@@ -163,11 +214,10 @@ _FAR = 2.0  # largest standard deviations of a test from the best draw, root mea
 
 
 class JudgedTests(NamedTuple):
-    """Tests beside draws: `log_likelihoods`, and their sum with the prior, (n, n_scatter)."""
+    """Tests and runs beside draws, and the sum of likelihoods with the prior, (n, n_scatter)."""
 
     distances: Distances
-    z: Array
-    likelihoods: Array
+    runs: Runs
     joint: Array
 
 
@@ -203,6 +253,11 @@ class Joint:
         """Number of the sweep of each test."""
         return [number for number, one in enumerate(self.ensembles) for _ in one.tests]
 
+    @property
+    def runs(self) -> list[list[int]]:
+        """Numbers of the tests of each run."""
+        return group_runs(self.tests, self.sweeps)
+
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
         slopes = inputs[:, -2:] if self.has_discrepancy else None
@@ -211,8 +266,8 @@ class Joint:
             for one, part, rig in zip(self.ensembles, self.columns, self.rigs, strict=True)
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-        z, likelihoods = log_likelihoods(self.tests, distances, self.scatters)
-        return JudgedTests(distances, z, likelihoods, likelihoods.sum(axis=0) + _LOG_PRIOR)
+        runs = weigh_runs(self.tests, self.runs, distances, self.scatters)
+        return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
     def require_near(self, distances: Distances) -> None:
         """Raise an `InputError` where even the best draws are far from the tests."""

@@ -22,16 +22,48 @@ _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
 _CONTRADICTS = 0.02  # probability, by all others, below which a test contradicts them
 
 
-class Judged(NamedTuple):
-    """A test of a sweep, by its number, judged by all other tests, and by all tests together."""
+def shown_test(tests: Sequence[Test]) -> int:
+    """Number of the test of a run that stands for it: the first severe one, else the last mild."""
 
-    test: Test
+    def hardness(number: int) -> tuple[bool, float]:
+        is_mild = tests[number].get("outcome") == "mild"
+        hardness = tests[number]["normal_load"] * tests[number]["velocity"]
+        return is_mild, -hardness if is_mild else hardness
+
+    return min(range(len(tests)), key=hardness)
+
+
+class Judged(NamedTuple):
+    """A run of a sweep, by its number, judged by all other runs, and by all runs together."""
+
+    tests: tuple[Test, ...]
     sweep: int
     #: Velocities there that 5, 50 and 95 % stay below, given all tests [m/s].
     critical_velocity: tuple[float, float, float]
     #: Probability of its outcome, or of a transition as far off, given all other tests.
     probability: float
     is_blamed: bool = True  #: The model fits the others, which else may be wrong instead.
+
+    @property
+    def test(self) -> Test:
+        """The test that stands for the run."""
+        return self.tests[shown_test(self.tests)]
+
+    @property
+    def since(self) -> Test | None:
+        """The last mild test of a run that turned severe."""
+        mild = [test for test in self.tests if test.get("outcome") == "mild"]
+        return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
+
+    @property
+    def outcome(self) -> str:
+        """What the run has found, in words."""
+        found = str(self.test.get("outcome", "transition"))
+        if self.since is None:
+            return found
+        load, velocity = self.since["normal_load"], self.since["velocity"]
+        is_load = velocity == self.test["velocity"]
+        return f"{found}, mild up to {f'{load:g} N' if is_load else f'{velocity:g} m/s'}"
 
     @property
     def contradicts(self) -> bool:
@@ -83,14 +115,13 @@ class Posterior:
 
     @property
     def evidence(self) -> str:
-        """Numbers of measured transitions and of tests, in words."""
+        """Numbers of measured transitions, of runs by stages and of tests, in words."""
         tests = sum("outcome" in judged.test for judged in self.judged)
-        transitions = len(self.judged) - tests
-        words = [
-            f"{number} {name}{'' if number == 1 else 's'}"
-            for number, name in ((transitions, "measured transition"), (tests, "test"))
-            if number
-        ]
+        runs = sum("run" in judged.test for judged in self.judged)
+        numbers = {
+            "measured transition": len(self.judged) - tests, "run": runs, "test": tests - runs,
+        }  # fmt: skip
+        words = [f"{n} {name}{'' if n == 1 else 's'}" for name, n in numbers.items() if n]
         return " and ".join(words) or "0 measured transitions"
 
     def sweep_draws(self, number: int) -> Draws:
@@ -187,6 +218,7 @@ class Posterior:
             "tests": [
                 dict(judged.test)
                 | {
+                    "mild_before": judged.since and dict(judged.since),
                     "sweep": self.ensembles[judged.sweep].title,
                     "critical_velocity": _share_values(judged.critical_velocity),
                     "probability_by_others": judged.probability,

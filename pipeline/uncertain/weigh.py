@@ -20,9 +20,16 @@ from scipy.special import logsumexp, ndtr, ndtri, softmax
 from pipeline.analysis.dataset import GIVEN_MEASURED, judged_values
 from pipeline.sweep.unknown import OF_90, Unknown, score_values, sequence
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.evidence import Joint, JudgedTests, Test
+from pipeline.uncertain.evidence import Joint, JudgedTests
 from pipeline.uncertain.inputs import Draws, prior
-from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults
+from pipeline.uncertain.posterior import (
+    Judged,
+    Posterior,
+    cut_off,
+    explains,
+    faults,
+    shown_test,
+)
 from tribo import InputError
 from tribo.types import Array
 
@@ -129,16 +136,18 @@ def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
     """Each test, beside what all others say."""
-    known, (distances, z, likelihoods, joint) = model.unknown[: model.known], judgement
-    rows = zip(model.tests, model.sweeps, distances.values, z, likelihoods, strict=True)
-    for test, sweep, distance, score, likelihood in rows:
-        weights = softmax(joint - likelihood)  # without the test
+    known, (distances, runs, joint) = model.unknown[: model.known], judgement
+    for rows, low, high, likelihood in zip(model.runs, *runs, strict=True):
+        weights = softmax(joint - likelihood)  # without the run
         others = Draws(draws.inputs, weights.sum(axis=1))
+        tests = tuple(model.tests[row] for row in rows)
+        shown = rows[shown_test(tests)]
+        velocities = model.tests[shown]["velocity"] * np.exp(-distances.values[shown])
         yield Judged(
-            test,
-            sweep,
-            draws.interval(test["velocity"] * np.exp(-distance)),
-            _probability(test, score, weights),
+            tests,
+            model.sweeps[shown],
+            draws.interval(velocities),
+            _probability(low, high, weights),
             fits or explains(known, others, scatter, _inferred(model.scatters, weights)),
         )
 
@@ -154,16 +163,11 @@ def _inferred(scatters: Array, weights: Array) -> tuple[float, float, float]:
     return low, middle, high
 
 
-def _probability(test: Test, z: Array, weights: Array) -> float:
-    """Probability of a test's outcome, or of a transition as far off, by weights of draws."""
-    severe = float(np.sum(weights * ndtr(z)))
-    match test.get("outcome"):
-        case "severe":
-            return severe
-        case "mild":
-            return 1 - severe
-        case _:
-            return 2 * min(severe, 1 - severe)
+def _probability(low: Array, high: Array, weights: Array) -> float:
+    """Probability of a run's outcome, or of one as far off, by weights of draws and scatters."""
+    below, above = float(np.sum(weights * ndtr(high))), float(np.sum(weights * ndtr(-low)))
+    is_within = math.isfinite(low.flat[0]) and math.isfinite(high.flat[0])
+    return min(1.0, 2 * min(below, above)) if is_within else min(below, above)
 
 
 def posterior_at(ds: xr.Dataset, ensemble: Ensemble) -> Posterior | None:

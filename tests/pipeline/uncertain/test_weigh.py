@@ -9,6 +9,7 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
+from pipeline.uncertain.evidence import log_between
 from pipeline.uncertain.inputs import prior
 from tests.helpers.samples import (
     CRITICAL,
@@ -193,6 +194,62 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
     (critical,) = posterior.summary()
     assert critical["posterior"]["mean"] == pytest.approx(mean, abs=0.1)
     assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.03)
+
+
+def stage(load, outcome, velocity=2.0, **more):
+    place = {"normal_load": load, "velocity": velocity, "friction": 0.1, "outcome": outcome}
+    return place | {"velocity_scatter": 0.1 * velocity} | more
+
+
+def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
+    # A run within its stages, one beyond its last, one that failed at its first.
+    tests = [
+        *(stage(load, "mild", run="1") for load in (200.0, 300.0, 350.0)),
+        stage(430.0, "severe", run="1"),
+        *(stage(load, "mild", run="2") for load in (200.0, 300.0, 375.0)),
+        stage(450.0, "severe", run="3", bulk_temperature=310.0),
+    ]
+    posterior = pipeline.posterior(ensemble((CRITICAL,), tests=tests))
+    kelvins = np.linspace(360.0, 480.0, 4001)
+
+    def z(test):
+        limit = (kelvins - test.get("bulk_temperature", 298.15)) / 0.1
+        return np.log(test["velocity"] / alone(limit, test["normal_load"])) / 0.1
+
+    density = np.exp(-0.5 * ((kelvins - 418.15) / 8.0) ** 2)
+    density *= ndtr(z(tests[3])) - ndtr(z(tests[2]))
+    density *= ndtr(-z(tests[6])) * ndtr(z(tests[7]))
+    mean = np.average(kelvins, weights=density)
+    spread = math.sqrt(np.average((kelvins - mean) ** 2, weights=density))
+    (critical,) = posterior.summary()
+    assert critical["posterior"]["mean"] == pytest.approx(mean, abs=0.1)
+    assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.03)
+    assert [one.outcome for one in posterior.judged] == [
+        "severe, mild up to 350 N",
+        "mild",
+        "severe",
+    ]
+    assert posterior.evidence == "3 runs"
+
+
+def test_the_friction_of_a_specimen_counts_once_however_often_it_was_measured():
+    def spread(*runs):
+        tests = [one | {"run": run} for one, run in zip(idle_tests([0.104] * 4), runs, strict=True)]
+        (friction, _) = pipeline.posterior(ensemble((FRICTION,), tests=tests)).summary()
+        return friction["posterior"]["sd"]
+
+    assert spread(*"1234") < 0.8 * spread(*"1111")
+
+
+def test_an_interval_far_out_has_the_logarithm_of_its_probability():
+    low, high = np.array([-np.inf, -40.0, 8.0, 40.0, 1.0]), np.array([0.0, -39.0, 9.0, 41.0, 0.5])
+    tail = 0.5 * np.log(2 * math.pi)
+    expected = [math.log(0.5), -(39.0**2) / 2 - math.log(39.0) - tail]
+    found = log_between(low, high)
+    assert found[:2] == pytest.approx(expected, abs=1e-3)
+    assert found[2] == pytest.approx(math.log(ndtr(-8.0) - ndtr(-9.0)), rel=1e-12)
+    assert found[3] == pytest.approx(-800.0 - math.log(40.0) - tail, abs=1e-3)
+    assert found[4] < -1e5
 
 
 def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
