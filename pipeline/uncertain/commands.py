@@ -50,7 +50,8 @@ _INFER = (
 _DESIGN = (
     Option(
         "--over", metavar="ENTRY", dest="entries", action="append", required=True,
-        help="unknown input with a range, from and to, whose value is sought; or two of them",
+        help="entry whose value is sought: an unknown input with a range, from and to; load or "
+        "velocity; or temperature.critical, temperature.bulk or friction.coefficient; or two",
     ),
     Option(
         "--risk", metavar="SHARE", type=values.share,
@@ -79,7 +80,7 @@ COMMANDS = (
     ),
     Command(
         "design", "pipeline.uncertain.answer_design:design",
-        "find the value of an unknown input that makes severe wear unlikely enough",
+        "find the value of an entry that makes severe wear unlikely enough",
         'results/uncertain.zarr --load "500 N" --velocity "2 m/s" --risk 1% --over '
         "disk.roughness.correlation_length",
         (
