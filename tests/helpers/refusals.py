@@ -2,13 +2,16 @@
 
 import ast
 import contextlib
+import io
 import sys
 import tempfile
+import traceback
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pipeline
+from pipeline.cli import main
 from tribo import TriboError
 
 ROOT = Path(pipeline.__file__).resolve().parent
@@ -100,6 +103,7 @@ class Refusals:
                 message = str(build())
             except TriboError as error:
                 message = str(error)
+                places += _passed(error)
             finally:
                 sys.settrace(before)
         return Outcome(message, places)
@@ -115,6 +119,14 @@ class Refusals:
                             yield str(file), lines, f"{file.stem}.{function.name} {error}".strip()
 
 
+def _passed(error: BaseException | None) -> Iterator[tuple[str, int, str]]:
+    """Places that an error and those before it have passed, in other threads, too."""
+    while error is not None:
+        for frame, line in traceback.walk_tb(error.__traceback__):
+            yield frame.f_code.co_filename, line, str(error)
+        error = error.__context__
+
+
 def _refusal(node: ast.AST) -> str | None:
     """Class of the error that a statement makes, or "fault" where it notes one."""
     match node:
@@ -123,3 +135,14 @@ def _refusal(node: ast.AST) -> str | None:
         case ast.Call(func=ast.Attribute(attr="note")):
             return "fault"
     return None
+
+
+def command(*arguments: Any) -> str:
+    """What a command says that is refused."""
+    with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.redirect_stdout(said):
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as error:
+            code = error.code
+    assert code == 2, said.getvalue()
+    return said.getvalue()

@@ -1,7 +1,5 @@
 """Values of options: what could mean two things is refused."""
 
-import argparse
-import re
 from argparse import ArgumentTypeError as Refused
 
 import pytest
@@ -18,12 +16,6 @@ def test_a_failing_share_may_be_in_percent_or_nothing(text, share):
     assert values.failing_share(text) == share
 
 
-@pytest.mark.parametrize("text", ["0,1", "10 percent"])
-def test_a_failing_share_that_is_not_a_number_is_refused(text):
-    with pytest.raises(argparse.ArgumentTypeError, match=r"give a share such as 10% or 0\.1"):
-        values.failing_share(text)
-
-
 def test_a_friction_may_be_repeated():
     def read(*words):
         return conditions_in(parse(["boundary", "out.zarr", *words])).get("friction")
@@ -31,35 +23,6 @@ def test_a_friction_may_be_repeated():
     assert read() is None
     assert read("--friction", "0.1") == 0.1
     assert read("--friction", "0.1", "--friction", "0.2") == (0.1, 0.2)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            ["run", "s.toml", "-o", "out.toml"],
-            r'"out\.toml" ends like .* a store, like "out\.zarr"',
-        ),
-        (
-            ["run", "--boundary-only", "s.toml"],
-            r'--boundary-only: "s\.toml": give a share between 0 and 1',
-        ),
-        (["run", "s.toml", "--workers", "-1"], "--workers: .-1.: give a whole number"),
-        (
-            ["point", "s.toml", "--load", "-5N", "--velocity", "1 m/s"],
-            "--load: .-5N. is not above 0",
-        ),
-        (["boundary", "o.zarr", "--friction", "0,12"], "give a number such as 0.12"),
-    ],
-)
-def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, message, irg):
-    assert re.search(message, irg(*arguments, code=2))
-
-
-def test_a_key_is_set_once(irg):
-    again = "fidelity.increments=6"
-    error = irg("run", "s.toml", "--set", "increments=5", "--set", again, code=2)
-    assert "--set: increments is given more than once; give it once" in error
 
 
 def test_a_value_that_a_store_is_judged_at_has_its_unit(irg, monkeypatch):

@@ -1,0 +1,91 @@
+"""All refusals of commands and their options: what causes each, and what it says."""
+
+from functools import partial
+
+import pytest
+
+from pipeline.store.create import writing
+from pipeline.sweep.variants import placed_rows
+from tests.helpers import tiny
+from tests.helpers.refusals import Refusals, command
+
+
+def irg(*arguments):
+    return partial(command, *arguments)
+
+
+def of_rows(*arguments):
+    """A command on a store whose rows have places of their own."""
+
+    def build():
+        with writing("rows.zarr", tiny.sweep(variants=placed_rows([()], [], [250.0], [1.0]))):
+            pass
+        return command(*arguments)
+
+    return build
+
+
+def nested():
+    return command("check", "first_try", "--set", f"title={'[' * 20_000}")
+
+
+PLACE = ("--load", "250 N", "--velocity", "1 m/s")
+REFUSALS = {
+    # values of options
+    "no quantity": (irg("plot", "a.zarr", "--load", "3"), '"3" has no unit; give one like'),
+    "not above 0": (irg("plot", "a.zarr", "--load", "-5N"), '"-5N" is not above 0'),
+    "bodies": (irg("boundary", "a.zarr", "--bulk-temperature", "pin=60 degC"),
+               '"pin=60 degC": give one like "25 degC"'),
+    "new store": (irg("run", "first_try", "-o", "out.toml"), 'folder of a store, like "out.zarr"'),
+    "table": (irg("boundary", "a.zarr", "-o", "a.txt"), "cannot write a.txt: the suffix must be"),
+    "count": (irg("run", "first_try", "--workers", "-1"), '"-1": give a whole number of at least'),
+    "no count": (irg("run", "first_try", "--workers", "x"), '"x": give a whole number of at least'),
+    "friction": (irg("boundary", "a.zarr", "--friction", "0,12"), '"0,12": give a number such as'),
+    "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%": give a share between'),
+    "no share": (irg("run", "--boundary-only", "s.toml"), '"s.toml": give a share between'),
+    "failing share": (irg("boundary", "a.zarr", "--share", "0,1"), '"0,1": give a share such as'),
+    "failing words": (irg("boundary", "a.zarr", "--share", "10 percent"), '"10 percent": give a'),
+    "criterion": (irg("boundary", "a.zarr", "--criterion", "coldest"), '"coldest": give one of'),
+    "nested": (nested, "title is nested without an end"),
+    "no value": (irg("check", "first_try", "--set", "title"), '"title" has no name and value'),
+    "word": (irg("tests", "log.csv", "--word", "broken=gone"), '"gone" is no outcome; give'),
+    # options that do not go together
+    "at": (irg("boundary", "tiny.zarr", "--at", "temperature.critical=150"),
+           "--at: temperature.critical is 150, without a unit"),
+    "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius is 3, without"),
+    "set twice": (irg("check", "first_try", "--set=increments=5", "--set=fidelity.increments=6"),
+                  "--set: increments is given more than once"),
+    "sheet": (irg("margin", "tiny.zarr", "--sheet", "one"), "--sheet is one of a workbook"),
+    "no place": (irg("margin", "tiny.zarr", "--load", "250 N"), "no operating point is given"),
+    "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *PLACE),
+                   "leave out --load, --velocity"),
+    "accuracy": (irg("run", "first_try", "--accuracy", "2%", "--preset", "draft"),
+                 "leave out --preset"),
+    "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
+                     "leave out --set increments"),
+    "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "--kind ramp takes no --log"),
+    "rows": (of_rows("boundary", "rows.zarr"), "each row has one place"),
+    "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
+    "new": (irg("new"), "no file is named; give one to write"),
+    "help": (irg("help", "boundry"), 'no page or command is called "boundry" (did you mean'),
+}  # fmt: skip
+
+ELSEWHERE = {
+    "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",
+}
+"""Refusals that are not in the table: where they are tested, or why not."""
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory, alone):
+    folder = tmp_path_factory.mktemp("refusals")
+    return Refusals("cli", REFUSALS, folder, {"tiny.zarr": alone})
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all(ELSEWHERE)

@@ -1,0 +1,121 @@
+"""All refusals of gear pairs: what causes each, and what its message says."""
+
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from pipeline import gears
+from pipeline.gears.contact import mesh
+from pipeline.gears.fzg import critical_temperature, rig_pair
+from pipeline.gears.pair import Duty
+from pipeline.gears.rules import friction_coefficient, stage_torque
+from pipeline.gears.scene import scene_toml
+from pipeline.gears.spectrum import read_spectrum
+from tests.helpers.refusals import Refusals, command
+from tests.pipeline.gears.test_answer import CRITICAL, OWN
+from tests.pipeline.gears.test_involute import pair as toothed
+from tests.pipeline.gears.test_involute import plain
+
+
+def pair(*changes, **overrides):
+    """Read the pair of a user with texts replaced, or with other entries."""
+
+    def build():
+        text = OWN
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        Path("own.toml").write_text(text)
+        return gears.read_pair("own.toml", overrides)
+
+    return build
+
+
+def fzg(*options):
+    return partial(command, "gears", "fzg_a", *options)
+
+
+def involutes(**changed):
+    return partial(toothed, **changed)
+
+
+def duties(text):
+    def build():
+        Path("duty.csv").write_text(text)
+        return read_spectrum("duty.csv", gears.read_pair("fzg_a"))
+
+    return build
+
+
+def oilless():
+    return gears.read_pair("fzg_a", {"without": ["oil"], "friction.coefficient": 0.05})
+
+
+REFUSALS = {
+    # the file
+    "no file": (partial(gears.read_pair, "fzg_b"), 'there is no such file (did you mean "fzg_a"?)'),
+    "teeth": (pair(("teeth = 21", "teeth = 2.5")), "pinion.teeth: 2.5 is not a whole number"),
+    "unit": (pair(('"3 mm"', '"3 kg"')), 'mesh.module: "3 kg" cannot be converted to mm'),
+    "speed": (pair(('"157 rad/s"', '"25 1/s"')), '"25 1/s" is not in rpm or rad/s'),
+    "key": (pair(("title", "colour = 3\ntitle")), "colour: unknown key"),
+    "material": (pair(('"bronze CuSn12"', '"bronce"')), '"bronce" is neither in the library'),
+    "oil": (pair(('like = "ISO VG 46"', 'density = "866 kg/m^3"\ntemperatures = ["40 degC", '
+                  '"100 degC"]')), "give one of kinematic_viscosity and dynamic_viscosity"),
+    "density": (pair(('like = "ISO VG 46"', 'temperatures = ["40 degC", "100 degC"]\n'
+                      'kinematic_viscosity = ["46 mm^2/s", "7 mm^2/s"]')),
+                "oil.density: missing; a kinematic viscosity"),
+    "temperatures": (partial(gears.read_pair, "fzg_a", {"temperature.oil": "90 degC"}),
+                     "temperature: give one of bulk"),
+    # the teeth
+    "interfering": (pair(("teeth = 21", "teeth = 12")), "interferes with the flank of the pinion"),
+    "distance": (involutes(centre_distance=95e-3), "mesh.centre_distance is 95 mm, and profile"),
+    "bases": (involutes(centre_distance=80e-3), "base circles need more than 84.57 mm"),
+    "tip": (involutes(tip_diameters=(60e-3, 112.5e-3)), "pinion.tip_diameter is 60 mm, within"),
+    "ratio": (involutes(tip_diameters=(88.77e-3, 108e-3)), "contact ratio is 0.924"),
+    "reach": (involutes(tip_diameters=(72e-3, 109e-3)), "tips do not reach each other"),
+    "pointed": (involutes(tip_diameters=(95e-3, 112.5e-3)), "95 mm: the teeth are pointed"),
+    "shifts": (involutes(profile_shifts=(-3.0, -2.0)), "fit no centre distance"),
+    "flank": (partial(plain, 12, 24), "wheel.tip_diameter: its tip interferes with the flank"),
+    "undercut": (partial(plain, 14, 14), "pinion.profile_shift is 0: undercut takes"),
+    "pitch point": (involutes(teeth=(38, 56), profile_shifts=(-1.0, -0.1), tip_diameters=(
+        0.1647, 0.2574), centre_distance=0.20594), "about the pitch point, and not through it"),
+    # rules and simulations
+    "stage": (partial(stage_torque, 13), "load stage is 13; FZG A/8.3/90 has 1 to 12"),
+    "failure stage": (lambda: critical_temperature(gears.read_pair("fzg_a"), 13),
+                      "failure load stage is 13; give 2 to 12"),
+    "oil of a stage": (lambda: rig_pair(pair()().changed(oil=None, friction=0.05)),
+                       "the oil of the pair is not given"),
+    "friction": (lambda: friction_coefficient(oilless(), oilless().duty), "without an oil there"),
+    "standing": (lambda: friction_coefficient(gears.read_pair("fzg_a"), Duty(300.0, 0.0, 360.0)),
+                 "duty.speed is 0"),
+    "fine": (lambda: scene_toml([mesh(gears.read_pair("fzg_a", {
+        "surface.correlation_length": ["1 nm", "4 um"]}))]), "surface.correlation_length is 0.001"),
+    "no duty": (duties("torque [N m],speed [rpm]\n"), "there are no rows"),
+    "duty": (duties("torque [N m],speed [rpm]\nx,3\n"), "row 2, torque"),
+    # options
+    "stages": (fzg("--stages"), "need a critical temperature"),
+    "points": (fzg("--points", "duty.csv"), "need a critical temperature"),
+    "two": (fzg("--failure-stage", "9", *CRITICAL), "give one of them"),
+    "questions": (fzg("--stages", "--points", "duty.csv", *CRITICAL), "ask one at a time"),
+    "sheet": (fzg("--sheet", "one"), "--sheet is one of a workbook of --points"),
+}  # fmt: skip
+
+ELSEWHERE = {
+    "model.simulate pipeline.ExecutionError": "by nobody: a place that fails, as in a run",
+}
+"""Refusals that are not in the table: where they are tested, or why not."""
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("gears", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all(ELSEWHERE)

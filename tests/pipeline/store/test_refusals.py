@@ -1,0 +1,279 @@
+"""All refusals of stores: what causes each, and what its message says."""
+
+import itertools
+import json
+import os
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from pipeline.analysis.dataset import open_sweep
+from pipeline.store import lock, place
+from pipeline.store.create import restore_root, writing
+from pipeline.store.place import LOCK, ROOT, place_of, require_writable
+from pipeline.store.progress import summary
+from pipeline.store.root import sealed
+from pipeline.store.schema import require_free_names
+from pipeline.store.verify import verify_store
+from pipeline.sweep.codec import sweep_text
+from pipeline.sweep.variants import Column, placed_rows, surfaces
+from tests.helpers import tiny
+from tests.helpers.refusals import Refusals
+from tests.helpers.stores import commit
+
+SWEEP = tiny.full()
+MANY = tuple(float(load) for load in range(1, 4001))
+ELSEWHERE_BEATING = f"process 7 on elsewhere\nmachine {'0' * 32}\n"
+
+
+def changed(change, read=summary):
+    """Read a copy of a store in which something was changed."""
+
+    def build():
+        shutil.copytree("tiny.zarr", "a.zarr")
+        change(Path("a.zarr"))
+        return read("a.zarr")
+
+    return build
+
+
+def go_on(path):
+    commit(path, SWEEP, ())
+
+
+def make_root(path):
+    restore_root(path, SWEEP)
+
+
+def load(path):
+    open_sweep(path).load()
+
+
+def put(name, content):
+    return lambda path: (path / name).write_bytes(content)
+
+
+def link(name, target="nowhere"):
+    def change(path):
+        (path / name).unlink()
+        (path / name).symlink_to(target)
+
+    return change
+
+
+def pipe(path):
+    (path / "load" / "c.0").unlink()
+    os.mkfifo(path / "load" / "c.0")
+
+
+def move_status(path):
+    (path / "status").rename("elsewhere")
+    (path / "status").symlink_to(Path("elsewhere").resolve())
+
+
+def forged(change):
+    """A root with other values and the right hash."""
+
+    def write(path):
+        document = json.loads((path / ROOT).read_text())
+        attributes, arrays = document["attributes"], document["consolidated_metadata"]["metadata"]
+        texts = {name: json.loads(attributes[name]) for name in ("sweep", "store")}
+        change(texts, arrays)
+        attributes |= {name: json.dumps(text) for name, text in texts.items()}
+        (path / ROOT).write_bytes(sealed(document))
+
+    return write
+
+
+def other_rows(texts, _):
+    other = tiny.full(variants=surfaces((1, 2)))
+    texts["sweep"]["variants"] = json.loads(sweep_text(other, {}))["variants"]
+
+
+def edit(path, change):
+    document = json.loads(path.read_text())
+    change(document)
+    path.write_text(json.dumps(document))
+
+
+def without_root(name, change=None):
+    """A store without its root, and with one array of which it cannot be made again."""
+
+    def write(path):
+        (path / ROOT).unlink()
+        file = path / name / ROOT
+        edit(file, change) if change else file.unlink()
+
+    return write
+
+
+def unfinished(is_held):
+    """A store whose root is not written yet."""
+    Path("a.zarr/status").mkdir(parents=True)
+    if not is_held:
+        Path("a.zarr", LOCK).touch()
+        return summary("a.zarr")
+    with lock.held(place_of("a.zarr")):
+        return summary("a.zarr")
+
+
+def in_use():
+    with writing("a.zarr", SWEEP):
+        commit("a.zarr", SWEEP, ())
+
+
+def grown():
+    commit("a.zarr", SWEEP, ())
+    with open_sweep("a.zarr") as ds:
+        commit("a.zarr", tiny.full(loads=(50.0, 150.0)), ())
+        ds.load()
+
+
+def patched(module, name, value, build):
+    def run():
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(module, name, value)
+            return build()
+
+    return run
+
+
+def beating(at_rest):
+    """A store on a disk of other machines, too, one of which has it, or takes it meanwhile."""
+    commit("a.zarr", SWEEP, ())
+    held = Path("a.zarr", LOCK)
+    held.write_text("" if at_rest else ELSEWHERE_BEATING)
+
+    times = itertools.count()
+
+    def take(_):
+        if next(times):
+            held.write_text(ELSEWHERE_BEATING)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lock, "is_local", lambda _: False)
+        patch.setattr(lock, "time", SimpleNamespace(sleep=take, time=lock.time.time))
+        commit("a.zarr", SWEEP, ())
+
+
+def deleted_folder():
+    Path("gone").mkdir()
+    os.chdir("gone")
+    Path("../gone").rmdir()
+    return place_of("a.zarr")
+
+
+def below_file():
+    Path("file").touch()
+    commit("file/a.zarr", SWEEP, ())
+
+
+def foreign():
+    Path("a.zarr").mkdir()
+    Path("a.zarr", ROOT).write_text('{"zarr_format": 3, "node_type": "group", "attributes": {}}')
+    return summary("a.zarr")
+
+
+def folder():
+    Path("mine").mkdir()
+    Path("mine", "thesis.tex").touch()
+    return summary("mine")
+
+
+def file():
+    Path("mine").touch()
+    return summary("mine")
+
+
+REFUSALS = {
+    # paths
+    "address": (lambda: place_of("https://example.org/a.zarr"), "a local folder or an s3:// add"),
+    "null": (lambda: place_of("a\0.zarr"), "a local folder or an s3:// address"),
+    "surrogate": (lambda: place_of("a\ud800.zarr"), "a local folder or an s3:// address"),
+    "top": (lambda: place_of("/"), "/ cannot be a store; give a folder below it"),
+    "bucket": (lambda: place_of("s3://bucket/"), "s3://bucket/ cannot be a store"),
+    "no s3fs": (patched(place, "find_spec", lambda _: None, lambda: place_of("s3://a/b.zarr")),
+                "s3://a/b.zarr needs s3fs"),
+    "gone": (deleted_folder, "the folder that this process works in was deleted"),
+    "below": (below_file, "file is a file, not a folder"),
+    "permission": (patched(place.os, "access", lambda *_: False,
+                           lambda: require_writable("a.zarr")), "no permission to write"),
+    "nothing": (lambda: summary("a.zarr"), "a.zarr does not exist"),
+    "file": (file, "mine is a file, not a store"),
+    "empty": (lambda: (Path("a.zarr").mkdir(), summary("a.zarr")), "is not a store: there is no"),
+    "folder": (folder, "is not a store: there is no zarr.json"),
+    "folder to write": (lambda: (Path("a.zarr/load").mkdir(parents=True),
+                                 Path("a.zarr/load/mine.csv").touch(), go_on("a.zarr")),
+                        "is not a store"),
+    "foreign": (foreign, "is not the store of a sweep"),
+    # locks
+    "no locks": (patched(lock, "fcntl", None, lambda: go_on("a.zarr")), "no file locks"),
+    "no lock": (changed(link(LOCK), go_on), "is not a file; move it elsewhere"),
+    "in use": (in_use, f"in use by process {os.getpid()}"),
+    "beats": (changed(put(LOCK, ELSEWHERE_BEATING.encode()), go_on), "in use by process 7 on else"),
+    "heard of": (lambda: beating(at_rest=False), "it was last heard of"),
+    "taken": (lambda: beating(at_rest=True), "in use by process 7 on elsewhere"),
+    "unfinished": (lambda: unfinished(is_held=False), "was left unfinished as it was made"),
+    "being made": (lambda: unfinished(is_held=True), "is being made by process"),
+    # the root
+    "large": (changed(lambda path: os.truncate(path / ROOT, 2**42)), "4.4e+12 bytes"),
+    "parts": (changed(put(ROOT, b"[" * 10_000_000)), "is damaged: it has 10000000 lists"),
+    "no JSON": (changed(put(ROOT, b"null")), "zarr.json is damaged; irg run with the scene"),
+    "other": (changed(lambda path: edit(path / ROOT, lambda root: root["attributes"].update(
+        title="Another"))), "zarr.json is damaged: it is not what was written"),
+    "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "has format 3, and"),
+    "variable": (changed(forged(lambda _, arrays: arrays.update(film=arrays["max_rise"]))),
+                 "with the variable film"),
+    "facts": (changed(forged(lambda texts, _: texts["store"].update(colour=1))), "Facts.colour"),
+    "axes": (changed(forged(other_rows)), "its axes are not those of its sweep"),
+    "sweep": (changed(forged(lambda texts, _: texts["sweep"]["plane"].update(loads=3))),
+              "Plane.loads"),
+    "array": (changed(forged(lambda _, arrays: arrays["max_rise"].update(codecs=[])), load),
+              "zarr.json describes no store"),
+    "lost": (changed(lambda path: (path / ROOT).unlink()), "has lost its zarr.json"),
+    "lost array": (changed(without_root("load"), make_root), "load/zarr.json is lost"),
+    "lost axes": (changed(without_root("load", lambda array: array["codecs"][0].update(name="zip")),
+                          make_root), "their axes are not those of a store"),
+    # files
+    "pipe": (changed(pipe, verify_store), "it is not a file"),
+    "link": (changed(link("load/c.0"), verify_store), "it is a link that leads nowhere"),
+    "linked folder": (changed(move_status, lambda path: commit(path, SWEEP)),
+                      "is a link to another folder"),
+    "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
+    "missing": (changed(lambda path: (path / "message" / "c.0.0").unlink(), load), "damaged"),
+    "grown": (grown, "has grown since it was opened"),
+    "many": (lambda: commit("a.zarr", tiny.full(loads=MANY, velocities=MANY), ()),
+             "would have 1.6e+07 points"),
+    "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
+        [()], [Column("time", (1.0,), "1", meaning="time")], [250.0], [1.0]))),
+              "a column of the rows is called time"),
+}  # fmt: skip
+
+ELSEWHERE = {
+    "create.grown StoreMismatchError": "test_create.py, in several lines",
+    "create._grown_root StoreError": "one of the two by nobody: a growth between values on S3",
+    "create._remade StoreMismatchError": "test_restore.py",
+    "place._call OSError": "test_s3.py, by servers that refuse",
+    "read.require_sound StoreError": "analysis/test_soundness.py",
+    "verify._require_right_root LostRootError": "test_restore.py",
+    "verify._require_right_root UnreadableError": "test_restore.py",
+    "write.require_lock StoreError": "test_lock.py",
+}
+"""Refusals that are not in the table: where they are tested, or why not."""
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory, alone):
+    folder = tmp_path_factory.mktemp("refusals")
+    return Refusals("store", REFUSALS, folder, {"tiny.zarr": alone})
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all(ELSEWHERE)
