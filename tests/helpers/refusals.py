@@ -61,7 +61,7 @@ class Refusals:
         missing = self._missing()
         unknown = [f"{place} {name}" for name, place in missing.items() if name not in elsewhere]
         assert unknown == [], "\n".join(["the table lacks", *unknown])
-        assert sorted(missing) == sorted(elsewhere), "what the table has need not be elsewhere"
+        assert sorted(elsewhere) == sorted(missing), "the table has what is said to be elsewhere"
 
     def _missing(self) -> dict[str, str]:
         """Function and class of each error or fault that no entry causes, with its place."""

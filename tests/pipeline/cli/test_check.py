@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+import pipeline
 from pipeline.cli import main
-from pipeline.tradeoff import forecast
 
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
 
@@ -19,7 +19,7 @@ def test_meaning_comes_before_cost(capsys, monkeypatch):
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(forecast, "_timed", stopped)
+    monkeypatch.setattr(pipeline, "estimate", stopped)
     main(["check", SCENE])
     said = capsys.readouterr().out
     for words in (

@@ -245,13 +245,6 @@ def test_a_ramp_that_is_not_there_is_that_of_the_nearest_point_and_says_so(sweep
     assert legend.get_texts()[0].get_text() == "750 N, 1.25 m/s, nearest to 740 N and 1.3 m/s"
 
 
-def test_fields_that_are_not_there_are_refused(sweep):
-    with pytest.raises(InputError, match=r"load is 740 N, .* nearest is 750 N"):
-        fields(sweep, load=740.0)
-    with pytest.raises(InputError, match=r"velocity is 9 m/s, .* nearest is 4 m/s"):
-        fields(sweep, velocity=9.0)
-
-
 @pytest.mark.parametrize("draw", [ramp, fields])
 def test_points_that_are_not_done_are_refused(sweep, draw):
     with pytest.raises(InputError, match=r"300 N, 1.5 m/s is not done: out of memory"):
@@ -273,20 +266,6 @@ def test_the_suffix_decides_the_format(sweep, tmp_path, suffix, magic):
     out = tmp_path / f"figure{suffix}"
     assert plot(sweep.isel(load=[0, -3], velocity=[2, 6]), "fields", out) == out
     assert out.read_bytes().startswith(magic)
-
-
-def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
-    with pytest.raises(InputError, match="kind is 'pie'; allowed are diagram, ramp, fields"):
-        plot(sweep, "pie")
-    with pytest.raises(InputError, match=r"diagram has no option 'load'; it has realization, log"):
-        plot(sweep, "diagram", load=750.0)
-    with pytest.raises(InputError, match=r"suffix must be one of .pdf, .png, .svg"):
-        plot(sweep, "diagram", tmp_path / "figure.gif")
-    with pytest.raises(InputError, match="width is 1 cm; it must be from 4"):
-        plot(sweep, "diagram", width=0.01)
-    with pytest.raises(InputError, match=r"cannot write .*there is no folder"):
-        plot(sweep, "diagram", tmp_path / "missing" / "figure.png")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
@@ -329,8 +308,6 @@ def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_fric
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
     assert "measured transition, beyond what was computed" in said
     assert "1 of 5 tests: not known" in said
-    with pytest.raises(InputError, match=r"no tests to draw; give \[\[measured\]\]"):
-        plot(synthetic.sweep(measured=()), "tests")
 
 
 # Samples of what is not known exactly

@@ -10,7 +10,7 @@ from pipeline.analysis.curve import Curve
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic
-from tribo import Corrections, Friction, InputError
+from tribo import Corrections, Friction
 
 LOADS = tuple(float(load) for load in range(200, 751, 50))
 LIMIT = 1200.0
@@ -86,12 +86,6 @@ def test_a_rise_that_falls_in_places_ends_too():
 
     rises, _ = searched(ragged, 0.002)
     assert all(0.5 < boundary_of(rises, load) < 5 for load in LOADS)
-
-
-@pytest.mark.parametrize("tolerance", [0.0, 1.0])
-def test_a_search_without_a_tolerance_is_refused(tolerance):
-    with pytest.raises(InputError, match="must be between 0 and 1"):
-        BoundarySearch(LOADS, 0.5, 5.0, LIMIT, tolerance)
 
 
 def test_friction_that_bends_between_two_velocities_hides_no_boundary():

@@ -1,7 +1,6 @@
 """Choice of a fidelity for an accuracy; that it keeps it is judged in `test_promise`."""
 
 import json
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -19,8 +18,8 @@ from pipeline.tradeoff.choose import (
 )
 from pipeline.tradeoff.probe import some_places
 from tests.helpers import tiny
-from tests.helpers.accuracy_scenes import PAPER, SCENES
-from tribo import PRESETS, Fidelity, Grid, InputError, SelfAffineRoughness
+from tests.helpers.accuracy_scenes import SCENES
+from tribo import PRESETS, Fidelity, Grid, SelfAffineRoughness
 
 # So many velocities that it pays to look for something cheaper than the reference.
 MANY = tuple(float(velocity) for velocity in np.geomspace(0.5, 8.0, 40))
@@ -97,15 +96,6 @@ def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
     loose, strict = (choose_fidelity(slow, accuracy) for accuracy in (0.3, 0.02))
     assert (loose.fidelity.heat_model, strict.fidelity.heat_model) == ("elapsed", "history")
     assert "with all heat so far" in strict.name
-
-
-def test_an_accuracy_is_a_share_and_needs_friction():
-    for accuracy in (0.0, 1.0, math.nan):
-        with pytest.raises(InputError, match="between 0 and 1"):
-            choose_fidelity(PAPER, accuracy)
-    without = PAPER.changed(conditions=replace(PAPER.conditions, friction=0.0))
-    with pytest.raises(InputError, match="friction is 0"):
-        choose_fidelity(without, 0.02)
 
 
 def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(

@@ -1,0 +1,94 @@
+"""All refusals of figures: what causes each, and what its message says."""
+
+from functools import cache
+
+import pytest
+from matplotlib.figure import Figure
+
+import pipeline
+from pipeline.figures.tested import measured_over_computed
+from pipeline.store.create import writing
+from pipeline.store.schema import FAILED, PENDING
+from pipeline.sweep.about import Measurement
+from pipeline.sweep.variants import placed_rows
+from tests.helpers import synthetic, tiny
+from tests.helpers.refusals import Refusals
+from tests.helpers.samples import ALL, dataset, ensemble
+
+
+@cache
+def plane(**values):
+    status = {(300.0, 1.5): FAILED, (750.0, 4.0): PENDING}
+    return synthetic.sweep(status=status, fields=True, **values)
+
+
+def plot(kind, *arguments, **options):
+    return lambda: pipeline.plot(plane(), kind, *arguments, **options)
+
+
+def of_places():
+    with writing("a.zarr", tiny.sweep(variants=placed_rows([()], [], [250.0], [1.0]))):
+        pass
+    return pipeline.plot("a.zarr", "diagram", log=True)
+
+
+def of_samples():
+    return pipeline.plot(dataset(ensemble(ALL, 32)), "diagram", realization=0)
+
+
+def of_scenes():
+    several = pipeline.at(plane().isel(load=[0]), friction=(0.1, 0.12))
+    return pipeline.plot(several, "diagram")
+
+
+def begun():
+    status = {(400.0, velocity): PENDING for velocity in synthetic.VELOCITIES}
+    return pipeline.plot(synthetic.sweep(loads=[400.0], status=status), "ramp")
+
+
+def without_figure():
+    axes = Figure().add_subplot()
+    axes.remove()
+    return pipeline.plot(plane(), "temperature", ax=axes)
+
+
+def over_computed(*measured):
+    return lambda: measured_over_computed(synthetic.sweep(measured=measured))
+
+
+REFUSALS = {
+    "kind": (plot("pie"), "kind is 'pie'; allowed are diagram, ramp, fields"),
+    "option": (plot("diagram", load=750.0), "diagram has no option 'load'; it has realization"),
+    "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
+    "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
+    "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
+    "own axes": (plot("temperature", width=0.1, ax=Figure().add_subplot()),
+                 "ax: out and width are those of its figure"),
+    "no figure": (without_figure, "these axes belong to no figure"),
+    "samples": (of_samples, "shows probabilities; leave out the surface and ax"),
+    "places": (of_places, "no plane; leave out log"),
+    "scenes": (of_scenes, "takes two loads and two velocities or more"),
+    "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),
+    "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
+    "begun": (begun, "no point at 400 N is done"),
+    "load": (plot("fields", load=740.0), "load is 740 N, which the sweep does not hold; the near"),
+    "velocity": (plot("fields", velocity=9.0), "velocity is 9 m/s, which the sweep does not hold"),
+    "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
+    "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
+    "no tests": (over_computed(), "the scene has no tests to draw"),
+    "far tests": (over_computed(Measurement(9000.0, 1.0)), "the sweep reaches no test of its"),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("figures", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all()

@@ -1,0 +1,99 @@
+"""Refusals of runs that need no cluster: what causes each, and what its message says."""
+
+import multiprocessing
+import pickle
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import pipeline
+from pipeline.run import cluster
+from pipeline.run.boundary_search import BoundarySearch
+from pipeline.run.cluster import client_of
+from pipeline.run.work import compute_points, records_here, require_same_code, versions
+from pipeline.sweep.own_laws import WEAR, Own
+from tests.helpers import tiny
+from tests.helpers.refusals import Refusals
+
+SWEEP = tiny.sweep()
+COLD = SWEEP.changed(conditions=replace(SWEEP.conditions, friction=0.0))
+
+
+def vary(entry, value):
+    return lambda: pipeline.vary("first_try", {entry: [value]})
+
+
+def no_dashboard():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cluster, "find_spec", lambda _: None)
+        return pipeline.run_sweep(SWEEP, "a.zarr", workers=1, dashboard=True)
+
+
+def in_worker():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(multiprocessing, "parent_process", multiprocessing.current_process)
+        return pipeline.run_sweep(SWEEP, "a.zarr")
+
+
+class Changed:
+    """A law that is another one where it is unpickled."""
+
+    def __reduce__(self):
+        return Own, ("laws:Law", WEAR, (), b"", "0", None, True)
+
+
+def other_law():
+    records_here((), "their run", pickle.dumps(Changed()), SimpleNamespace(data={}))
+    return compute_points("task", "their run", ())
+
+
+def no_file():
+    Path("scheduler.json").write_text("{}")
+    return client_of(file=Path("scheduler.json"))
+
+
+REFUSALS = {
+    "tolerance": (lambda: BoundarySearch((1.0,), 0.5, 5.0, 100.0, 1.0), "the tolerance is 1.0"),
+    "no tolerance": (lambda: BoundarySearch((1.0,), 0.5, 5.0, 100.0, 0.0), "the tolerance is 0.0"),
+    "no friction": (lambda: BoundarySearch.of(COLD, 0.01), "no boundary to look for without"),
+    "velocities": (lambda: BoundarySearch.of(SWEEP.changed(velocities=(0.0, 1.5)), 0.01),
+                   "sweep.velocities are 0, 1.5 m/s; give two or more above 0"),
+    "temperature": (vary("temperature.critical", "+5%"), "the scene gives 145 degC, and a percent"),
+    "no number": (vary("pin.shape", "+5%"), "pin.shape=+5%: the scene gives no number there"),
+    "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
+    "dashboard": (no_dashboard, "the dashboard needs bokeh"),
+    "file": (no_file, "scheduler.json cannot be read as the file of a Dask scheduler"),
+    "scheduler": (lambda: client_of("nonsense", patience=1.0), "answers at nonsense"),
+    "code": (lambda: require_same_code(versions() | {"code": "0"}, "tcp://a:1"),
+             "worker tcp://a:1 runs code 0 of"),
+    "worker": (in_worker, "a worker process cannot run a sweep"),
+    "law": (other_law, "a worker cannot take the scene: the wear law \"laws:Law\" has the SHA"),
+    "unsent": (lambda: compute_points("task", "nobody's run", ()), "does not have the scene"),
+}  # fmt: skip
+
+ELSEWHERE = {
+    "cluster._losses_named ExecutionError": "test_cluster.py, by a scheduler that is killed",
+    "cluster._started ExecutionError": "test_cluster.py, by processes that do not start",
+    "cluster.threads_of ExecutionError": "test_cluster.py, without a worker",
+    "schedule._recover ExecutionError": "test_schedule.py, by workers that are lost",
+    "schedule.watch ExecutionError": "test_schedule.py, by workers that do nothing",
+    "tally._answer ExecutionError": "test_schedule.py, by a worker without this program",
+    "tally.note ExecutionError": "test_tally.py",
+}
+"""Refusals that are not in the table: where they are tested, or why not."""
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("run", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all(ELSEWHERE)

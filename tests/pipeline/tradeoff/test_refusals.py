@@ -1,0 +1,62 @@
+"""All refusals of accuracies and their trade-off: what causes each, and what its message says."""
+
+from dataclasses import replace
+
+import pytest
+
+import pipeline
+from pipeline.store.create import writing
+from pipeline.sweep.model import Point
+from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
+from pipeline.tradeoff.trade import trade
+from tests.helpers import synthetic, tiny
+from tests.helpers.refusals import Refusals
+
+PAPER = pipeline.load_scene("irg_transition")
+COLD = PAPER.changed(conditions=replace(PAPER.conditions, friction=0.0))
+
+
+def stored(**values):
+    """Ask for an accuracy of 2 % where a store is."""
+
+    def build():
+        sweep = tiny.sweep(**values)
+        with writing("a.zarr", sweep):
+            pass
+        return choose_accuracy(sweep, 0.02, store="a.zarr")
+
+    return build
+
+
+REFUSALS = {
+    "no accuracy": (lambda: choose_fidelity(PAPER, 0.0), "accuracy is 0.0; it must be between 0"),
+    "all": (lambda: choose_fidelity(PAPER, 1.0), "accuracy is 1.0; it must be between 0 and 1"),
+    "nan": (lambda: choose_fidelity(PAPER, float("nan")), "accuracy is nan; it must be between"),
+    "share": (lambda: choose_fidelity(PAPER, "two"), '"two": give a share such as'),
+    "no friction": (lambda: choose_fidelity(COLD, 0.02), "friction is 0, so there is no boundary"),
+    "still": (lambda: choose_fidelity(PAPER, 0.02, [Point(600.0, 0.0)]), "velocity is 0, so there"),
+    "own": (stored(), "was computed with the scene's own fidelity"),
+    "coarser": (stored(selection=synthetic.selection(error=0.05)), "whose boundary errs by 5 %"),
+    "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
+    "trade": (lambda: trade(COLD), "friction is 0, so there is no boundary; give one above 0"),
+    "no velocity": (lambda: trade(PAPER.changed(velocities=(0.0,))), "no velocity but 0"),
+}  # fmt: skip
+
+ELSEWHERE = {
+    "probe._reading InputError": "a point always ends with a temperature; for the type checker",
+}
+"""Refusals that are not in the table: where they are tested, or why not."""
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("tradeoff", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all(ELSEWHERE)
