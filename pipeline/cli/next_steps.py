@@ -185,7 +185,7 @@ def _more_accurate(sweep: Sweep, store: Path | str, accuracy: float) -> str:
 
 
 def _arguments(sweep: Sweep) -> list[str]:
-    """Arguments that read the scene of a store, but for a permission that it might give itself."""
+    """Arguments that read the scene of a store, without `--own-laws`."""
     words = sweep.about.arguments or (f"{sweep.about.name}.toml",)
     return [word for word in words if not word.startswith("--own")]
 

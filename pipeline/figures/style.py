@@ -170,7 +170,7 @@ def entry_label(path: str) -> str:
 
 
 def as_text(words: str) -> str:
-    """Write words as they are: shortened, without control characters, and not as a formula."""
+    """Escape words for a figure: shortened, without control characters and formulas."""
     printable = "".join(character for character in words[:1000] if character.isprintable())
     return textwrap.shorten(printable, 240, placeholder=" …").replace("$", r"\$")
 
@@ -236,7 +236,7 @@ def _resize(artist: Artist, text: float, line: float) -> None:
 
 
 def _wrap_titles(figure: Figure) -> None:
-    """Break titles of legends into lines that are as long as the figure is wide."""
+    """Break titles of legends into lines that fit the width of the figure."""
     for title in (legend.get_title() for legend in figure.findobj(Legend)):
         letter = _LETTER * float(title.get_fontsize()) * figure.dpi / 72
         text = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", title.get_text())

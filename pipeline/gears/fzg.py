@@ -48,7 +48,7 @@ class Critical:
         if self.integral is not None:
             yield (
                 f"scuffing integral temperature: {self.integral - 273.15:.0f} °C by the rule of "
-                "ISO/TR 13989-2, Eq. 94, of which it is the limit; not one of this model"
+                "ISO/TR 13989-2, Eq. 94, for that rule alone, not for this model"
             )
 
 

@@ -6,7 +6,7 @@
     └── StoreError               no store, not readable, not writable or in use
         ├── StoreMismatchError   the store of another scene
         ├── DamagedError         data that were read, and are proved wrong
-        └── UnreadableError      data that cannot be read now, of which nothing is known
+        └── UnreadableError      data that cannot be read now, so that nothing is known of them
 
 What is read is sound, or raises one of the last two. Only what is proved wrong is ever replaced.
 """

@@ -156,7 +156,7 @@ class Store:
             return self.arrays[name].oindex[places]
 
     def read_steps(self) -> dict[str, Any]:
-        """All variables at steps, and time, load and distance there, each of one shape."""
+        """All variables at steps, with time, load and distance, in one shape each."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
         shape = columns["max_rise"].shape
         dims = self.arrays["max_rise"].metadata.dimension_names

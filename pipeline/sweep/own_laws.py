@@ -276,7 +276,7 @@ def _installed(reference: str) -> _Text | None:
 
 
 def _loaded(own: Own) -> ModuleType:
-    """The module of a law, under a name of its own beside all that is installed."""
+    """Load the module of a law under a name that no installed module has."""
     name = own.reference.partition(":")[0]
     file, full = f"{name}.py", f"{_PREFIX}_{own.digest}_{name.replace('.', '_')}"
     if full in sys.modules:
