@@ -200,7 +200,7 @@ def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
 
 
 def _quantile(planes: xr.DataArray, share: float) -> xr.DataArray:
-    """The plane of the median surface, or of one that a share of the others stays below."""
+    """The plane of the median surface, or of another quantile of the surfaces."""
     return planes.quantile(share, "row", skipna=False)
 
 

@@ -103,7 +103,7 @@ def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
 
 
 def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None:
-    """Write the legend below a figure, or below the caller's axes on one that has others."""
+    """Write the legend below the figure, or below the caller's axes if the figure has others."""
     if ax is None:
         figure.legend(loc="outside lower center", **options)
     else:
@@ -113,7 +113,7 @@ def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Draw in the house style, but for what the caller has set of matplotlib otherwise."""
+    """Draw in the house style, except for matplotlib settings that the caller has changed."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:

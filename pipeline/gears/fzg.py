@@ -19,7 +19,7 @@ _FZG = "fzg_a"
 
 @dataclass(frozen=True, slots=True)
 class Critical:
-    """A critical temperature [K], by the last stage passed and the one that failed."""
+    """A critical temperature [K], by the last stage passed and the failed stage."""
 
     value: float  #: In the middle between both.
     doubt: float  #: Standard deviation: even between both, and the simulation's error.

@@ -49,7 +49,7 @@ class Variation:
 
 @dataclass(frozen=True, slots=True)
 class Variations:
-    """The boundary of a scene as it is, and with single entries changed."""
+    """The boundary of a scene, unchanged and with single entries changed."""
 
     title: str  #: Title of the scene.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].

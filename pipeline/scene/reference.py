@@ -96,7 +96,7 @@ def meanings() -> dict[str, str]:
 
 
 def unit_example(path: str) -> str | None:
-    """A value with a unit, such as an entry is given; None for one that has no unit."""
+    """Example of a value with the unit of an entry; None if the entry has no unit."""
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
@@ -289,7 +289,7 @@ def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
 
 
 def example(entry: Entry, default: Any = None) -> Any:
-    """A value of an entry, as TOML has it: its example, its default, or one that is allowed."""
+    """Value of an entry for TOML: its example, its default, or an allowed value."""
     return _allowed(entry.kind, default) if entry.example is None else entry.example
 
 

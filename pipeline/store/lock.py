@@ -138,7 +138,7 @@ def _beating(place: StorePlace) -> Iterator[Lock]:
 
 
 def _take(place: StorePlace, content: bytes) -> None:
-    """Create a lock, or take one that is free; raise a `StoreError` if there is another."""
+    """Create a lock, or take a free one; raise a `StoreError` if it is held."""
     if place.create(LOCK, content):
         return
     if not place.read(LOCK):  # let go of, or just being made

@@ -283,7 +283,7 @@ def opened(path: PathLike) -> Store:
 
 @contextmanager
 def stored(path: PathLike | None) -> Iterator[PathLike]:
-    """The path of a store that is kept; if none is given, of one that goes when it was read."""
+    """Yield `path`, or a store in a temporary folder that is deleted on leaving."""
     if path is not None:
         yield path
         return

@@ -178,7 +178,7 @@ class Reference(UnknownHeights):
 
 
 def refer(law: Any) -> Reference:
-    """Name, parameters and hash of a law or surface, also of one that is given in Python."""
+    """Name, parameters and hash of a law or surface, also if it is given in Python."""
     if isinstance(law, Reference):
         return law
     pattern = getattr(law, "pattern", None) if hasattr(law, "over") else None

@@ -181,7 +181,7 @@ def _warm_friction(sweep: Sweep, present: Corrections) -> str | None:
 
 
 def _usual_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
-    """Tracks of all bodies that turn and have none; of two that roll, or of the one that moves."""
+    """Missing tracks of the bodies that turn: of both if both roll, else of the moving one."""
     scene = sweep.scene
     if not any(sweep.plane.velocities):
         return "nothing moves"

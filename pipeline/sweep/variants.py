@@ -24,7 +24,7 @@ Part = tuple[tuple[str, Any], ...]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A label of each row of a table: the value along a dimension, or one that follows from it."""
+    """Labels of the rows of a table: values along a dimension, or values that follow from them."""
 
     name: str
     values: tuple[Label, ...]  # one for each row [SI]

@@ -158,7 +158,7 @@ class Trade:
 
 
 def _shown(value: Any) -> str:
-    """A value as it is printed."""
+    """A value for printing."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
