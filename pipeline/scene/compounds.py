@@ -254,7 +254,7 @@ class ByPath(Kind):
 def flat(
     tables: dict[str, Any], above: str = "", ends: Collection[str] = ()
 ) -> Iterator[tuple[str, Any]]:
-    """Paths and values of nested tables; a table that is empty or has a key of `ends` is a value."""
+    """Paths and values of nested tables; a table that is empty or has a key of `ends` is one."""
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
         if isinstance(inner, dict) and inner and not set(ends) & set(inner):
