@@ -176,7 +176,7 @@ _UNITS = {
 
 
 def _si_value(path: str, value: Any) -> Any:
-    """A value of a condition in SI, several as a list; that of another entry as it is."""
+    """Value of a condition in SI, several as a list; of another entry unchanged."""
     name = _NAMES.get(path)
     if isinstance(value, np.ndarray | Sequence) and not isinstance(value, str):
         if not len(value):

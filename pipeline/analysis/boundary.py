@@ -65,7 +65,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
         suffix ``_at_load`` or ``_at_velocity``: ``outcome``, which gives the reason (mild or severe
         throughout, where the outermost points of the scene's own range are done and say so; above
         or below what was computed; not known for want of points; severe at some and mild at a
-        higher one); ``turns(load, turn)``, all places at which wear turns, of which the first is to
+        higher one); ``turns(load, turn)``, all places at which wear turns; the first turns to
         mild wear where ``begins_severe``; ``computed_from`` and ``computed_to``, the ends of what
         was computed [m/s, N]; ``missing``, the points that are pending or failed, and ``bridged``,
         those of them that a crossing is interpolated across; ``film_parameter``, where the scene
@@ -117,7 +117,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
-    """The boundary of one scene, under conditions in place of its own if they are given."""
+    """The boundary of one scene, under given conditions or its own."""
     found = point_field(ds, conditions)
     coords = {
         name: ds[name].variable
@@ -327,7 +327,7 @@ def _band_of(
 
 
 def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Array, Array]:
-    """Least and greatest place that each transition may have, of those of which any is known."""
+    """Least and greatest place of each transition that has any."""
     is_kind = [outcomes == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
     low = np.select(is_kind, [places, np.inf, -np.inf, last, -np.inf], math.nan)
     high = np.select(is_kind, [places, np.inf, -np.inf, np.inf, first], math.nan)

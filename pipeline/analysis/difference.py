@@ -105,7 +105,7 @@ def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
 
 
 def _boundary(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
-    """Critical velocities at the loads of both; none where wear is not judged."""
+    """Critical velocities at the loads of both; empty if wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         first, second = (_critical_velocities(ds) for ds in (a, b))

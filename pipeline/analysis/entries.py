@@ -38,7 +38,7 @@ _PATHS = {
     "conditions.corrections.disk_bulk": "disk",
     "conditions.corrections.film_resistance": "disk.film",
 }
-"""Paths in the scene file of what a sweep calls otherwise, the more special ones first."""
+"""Paths in the scene file of fields that a sweep calls otherwise, the more special ones first."""
 _NOT_SHOWN = (
     "friction_heat", "unequal_bulks", "loading.stops", "conditions.corrections.course",
     "conditions.corrections.motion", "conditions.corrections.rate", "conditions.own_criterion",

@@ -1,4 +1,4 @@
-"""The field ln(rise/limit) of one scene over load and velocity, of which every answer is made.
+"""The field ln(rise/limit) of one scene over load and velocity, from which every answer follows.
 
 The rise is that which decides, at friction 1; its limit is (critical − bulk)/friction. A field has
 members, each with a weight: the surfaces of a sweep, one row of its table, or draws of what is not
@@ -349,7 +349,7 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 
 
 def fields(ds: xr.Dataset | PathLike) -> list[Field]:
-    """The field of each scene of a sweep, or of each row that has a place of its own."""
+    """The field of each scene of a sweep, or of each row with its own place."""
     ds = dataset_of(ds)
     kind = sweep_kind(ds)
     if kind is Kind.SAMPLES:
@@ -364,7 +364,7 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
 
 
 def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
-    """The field of one scene, under conditions in place of its own if they are given."""
+    """The field of one scene, under given conditions or its own."""
     return _field(scene, conditions)
 
 

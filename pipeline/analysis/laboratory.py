@@ -41,7 +41,7 @@ def laboratory_tests(ds: xr.Dataset) -> tuple[Measurement, ...]:
 
 
 def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
-    """Conditions of a test: friction and bulk of its own or the scene, not those judged at."""
+    """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
     judged, scene = stored_sweep(ds).conditions, scene_sweep(ds).conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:

@@ -122,7 +122,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        """Say in one line what is wrong, what was perhaps meant, and where the options stand."""
+        """Print one line: what is wrong, what was perhaps meant, and where options are listed."""
         if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \(choose.*\)", message):
             words = re.findall(r"[\w-]+", message.partition("(choose from")[2])
             if near := get_close_matches(wrong[2], words, 1):

@@ -185,11 +185,11 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         named = "".join(f", {name} = {value}" for name, value in law.parameters)
         yield "own law", f"{entry}: {law.reference}{named}, hash {law.digest[:8]}"
     if sweep.conditions.corrections:
-        yield "besides", sweep.conditions.corrections.worded
+        yield "corrections", sweep.conditions.corrections.worded
 
 
 def _film(sweep: Sweep) -> Iterator[_Row]:
-    """Film that the oil would build, or the entry that is missing to tell; none without an oil."""
+    """Film of the oil, or the entry that is missing to compute it; none without an oil."""
     if sweep.about.oil is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
@@ -277,7 +277,7 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
         yield "points", f"{cost.points}: {asked}"
     yield "steps", f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not searched:
-        yield "tasks", f"{cost.tasks}, none of which waits for another: more workers would be idle"
+        yield "tasks", f"{cost.tasks}, which do not wait for each other: more workers would be idle"
     workers = counted(cost.workers, "worker", "workers")
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
     size = cost.disk_bytes / 1e6

@@ -206,11 +206,11 @@ _IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K
 
 
 def _row_boundaries(ds: xr.Dataset) -> Result:
-    """Boundary about rows with places of their own: factors of velocity and load of each."""
+    """Boundary around rows, each at its own place: factors of velocity and load."""
     if PLACE not in ds.coords:
         raise InputError(
-            "each row has one place, and no boundary; irg margin gives their margins in K, and "
-            "sweep.around = 5 beside sweep.along the factors in velocity and load, too"
+            "each row has one place, and so no boundary; irg margin gives its margin in K, and "
+            "with sweep.around = 5 beside sweep.along also the factors in velocity and load"
         )
     table = pipeline.margin(ds).drop(columns=[*_IN_KELVIN])
     crosses = table[["velocity outcome", "load outcome"]] == outcomes("load")[CROSSES]

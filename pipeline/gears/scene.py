@@ -2,7 +2,7 @@
 
 The pinion is the pin, a cylinder of the reduced radius, and the wheel the disk, which has the
 roughness of both flanks. Both move through the contact. A point of the pinion's flank comes back
-once a turn, so that its wear spreads over a track of 2π ρ1, and the wheel's over one of its own.
+once a turn, so that its wear spreads over a track of 2π ρ1, and the wheel's over its own track.
 """
 
 from __future__ import annotations

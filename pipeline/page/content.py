@@ -396,7 +396,7 @@ def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def record(ds: xr.Dataset, sweep: Sweep) -> dict[str, str]:
-    """Entries of the scene but for its tests, with units, and what computed the sweep."""
+    """Entries of the scene with units, without its tests, and the origin of the sweep."""
     selection, entries = sweep.about.selection, scene_entries(sweep)
     return (
         {k: v for k, v in entries.items() if not k.startswith(("measured", "tested"))}

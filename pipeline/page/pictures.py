@@ -105,7 +105,7 @@ def _block(elements: int) -> int:
 
 
 def _summed(field: Array, block: tuple[int, int]) -> Array:
-    """Sum over blocks, the last of which may be cut short."""
+    """Sum over blocks; the last block may be shorter."""
     starts = [np.arange(0, n, b) for n, b in zip(field.shape, block, strict=True)]
     return np.add.reduceat(np.add.reduceat(field, starts[0], axis=0), starts[1], axis=1)
 

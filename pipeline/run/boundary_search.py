@@ -227,7 +227,7 @@ def follow_boundary(
     out, workers, client, progress, retry_failed, tell, patience, dashboard, own_laws
         See `pipeline.run_sweep`.
     tolerance : float
-        Relative error of the critical velocity, besides that of the scene's fidelity.
+        Relative error of the critical velocity, in addition to that of the scene's fidelity.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Computes the points of a sweep as tasks of Dask, none of which depends on another.
+"""Computes the points of a sweep as independent tasks of Dask.
 
 A worker with a free place gets a task, so that each has one waiting: the graph depends on no time.
 About once a second each worker is asked for the records that lie there; the writer commits them,
@@ -55,8 +55,8 @@ _KILLED = (
     "out of memory, or killed from outside"
 )
 _TOO_LONG = (
-    "begun on {} workers, each of which left before it was done, after {}: let workers live "
-    "longer, or take a coarser fidelity"
+    "begun on {} workers, and each left before it was done, after {}: let workers live longer, "
+    "or take a coarser fidelity"
 )
 
 
@@ -219,7 +219,7 @@ class _Run:
                 self._hand_out_again(task)
 
     def _hand_out_again(self, task: _Running) -> None:
-        """Give a task to another worker, as its own is gone: Dask may leave it waiting."""
+        """Give a task to another worker after its own has gone: Dask may leave it waiting."""
         if task.is_alone:
             return
         self._connection.client.cancel([task.future])
@@ -290,7 +290,7 @@ class _Run:
         self._settle(PointRecord(point, None, reason) for point in guilty)
 
     def _is_given_up(self, task: _Running) -> bool:
-        """True of a task whose own worker is gone, and of one that worker after worker leaves."""
+        """True if a task should be given up: its worker is gone, or worker after worker left it."""
         if task.is_alone and task.worker not in self._workers:
             self._accuse(task, _KILLED)
             return True

@@ -1,4 +1,4 @@
-"""Kinds of which a file format is made: lists, ranges and tables of the kinds of single values."""
+"""Kinds of compound values: lists, ranges and tables of single values."""
 
 from __future__ import annotations
 
@@ -107,11 +107,10 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """One of several kinds: the first, unless `when` has another for it, or it has another's form.
+    """One of several kinds: the first, or the one that `when` or the form of a value names.
 
-    `when` gives the number of a value's kind, or True for the second.
-
-    Of tables a value has the form of that one which has most of the keys that the first lacks.
+    `when` gives the number of a value's kind, or True for the second. A table has the form that
+    shares most of its keys, not counting those of the first form.
     """
 
     def __init__(
@@ -203,7 +202,7 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """A table of one of some forms, the last key of which is ``correlated``; or a list."""
+    """A table of one of several forms, whose last key is ``correlated``; or a list."""
 
     forms: tuple[Table, ...]
     listed: Kind
@@ -255,7 +254,7 @@ class ByPath(Kind):
 def flat(
     tables: dict[str, Any], above: str = "", ends: Collection[str] = ()
 ) -> Iterator[tuple[str, Any]]:
-    """Paths and values of nested tables; one that is empty or has a key of `ends` is a value."""
+    """Paths and values of nested tables; a table that is empty or has a key of `ends` is one."""
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
         if isinstance(inner, dict) and inner and not set(ends) & set(inner):

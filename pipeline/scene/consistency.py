@@ -1,4 +1,4 @@
-"""Checks between the tables of a scene; a check is left out where one of its entries is faulty."""
+"""Checks between the tables of a scene; a check is skipped if one of its entries is faulty."""
 
 from __future__ import annotations
 

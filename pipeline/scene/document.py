@@ -67,7 +67,7 @@ class Document(NamedTuple):
         return Document((*self.layers, FileEntries(self.file, tables)))
 
     def replaced(self, key: str, value: Any) -> Document:
-        """The document with another value of a key wherever it stands, or without it if None."""
+        """The document with a key replaced everywhere, or removed if the value is None."""
         new = {} if value is None else {key: value}
         layers = (
             FileEntries(layer.file, {k: v for k, v in layer.entries.items() if k != key} | new)

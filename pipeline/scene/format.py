@@ -465,7 +465,7 @@ STAGES = Table({
     "load": Optional(LOAD, _LOAD),
     "velocity": Optional(VELOCITY, _VELOCITY),
     "mild_up_to": Optional(Scalar(),
-        "Highest mild stage of a run, in place of the outcome: a load if `velocity` is given, a "
+        "Highest mild stage of a run, instead of the outcome: a load if `velocity` is given, a "
         "velocity if `load` is; alone if the last stage was mild.",
         example="400 N"),
     "severe_at": Optional(Scalar(),

@@ -195,7 +195,7 @@ class Sheet:
 
     @property
     def sheet_notes(self) -> str:
-        """Words on the sheet that was read, and on the workbook's others; empty if it has none."""
+        """Note on the sheet that was read, and on the other sheets; empty if there are none."""
         return next((words for words in self.form if "(not read: " in words), "")
 
     def heading(self, name: str) -> Heading:
@@ -351,7 +351,7 @@ def _placed_columns(
     needed: Collection[str],
     named: Mapping[str, str] | None = None,
 ) -> Sheet:
-    """The sheet with the columns for wanted quantities, of which some are needed."""
+    """The sheet that has columns for the wanted quantities; some of them are needed."""
     places, faults = columns_for(sheet.headings, wanted, named)
     missing = [name for name in needed if name not in places]
     if missing and sheet.headings and not faults:

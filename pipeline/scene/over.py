@@ -131,8 +131,8 @@ def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) ->
     for name in _SAME:
         if scene.get(name) != sweep.get(name):
             raise InputError(
-                f"{key}: {place} changes the {name.replace('_', ' ')}, which every value has "
-                "in common; sweep it in stores of its own"
+                f"{key}: {place} changes the {name.replace('_', ' ')}, which must be "
+                "the same for all values; sweep each value into a separate store"
             )
     if sweep.record.fields and scene.scene.grid != sweep.scene.grid:
         raise InputError(

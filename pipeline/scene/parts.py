@@ -163,7 +163,7 @@ def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | 
 
 
 def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
-    """Seeds of the random surfaces, of which the first becomes the scene's own."""
+    """Seeds of the random surfaces; the scene takes the first."""
     wanted = entry_at(tables, "sweep.realizations")
     if wanted is None or tables["disk"] is None:
         return ()

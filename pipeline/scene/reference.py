@@ -96,7 +96,7 @@ def meanings() -> dict[str, str]:
 
 
 def unit_example(path: str) -> str | None:
-    """A value with a unit, such as an entry is given; None for one that has no unit."""
+    """Example of a value with the unit of an entry; None if the entry has no unit."""
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
@@ -120,7 +120,7 @@ def quantity_in(kind: Kind) -> Quantity | None:
 
 
 def page() -> str:
-    """The tables of all entries, as the page of the scene file has them behind its head."""
+    """Tables of all entries, for the page of the scene file."""
     parts, listed = [], dict[str, str]()
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
@@ -254,7 +254,7 @@ _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """Every entry of the format on a line of its own, as a comment where a scene has it not."""
+    """A line for every entry of the format, as a comment if the scene lacks it."""
     listed: dict[str, str] = {}  # keys of tables that may be several, each with its first header
     for section in sections():
         table, _, name = section.path.partition(".")
@@ -289,7 +289,7 @@ def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
 
 
 def example(entry: Entry, default: Any = None) -> Any:
-    """A value of an entry, as TOML has it: its example, its default, or one that is allowed."""
+    """Value of an entry for TOML: its example, its default, or an allowed value."""
     return _allowed(entry.kind, default) if entry.example is None else entry.example
 
 

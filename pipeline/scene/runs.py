@@ -69,7 +69,7 @@ def run_faults(tests: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
     for run, members in runs.items():
         for (_, one), (index, other) in itertools.permutations(members, 2):
             if str(one["oil"]) != str(other["oil"]):
-                yield f"tested[{index}].run", f"{run} has two oils; give each a run of its own"
+                yield f"tested[{index}].run", f"{run} has two oils; give each oil its own run"
                 break
             is_harder = all(one[name] >= other[name] for name in _KINDS if one[name] is not None)
             is_against = (one["outcome"], other["outcome"]) == ("mild", "severe")

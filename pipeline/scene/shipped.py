@@ -45,5 +45,5 @@ def shipped_pages() -> dict[str, Path]:
 
 
 def page_name(path: Path) -> str:
-    """Name of a page, by its file or as it is typed."""
+    """Name of a page, from its file or from what the user typed."""
     return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))

@@ -104,7 +104,7 @@ class _Generation:
 
 
 class _Masked(BackendArray):
-    """A variable of which the entries of some points alone are shown."""
+    """A variable that shows the entries of some points alone."""
 
     def __init__(self, store: Store, name: str, mask: Mask, seen: _Generation) -> None:
         self._place, self._name, self._mask, self._seen = store.place, name, mask, seen

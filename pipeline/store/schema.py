@@ -108,11 +108,11 @@ BULK_COLUMNS = {
         f"quantile of the contact's rise above the pin's bulk at a bulk ratio, {_RISE}",
     ),
 }
-"""Variables of scenes with unequal bulk temperatures besides `COLUMNS`."""
+"""Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
 BULK_FIELDS = {
     "bulk_response": _field("1", "rise of the pin for each kelvin of warmer disk bulk"),
 }
-"""Variables of such scenes besides `FIELDS`."""
+"""Variables that such scenes have in addition to `FIELDS`."""
 RECORDS = {
     "status": Variable(
         PLANE,

@@ -318,7 +318,7 @@ def faults_at(store: Store, indices: Iterable[_Index]) -> Iterator[tuple[Point, 
 
 
 def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool = True) -> str:
-    """Fault of a point by its entries, of which lost ones are None; empty if it has none."""
+    """Fault of a point by its entries, None for lost ones; empty if there is no fault."""
     told = RECORDS.keys() - {"steps"}  # a point that failed may have no steps in its chunk yet
     entries = {name: entries[name] for name in entries if is_done or name in told}
     if lost := sorted(name for name, values in entries.items() if values is None):

@@ -1,4 +1,4 @@
-"""What a scene says besides what is simulated and judged, and its description in a notebook."""
+"""Parts of a scene that are neither simulated nor judged, and its description in a notebook."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class FromLibrary(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class About:
-    """What a scene says besides what is simulated and judged."""
+    """Parts of a scene that are neither simulated nor judged."""
 
     name: str  # that of the file, without its ending
     title: str  # a line for people
@@ -120,7 +120,7 @@ def condition_rows(conditions: Conditions) -> Iterator[Line]:
         bulk += f" (pin) and {conditions.disk_temperature - 273.15:g} °C (disk)"
     yield "friction", f"{conditions.friction:g}, {bulk}"
     if conditions.corrections:
-        yield "besides", conditions.corrections.worded
+        yield "corrections", conditions.corrections.worded
     if conditions.critical_temperature is not None:
         yield "severe", _severe(conditions)
 

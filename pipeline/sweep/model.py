@@ -170,7 +170,7 @@ class Sweep:
 
     @property
     def ramps(self) -> int:
-        """Number of ramps that are simulated, each at one velocity through all loads."""
+        """Number of simulated ramps; a ramp passes all loads at one velocity."""
         velocities, rows = self.lines
         return len(velocities) * rows
 
@@ -218,8 +218,8 @@ class Sweep:
         """Raise an `InputError` where no boundary can be looked for along velocities."""
         if not self.variants.has_plane:
             raise InputError(
-                "each row has a velocity of its own, such as of samples, and answers follow from "
-                "all; leave out the search (--boundary-only)"
+                "each row has its own velocity, as samples have, and answers need all rows; run "
+                "without the search (--boundary-only)"
             )
 
     def held(self, duration: float) -> Self:

@@ -178,7 +178,7 @@ class Reference(UnknownHeights):
 
 
 def refer(law: Any) -> Reference:
-    """Name, parameters and hash of a law or surface, also of one that is given in Python."""
+    """Name, parameters and hash of a law or surface, also if it is given in Python."""
     if isinstance(law, Reference):
         return law
     pattern = getattr(law, "pattern", None) if hasattr(law, "over") else None
@@ -276,7 +276,7 @@ def _installed(reference: str) -> _Text | None:
 
 
 def _loaded(own: Own) -> ModuleType:
-    """The module of a law, under a name of its own beside all that is installed."""
+    """Load the module of a law under a name that no installed module has."""
     name = own.reference.partition(":")[0]
     file, full = f"{name}.py", f"{_PREFIX}_{own.digest}_{name.replace('.', '_')}"
     if full in sys.modules:

@@ -75,7 +75,7 @@ _EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
 
 @dataclass(frozen=True, slots=True)
 class _Sized:
-    """An effect that a scene could count: its size, how sure that is, its entries, and parts."""
+    """An effect that a scene could include: its size and certainty, its entries, and parts."""
 
     size: str
     certainty: str
@@ -162,7 +162,7 @@ def _usual_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
         frictions = [friction for _, friction in measured]
         ends = dict.fromkeys((min(frictions), max(frictions)))
         size = f"{' to '.join(f'{end:g}' for end in ends)}, as measured at the transitions"
-        certainty = "as the measured friction, of which load and velocity changed together"
+        certainty = "as measured; load and velocity changed together in these tests"
     else:
         slow, *_, fast = sliding
         factors = [(slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)]
@@ -174,14 +174,14 @@ def _usual_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
 
 
 def _warm_friction(sweep: Sweep, present: Corrections) -> str | None:
-    """Friction by temperature, of which nothing is usual."""
+    """Friction by temperature; there is no usual value."""
     if present.friction.by_temperature:
         return None
     return "friction at two temperatures of the contact or more would have to be measured"
 
 
 def _usual_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
-    """Tracks of all bodies that turn and have none; of two that roll, or of the one that moves."""
+    """Missing tracks of the bodies that turn: of both if both roll, else of the moving one."""
     scene = sweep.scene
     if not any(sweep.plane.velocities):
         return "nothing moves"
@@ -276,7 +276,7 @@ _FOUND: dict[str, Callable[[Sweep, Corrections], _Sized | str | None]] = dict(
         strict=True,
     )
 )
-"""What each effect would be; the reason where it cannot be sized; None where it is counted."""
+"""Size of each effect, the reason why it has none, or None if the scene includes it."""
 
 
 def _warm_steel(sweep: Sweep) -> Effect:

@@ -97,7 +97,7 @@ def bulk_rises(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[st
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:
-    """Columns that `bulk_rises` needs besides the deciding ones of some conditions."""
+    """Columns that `bulk_rises` needs in addition to the deciding columns of some conditions."""
     unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
     return unequal + (NEEDED if conditions.corrections else ())
 

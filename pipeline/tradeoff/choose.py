@@ -117,10 +117,10 @@ def measure_own_error(
     store: PathLike | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Sweep:
-    """Give a sweep of the scene's own fidelity the error that a probe measures, or its store has.
+    """Give a sweep with its own fidelity the error that a probe measures, or that its store has.
 
-    The sweep as it is where a preset has an error, where the store has none, or there is no
-    boundary to measure it at.
+    The sweep stays unchanged if it has a preset, if the store has no error, or if there is no
+    boundary to measure an error at.
     """
     conditions = sweep.conditions
     is_judged = conditions.friction > 0 and conditions.critical_temperature is not None

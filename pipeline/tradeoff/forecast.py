@@ -116,7 +116,7 @@ def estimate(
 
 
 def _searched(sweep: Sweep) -> Iterator[Task]:
-    """Tasks that a search may take: two velocities a load, of which neighbours share one."""
+    """Tasks that a search may take: two velocities a load; neighbours share one."""
     loads = sweep.plane.loads
     velocities = sweep.plane.velocities[: len(loads) + 1]
     low = tuple(load for load in loads if load <= np.median(loads))

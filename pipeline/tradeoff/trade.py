@@ -158,7 +158,7 @@ class Trade:
 
 
 def _shown(value: Any) -> str:
-    """A value as it is printed."""
+    """A value for printing."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
@@ -180,12 +180,12 @@ def trade(
     presets : sequence of str
         Presets to compare with ``reference``.
     base : str, optional
-        Preset of which every numerical choice is varied alone; None for none.
+        Preset whose numerical choices are varied, one at a time; None for none.
     loads : sequence of float or str, optional
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given.
     progress : callable, optional
-        Called before each choice with a line: which it is, of how many, and the time to go.
+        Called before each choice with a line: its number, the count, and the remaining time.
     own_laws : bool
         See `pipeline.load_scene`.
 
