@@ -34,6 +34,7 @@ from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_
 from pipeline.cli.output import Result, counted, working
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
+from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from pipeline.sweep.wear_rates import note_on_wear
@@ -183,20 +184,20 @@ def boundary(options: argparse.Namespace) -> Result:
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)))]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
-    left_out = [note_on_wear(stored_sweep(ds))]
+    left_out = [note_on_wear(stored_sweep(ds)), note_on_ends(stored_sweep(ds))]
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)
-        left_out.insert(0, turns_left_out(ds, crossings))
+        left_out.append(turns_left_out(ds, crossings))
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
         text += ["", f"compute more of the boundary with: {command}"] if command else []
-    if cold := "; ".join(filter(None, left_out)) or None:
-        text += ["", f"warning: {cold}"]
+    text += [part for note in filter(None, left_out) for part in ("", f"warning: {note}")]
+    if kind is not Kind.SAMPLES:
         text += [] if tests is None else ["", *laboratory.test_parts(tests)]
         text += after_boundary(scene_sweep(ds), options.store)
-    document |= {"command": command, "not_counted": cold}
+    document |= {"command": command, "not_counted": "; ".join(filter(None, left_out)) or None}
     if tests is not None:
         document["tests"] = as_dict(tests)
     return Result(document, text, pipeline.warned(ds), frames.frames_of(crossings))

@@ -11,7 +11,7 @@ from typing import Any
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
 from pipeline.scene.units import display
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
+from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.sweep.wear_rates import note_on_wear
@@ -148,6 +148,8 @@ def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
             f"where at most {WIDEST:g} is sound: the bodies are no half-spaces, and a worn pin has "
             "lost its shape"
         )
+    if note := note_on_ends(sweep):
+        yield note
     across = facts.contact_width.low / sweep.scene.pixels.spacing[0]
     fewest = FEWEST_ACROSS if sweep.scene.pin.length is None else FEWEST_ROWS
     if across < fewest:

@@ -141,4 +141,4 @@ def find_lubrication(sweep: Sweep) -> Lubrication | None:
     surface = surface_facts(sweep)
     if surface is None or surface.rq == 0:
         return None
-    return Lubrication.under(scene, oil, surface.rq)
+    return Lubrication.make(scene, oil, surface.rq)

@@ -24,7 +24,7 @@ class Lubrication:
     --------
     >>> from tribo import Oil
     >>> oil = Oil((313.15, 373.15), (32e-6, 5.4e-6), 866.0, (20e-9, 15e-9))
-    >>> film = Lubrication.under(scene, oil, rms_height=0.3e-6)
+    >>> film = Lubrication.make(scene, oil, rms_height=0.3e-6)
     >>> f"{film.film_parameter(10.0, 0.065, 298.15):.3f}"
     '0.067'
     """
@@ -36,7 +36,7 @@ class Lubrication:
     motion: Motion | None = None  # None if the pin is at rest
 
     @classmethod
-    def under(cls, scene: Scene, oil: Oil, rms_height: float) -> Self:
+    def make(cls, scene: Scene, oil: Oil, rms_height: float) -> Self:
         """The lubrication of a scene by an oil, with a root mean square height of its disk [m]."""
         modulus = contact_modulus(scene.pin.material, scene.disk)
         return cls(oil, scene.pin, modulus, rms_height, scene.motion)
