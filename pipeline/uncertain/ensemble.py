@@ -262,15 +262,17 @@ class Ensemble:
         friction: float | Array | None = None,
         bulk: float | None = None,
         margin: float = 0.0,
+        critical: Array | None = None,
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 
-        A friction and a bulk temperature [K] that are given replace those of the draws. With a
+        A friction and temperatures [K] that are given replace those of the draws. With a
         margin [K] it is the rise that stays as far below the critical temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk
-        rise = np.maximum(self.values(CRITICAL, draws) - margin - bulks, _LEAST_RISE)
+        criticals = self.values(CRITICAL, draws) if critical is None else critical
+        rise = np.maximum(criticals - margin - bulks, _LEAST_RISE)
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
 
     @functools.cached_property
