@@ -158,7 +158,8 @@ def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     """Draw samples of unknown inputs."""
-    return score_values(unknown, scipy.special.ndtri(sequence(seed, count)[:, : len(unknown)]))
+    points = sequence(seed, count, max(MOST_INPUTS + 1, len(unknown)))
+    return score_values(unknown, scipy.special.ndtri(points[:, : len(unknown)]))
 
 
 def score_values(unknown: Sequence[Unknown], scores: Array) -> Array:

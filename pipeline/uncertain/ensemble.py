@@ -266,7 +266,7 @@ class Ensemble:
         friction: float | Array | None = None,
         bulk: float | None = None,
         margin: float = 0.0,
-        critical: float | None = None,
+        critical: float | Array | None = None,
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 

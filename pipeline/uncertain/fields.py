@@ -294,8 +294,8 @@ def _field(scene: xr.Dataset) -> SampleField:
     coords = {str(name): label for name, label in scene.coords.items()}
     shown = {name: label.item() for name, label in coords.items() if not label.ndim}
     rig = None
-    if weighed and weighed.rigs[0] is not None:
-        rig = weighed.draws.inputs[:, weighed.rigs[0][1]]
+    if weighed and weighed.rig is not None:
+        rig = weighed.draws.inputs[:, weighed.rig[1]]
     draws = draws_of(ensemble, weighed.draws if weighed else None)
     if weighed:
         draws = replace(draws, scatters=weighed.draws.scatters, by_scatter=weighed.draws.by_scatter)

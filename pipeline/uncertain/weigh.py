@@ -1,4 +1,4 @@
-"""Unknown inputs, weighed by tests of one sweep or of several that share inputs.
+"""Unknown inputs, weighed by tests of a sweep.
 
 The scatter of measured velocities is inferred with the inputs: one factor, log-normal about 1, on
 the stated scatter. Draws of the prior are weighed, or where few of them agree with the tests, draws
@@ -8,7 +8,7 @@ about those that do (`pipeline.uncertain.sampler`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -41,30 +41,28 @@ _ENOUGH = 4000  # draws of equal weight, that tell a standard deviation to 1 %
 _FIRST, _COUNT = 2**13, 2**13  # draws of the prior, and of the posterior
 
 
-def posterior(
-    ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER, discrepancy: bool = False
-) -> Posterior:
+def posterior(ensemble: Ensemble, scatter: float = SCATTER, discrepancy: bool = False) -> Posterior:
     """Weigh the unknown inputs by the transitions and tests of the scene.
 
     Without any, the result is the prior.
 
     Parameters
     ----------
-    ensemble : Ensemble or sequence of Ensemble
-        Samples of a sweep; or of several, which share the inputs of body and surface that have the
-        same path, and have those of the lubricant each of its own.
+    ensemble : Ensemble
+        Samples of a sweep. Tests of other oils than the first have critical temperatures of their
+        own, with the same prior.
     scatter : float
         Relative standard deviation of measured velocities that give none of their own. The scatter
         is inferred with the inputs, about this value within a factor of 3.
     discrepancy : bool
-        True to infer also two slopes of the rise that the model does not have, over velocity and
-        bulk temperature, and how much likelier they make the tests.
+        True to find how much likelier two slopes make the tests that the rise of the model does not
+        have, over velocity and bulk temperature. They move no input.
 
     Raises
     ------
     InputError
-        If a test lies outside its sweep, sweeps differ in the distribution of an input that they
-        share, the samples are too few, or no draw comes near to the tests.
+        If a test lies outside the sweep, tests are of several oils where the critical temperature
+        is known, the samples are too few, or no draw comes near to the tests.
 
     Examples
     --------
@@ -77,39 +75,30 @@ def posterior(
     """
     if not 0 < scatter < 1:
         raise InputError(f"scatter is {scatter:g}; give a share between 0 and 1, such as 0.05")
-    ensembles = (ensemble,) if isinstance(ensemble, Ensemble) else tuple(ensemble)
-    model = Joint.of(ensembles, scatter, discrepancy)
+    model = Joint.of(ensemble, scatter)
     before = prior(model.unknown, _seed(model), _FIRST)
+    assumed = scatter * FACTOR**-OF_90, scatter, scatter * FACTOR**OF_90
+    told = Posterior(ensemble, model.unknown, before, before, (), scatter, assumed)
     if not model.tests:
-        middle = tuple(scatter * FACTOR**score for score in (-OF_90, 0.0, OF_90))
-        return Posterior(
-            ensembles, model.unknown, model.columns, before, before, (), scatter, middle
-        )
+        return told
     draws, judgement, evidence = _weighed(model, before)
     inferred = _inferred(model.scatters, softmax(judgement.joint))
-    wrong = faults(model.unknown[: model.known], draws, scatter, inferred)
+    wrong = faults(model.known, draws, scatter, inferred)
     by_others = tuple(_left_out_judgements(model, draws, judgement, scatter, not wrong))
     wrong = () if any(one.contradicts for one in by_others) else wrong
     gain = None
     if discrepancy:
-        plain = Joint.of(ensembles, scatter, discrepancy=False)
-        gain = evidence - _weighed(plain, prior(plain.unknown, _seed(plain), _FIRST))[2]
-    return Posterior(
-        ensembles,
-        model.unknown,
-        model.columns,
-        before,
-        replace(
-            draws,
-            faults=wrong,
-            scatters=model.scatters,
-            by_scatter=softmax(judgement.joint, axis=1),
-        ),
-        by_others,
-        scatter,
-        inferred,
+        other = Joint.of(ensemble, scatter, discrepancy=True)
+        gain = _weighed(other, prior(other.unknown, _seed(other), _FIRST))[2] - evidence
+    by_scatter = softmax(judgement.joint, axis=1)
+    return replace(
+        told,
+        draws=replace(draws, faults=wrong, scatters=model.scatters, by_scatter=by_scatter),
+        judged=by_others,
+        inferred_scatter=inferred,
         cut_off=cut_off(softmax(judgement.joint).sum(axis=0)),
-        rigs=model.rigs,
+        rig=model.rig,
+        oils=model.oils,
         evidence_gain=gain,
     )
 
@@ -137,7 +126,7 @@ def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
     """Each test, beside what all others say."""
-    known, (distances, runs, joint) = model.unknown[: model.known], judgement
+    distances, runs, joint = judgement
     limit = -math.expm1(math.log1p(-FALSE_ALARMS) / len(model.runs))
     for rows, low, high, likelihood in zip(model.runs, *runs, strict=True):
         weights = softmax(joint - likelihood)  # without the run
@@ -147,16 +136,15 @@ def _left_out_judgements(
         velocities = model.tests[shown]["velocity"] * np.exp(-distances.values[shown])
         yield Judged(
             tests,
-            model.sweeps[shown],
             draws.interval(velocities),
             _probability(low, high, weights),
             limit,
-            fits or explains(known, others, scatter, _inferred(model.scatters, weights)),
+            fits or explains(model.known, others, scatter, _inferred(model.scatters, weights)),
         )
 
 
 def _seed(model: Joint) -> int:
-    return model.ensembles[0].design.seed + 1
+    return model.ensemble.design.seed + 1
 
 
 def _inferred(scatters: Array, weights: Array) -> tuple[float, float, float]:
