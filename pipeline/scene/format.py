@@ -477,6 +477,8 @@ LOG = Table({
     "where": Optional(ByPath(Scalar(), "headings of the log"),
         "Rows to take: those with this value below a heading, such as the name of one oil.",
         example={"oil": "FVA 3"}),
+    "given": Optional(ByPath(Scalar(), "quantities"),
+        "What the log does not say, and is the same in each row.", example={"stroke": "1 mm"}),
     "sheet": Optional(Text(), "Sheet of a workbook; its first one by default."),
     "decimal": Optional(OneOf((".", ",")),
         "Mark of decimals; by default a comma in a file with semicolons or tabs that has any."),
