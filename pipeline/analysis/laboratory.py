@@ -19,7 +19,7 @@ from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError, Scatter
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.about import Measurement, own_tests
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
@@ -35,9 +35,9 @@ _HEADS = (
 
 
 def laboratory_tests(ds: xr.Dataset) -> tuple[Measurement, ...]:
-    """Measured transitions of a sweep, and then its tests."""
+    """Measured transitions of a sweep, and then its tests, of the scene's own oil."""
     about = stored_sweep(ds).about
-    return (*about.measured, *about.tested)
+    return own_tests((*about.measured, *about.tested))
 
 
 def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:

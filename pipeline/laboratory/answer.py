@@ -77,6 +77,8 @@ def tests(options: argparse.Namespace) -> Result:
         if any("run" in test for test in found):
             runs = {test.get("run", k) for k, test in enumerate(map(dict, found), -len(found))}
             number += f" of {counted(len(runs), 'run', 'runs')}"
+        if len(oils := {test.get("oil") for test in found}) > 1:
+            number += f", {len(oils)} oils"
         text.append(f"{number}: {counts}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
             text.append(

@@ -58,6 +58,10 @@ _WORDS = {
     "number": (
         r"^((test|versuch|essai|prova|ensayo)( (no|nr|n|number|nummer))?|no|nr|nummer)$", r"$^",
     ),
+    "oil": (
+        r"^(test )?(oil|öl|oel|lubricants?|lube|schmierstoff|huile|olio|aceite|fluid|grease|fett)"
+        r"( ?(name|code|id|type|sorte))?$", r"$^",
+    ),
     "run": (
         r"\b(run|specimen|lauf|prüfling|probe|éprouvette|provino|probeta)\b",
         r"\b(running|run in|time|speed|length|temp\w*|out)\b",

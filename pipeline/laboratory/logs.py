@@ -35,12 +35,6 @@ _MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re
 _TRANSITIONS = re.compile(
     r"transition|critical|kritisch|übergang|scuff|fress|seiz|fail|limit|grenz", re.IGNORECASE
 )
-_LUBRICANT = re.compile(
-    r"^((test )?(oil|öl|oel)|lubricants?|lube|schmierstoff|huile|olio|aceite|fluid|grease|fett"
-    r"|(oil|lubricant|öl)[ _]?(name|code|id|type|sorte)?|ölsorte|ölname)$",
-    re.IGNORECASE,
-)
-_SHOWN = 6  # lubricants that are named
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
 
 
@@ -128,10 +122,7 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
 
 
 def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> list[int]:
-    """Keep the rows asked for, each once; return the numbers of those that stand there twice.
-
-    Rows of several lubricants are a fault unless one of them is asked for.
-    """
+    """Keep the rows asked for, each once; return the numbers of those that stand there twice."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in where.items():
         if head not in heads:
@@ -143,15 +134,6 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
             listed = ", ".join(filter(None, found))
             faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
         sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
-    for column, heading in enumerate(sheet.headings):
-        oils = [*dict.fromkeys(row.cells[column] for row in sheet.rows if row.cells[column])]
-        if len(oils) > 1 and not heading.unit and _LUBRICANT.search(heading.title):
-            faults.append(
-                f'column "{heading.text}" has {", ".join(oils[:_SHOWN])}: the rows are of '
-                f"{len(oils)} lubricants, each with a critical temperature of its own; take one by "
-                f'--where "{heading.text}={oils[0]}", in a scene '
-                f'where = {{ "{heading.text}" = "{oils[0]}" }}'
-            )
     first = dict[tuple[str, ...], int]()
     twice = [
         row.number

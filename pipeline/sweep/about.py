@@ -42,6 +42,18 @@ class Measurement:
         return {k: v for k, v in asdict(self).items() if v is not None or k in always}
 
 
+def oils_of(tests: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Oils of tests, the scene's first: that of tests without one, empty, or the first named."""
+    found = dict.fromkeys(test.get("oil") or "" for test in tests)
+    return sorted(found, key=bool)
+
+
+def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
+    """Tests of the scene's own oil."""
+    first, *_ = [*oils_of(test.as_dict() for test in tests), ""]
+    return tuple(test for test in tests if (test.oil or "") == first)
+
+
 class FromLibrary(NamedTuple):
     """A number that a scene takes from the library: key path, value with unit, and its source."""
 

@@ -7,7 +7,7 @@ from pipeline.cli import values
 from pipeline.cli.options import Command, Option
 
 _INFER = (
-    o.SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
+    o.SCENE.but(help="scene file, or a store of samples"),
     o.PRESET,
     o.SET,
     o.CRITERION,
@@ -25,8 +25,8 @@ _INFER = (
     o.SCATTER,
     o.flag(
         "--discrepancy",
-        "for samples: infer whether the rise needs a further slope over velocity or bulk "
-        "temperature, and how much likelier that makes the tests",
+        "for samples: tell how much likelier a further slope of the rise over velocity or bulk "
+        "temperature makes the tests; it moves no input",
     ),
     o.quantity(
         "--contact-width", "W", "348 um",

@@ -16,6 +16,7 @@ from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, stored
+from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import contact_temperature
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
@@ -91,8 +92,8 @@ def critical_temperatures(
     ----------
     sweep : Sweep, str or path
         Scene, or its path or name, with measured transitions, simulated on each of its
-        realizations if it has any. A transition without a friction, a bulk temperature or a hold
-        of its own has the sweep's.
+        realizations if it has any; of several oils those of the first count. A transition without
+        a friction, a bulk temperature or a hold of its own has the sweep's.
     own_laws : bool
         See `pipeline.load_scene`.
     out : path, optional
@@ -115,6 +116,7 @@ def critical_temperatures(
     '149 °C'
     """
     sweep = sweep_of(sweep, own_laws)
+    sweep = sweep.changed(measured=own_tests(sweep.about.measured))
     if not sweep.about.measured:
         raise InputError(
             f"the scene {sweep.about.name} has no measured transition; give it a [[measured]] with "

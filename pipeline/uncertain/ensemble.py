@@ -266,12 +266,12 @@ class Ensemble:
         friction: float | Array | None = None,
         bulk: float | None = None,
         margin: float = 0.0,
-        critical: float | None = None,
+        critical: float | Array | None = None,
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 
-        A friction, a bulk and a critical temperature [K] that are given replace those of the draws.
-        With a margin [K] it is the rise that stays as far below the critical temperature.
+        A friction and temperatures [K] that are given replace those of the draws. With a
+        margin [K] it is the rise that stays as far below the critical temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk

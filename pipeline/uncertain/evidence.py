@@ -1,4 +1,4 @@
-"""Likelihood of runs by the inputs of all sweeps: of measured transitions, points, and stages.
+"""Likelihood of runs by the inputs of a sweep: of measured transitions, points, and stages.
 
 Each draw of the inputs has a velocity V_c of its own at which wear turns severe, at the load,
 friction and bulk temperature of the test. With d = ln(V/V_c) and its standard deviation σ, a
@@ -10,10 +10,10 @@ by the slope of the rise, and the emulator's error.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,14 @@ from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.rig import SLOPES, Columns, join_rigs, learnt, log_discrepancy
+from pipeline.uncertain.rig import (
+    SLOPES,
+    Columns,
+    join_oils,
+    join_rig,
+    learnt,
+    log_discrepancy,
+)
 from tribo import InputError
 from tribo.types import Array
 
@@ -71,13 +78,17 @@ def distances_of(
     inputs: Array,
     rig: Array | None = None,
     slopes: Array | None = None,
+    oils: Mapping[str, Array] | None = None,
 ) -> Distances:
-    """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given."""
+    """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given.
+
+    Oils have critical temperatures of their own by draw, (n,); other tests have that of the draws.
+    """
     values, variance, told = np.empty((3, len(tests), len(inputs)))
     for hold, held in ensemble.hold_ensembles.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if part := [tests[number] for number in numbers]:
-            part_of = _hold_distances(held, part, inputs, rig, slopes)
+            part_of = _hold_distances(held, part, inputs, rig, slopes, oils or {})
             values[numbers], variance[numbers], told[numbers] = part_of
     return Distances(values, variance, told)
 
@@ -88,6 +99,7 @@ def _hold_distances(
     inputs: Array,
     rig: Array | None,
     slopes: Array | None,
+    oils: Mapping[str, Array],
 ) -> Distances:
     """Distances of draws from tests that held the load as the ensemble does."""
     nodes = np.geomspace(*ensemble.velocities, _NODES)
@@ -122,7 +134,9 @@ def _hold_distances(
             steepness = (high - low) / math.log(around[1] / around[0])
             variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
         variance = variance + by_friction
-        limit = ensemble.log_limit(inputs, friction, test.get("bulk_temperature"))
+        limit = ensemble.log_limit(
+            inputs, friction, test.get("bulk_temperature"), critical=oils.get(test.get("oil", ""))
+        )
         critical, *_ = log_crossings(nodes, rise - limit[:, None])
         values.append(log_velocity - critical)
         variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)
@@ -150,11 +164,32 @@ class Runs(NamedTuple):
     log_likelihoods: Array
 
 
-def group_runs(tests: Sequence[Test], sweeps: Sequence[int]) -> list[list[int]]:
+def decisive_tests(tests: Sequence[Test]) -> list[Test]:
+    """Tests without those of a run that a harder mild one, or an easier severe one, implies."""
+    seen = dict[Any, tuple[int, tuple[float, float]]]()
+    kept = dict(enumerate(tests))
+    for number, test in enumerate(tests):
+        if "run" not in test:
+            continue
+        sign = SIGNS[test["outcome"]]
+        at = -sign * test["normal_load"], -sign * test["velocity"]
+        same = {k: v for k, v in test.items() if k not in ("normal_load", "velocity", "number")}
+        key = tuple(same.items())
+        before, there = seen.get(key, (number, at))
+        if at[0] >= there[0] and at[1] >= there[1]:
+            seen[key] = number, at
+            if before != number:
+                del kept[before]
+        elif at[0] <= there[0] and at[1] <= there[1]:
+            del kept[number]
+    return list(kept.values())
+
+
+def group_runs(tests: Sequence[Test]) -> list[list[int]]:
     """Numbers of the tests of each run; a test without one is a run of its own."""
     runs = dict[Any, list[int]]()
-    for number, (test, sweep) in enumerate(zip(tests, sweeps, strict=True)):
-        runs.setdefault((sweep, test["run"]) if "run" in test else number, []).append(number)
+    for number, test in enumerate(tests):
+        runs.setdefault(test.get("run", number), []).append(number)
     return list(runs.values())
 
 
@@ -205,11 +240,11 @@ def log_between(low: Array, high: Array) -> Array:
 _IMPOSSIBLE = -1e6
 
 
-OF_LUBRICANT = ("temperature.", "wear.", "friction.", "oil.")
-"""Beginnings of the paths of inputs that each sweep has of its own; others are shared."""
-FACTORS = np.exp(np.log(2.0) * np.linspace(-2.0, 2.5, 10))
+FACTOR = 3.0
+"""Factor within which two thirds of scatters are of the one that is said: rigs differ as much."""
+FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
 """Factors on the scatter that is said."""
-_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(2.0)) ** 2  # of the factors
+_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # of the factors
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
 
@@ -221,51 +256,51 @@ class JudgedTests(NamedTuple):
     joint: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Joint:
-    """Inputs of all sweeps, and their tests."""
+    """Inputs of a sweep, of its rig and of the oils that ran on it, and its tests."""
 
-    ensembles: tuple[Ensemble, ...]
-    unknown: tuple[Unknown, ...]  # of the sweeps, then of the rigs, then of a discrepancy
-    known: int  # number of those of the sweeps
-    columns: tuple[Any, ...]  # inputs of each sweep among all
-    rigs: tuple[Columns, ...]
+    ensemble: Ensemble
+    unknown: tuple[Unknown, ...]  # of the sweep, then of other oils, of the rig, of a discrepancy
+    rig: Columns
+    oils: Mapping[str, int]  # inputs that are the critical temperatures of other oils
     has_discrepancy: bool
     scatters: Array
 
     @classmethod
-    def of(cls, ensembles: tuple[Ensemble, ...], scatter: float, discrepancy: bool) -> Joint:
-        """Join the inputs of sweeps; raises at a test that a sweep says nothing about."""
-        unknown, columns = _joined(ensembles)
-        for one in ensembles:
-            require_possible(one)
-        known, (unknown, rigs) = len(unknown), join_rigs(ensembles, unknown, columns)
+    def of(cls, ensemble: Ensemble, scatter: float, discrepancy: bool = False) -> Joint:
+        """Inputs and tests of a sweep; raises at a test that it says nothing about."""
+        require_possible(ensemble)
+        unknown, oils = join_oils(ensemble)
+        unknown, rig = join_rig(ensemble, unknown)
         unknown += SLOPES if discrepancy else ()
-        return cls(ensembles, unknown, known, columns, rigs, discrepancy, scatter * FACTORS)
+        return cls(ensemble, unknown, rig, oils, discrepancy, scatter * FACTORS)
 
-    @property
+    @functools.cached_property
     def tests(self) -> list[Test]:
-        """Tests of all sweeps, in their order."""
-        return [test for one in self.ensembles for test in one.tests]
+        """Tests that count."""
+        return decisive_tests(self.ensemble.tests)
 
-    @property
-    def sweeps(self) -> list[int]:
-        """Number of the sweep of each test."""
-        return [number for number, one in enumerate(self.ensembles) for _ in one.tests]
-
-    @property
+    @functools.cached_property
     def runs(self) -> list[list[int]]:
         """Numbers of the tests of each run."""
-        return group_runs(self.tests, self.sweeps)
+        return group_runs(self.tests)
+
+    @property
+    def known(self) -> tuple[Unknown, ...]:
+        """Inputs of the sweep."""
+        return self.ensemble.unknown
 
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
-        slopes = inputs[:, -2:] if self.has_discrepancy else None
-        parts = [
-            distances_of(one, one.tests, inputs[:, part], inputs[:, rig] if rig else None, slopes)
-            for one, part, rig in zip(self.ensembles, self.columns, self.rigs, strict=True)
-        ]
-        distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+        distances = distances_of(
+            self.ensemble,
+            self.tests,
+            inputs[:, : len(self.known)],
+            inputs[:, self.rig] if self.rig else None,
+            inputs[:, -2:] if self.has_discrepancy else None,
+            {oil: inputs[:, column] for oil, column in self.oils.items()},
+        )
         runs = weigh_runs(self.tests, self.runs, distances, self.scatters)
         return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
@@ -282,28 +317,3 @@ class Joint:
                 f"hardly any draw agrees with the tests, the best within {apart * scatter:.0%} of "
                 "their velocities; widen [unknown], or look at the tests"
             )
-
-
-def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[Any, ...]]:
-    """Unknown inputs of all sweeps, and those of each among them."""
-    inputs: dict[str, Unknown] = {}
-    columns = []
-    for number, ensemble in enumerate(ensembles, 1):
-        name = partial(_named, f"{number}: " if len(ensembles) > 1 else "")
-        for quantity in ensemble.unknown:
-            correlated = tuple((name(path), value) for path, value in quantity.correlated)
-            named = replace(quantity, path=name(quantity.path), correlated=correlated)
-            same = inputs.setdefault(named.path, named)
-            if (same.kind, same.parameters) != (named.kind, named.parameters):
-                raise InputError(
-                    f"{quantity.path} is shared by the sweeps, which differ in its distribution; "
-                    "give the same one in [unknown] of each, and run them again"
-                )
-        paths = [name(quantity.path) for quantity in ensemble.unknown]
-        columns.append(np.array([[*inputs].index(path) for path in paths], int))
-    return tuple(inputs.values()), tuple(columns)
-
-
-def _named(sweep: str, path: str) -> str:
-    """Path of an input of a sweep, which has those of its lubricant of its own."""
-    return sweep + path if path.startswith(OF_LUBRICANT) else path

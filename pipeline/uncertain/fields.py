@@ -40,11 +40,12 @@ class InferredScatter:
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
     by_draw: Array  # probability of each by draw, (n, n_scatter)
+    weights: Array  # of the draws
     worded: str
 
     def below(self, distances: Array) -> Array:
         """See `pipeline.analysis.model_error.Scatter`; of all draws together."""
-        odds = self.by_draw.mean(axis=0)
+        odds = self.weights @ self.by_draw
         return np.asarray(
             sum(p * ndtr(distances / s) for p, s in zip(odds, self.scatters, strict=True))
         )
@@ -93,7 +94,7 @@ class SampleField:
         worded = (
             f"± {middle:.2g} % in velocity ({low:.2g} to {high:.2g} %), inferred from the tests"
         )
-        return InferredScatter(self.draws.scatters, self.draws.by_scatter, worded)
+        return InferredScatter(self.draws.scatters, self.draws.by_scatter, self.weights, worded)
 
     @property
     def given_draws(self) -> Draws | None:
@@ -291,8 +292,8 @@ def _field(scene: xr.Dataset) -> SampleField:
     coords = {str(name): label for name, label in scene.coords.items()}
     shown = {name: label.item() for name, label in coords.items() if not label.ndim}
     rig = None
-    if weighed and weighed.rigs[0] is not None:
-        rig = weighed.draws.inputs[:, weighed.rigs[0][1]]
+    if weighed and weighed.rig is not None:
+        rig = weighed.draws.inputs[:, weighed.rig[1]]
     draws = draws_of(ensemble, weighed.draws if weighed else None)
     if weighed:
         draws = replace(draws, scatters=weighed.draws.scatters, by_scatter=weighed.draws.by_scatter)

@@ -177,8 +177,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
         _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    titles = (style.as_text(one.title) for one in posterior.ensembles)
-    figure.suptitle("\n".join(titles), wrap=True)
+    figure.suptitle(style.as_text(posterior.ensemble.title), wrap=True)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 

@@ -5,12 +5,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
 from pipeline.uncertain.evidence import log_between
 from pipeline.uncertain.inputs import prior
+from pipeline.uncertain.weigh import _long_tailed
 from tests.helpers.samples import (
     CRITICAL,
     EXPONENT,
@@ -52,7 +54,7 @@ def test_without_data_what_is_assumed_comes_back():
     for row in posterior.summary():
         assert row["posterior"] == row["prior"]
     assert not list(posterior.hidden())
-    ends = 2.0 ** np.array([-1.645, 0.0, 1.645])
+    ends = 3.0 ** np.array([-1.645, 0.0, 1.645])
     assert posterior.inferred_scatter == pytest.approx(0.05 * ends, rel=1e-3)
     # Values of a uniform input are correlated a little less than their normal scores.
     assert posterior.correlations == pytest.approx(correlations(JOINT), abs=0.02)
@@ -230,6 +232,7 @@ def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
         "severe",
     ]
     assert posterior.evidence == "3 runs"
+    assert [len(one.tests) for one in posterior.judged] == [2, 1, 1]  # those that decide
 
 
 def test_the_friction_of_a_specimen_counts_once_however_often_it_was_measured():
@@ -239,6 +242,11 @@ def test_the_friction_of_a_specimen_counts_once_however_often_it_was_measured():
         return friction["posterior"]["sd"]
 
     assert spread(*"1234") < 0.8 * spread(*"1111")
+
+
+def test_outliers_have_long_tails():
+    z = np.array([-1e5, -30.0, -3.0, -0.5, 0.0, 2.0, 40.0])
+    assert _long_tailed(z) == pytest.approx(stats.t(4).cdf(math.sqrt(2) * z), rel=1e-9)
 
 
 def test_an_interval_far_out_has_the_logarithm_of_its_probability():
@@ -256,7 +264,9 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
-    assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
+    # Drawn near the tests, and not those of the prior weighed.
+    assert np.ptp(sharp.draws.inputs[:, 0]) < 0.8 * np.ptp(sharp.prior.inputs[:, 0])
+    assert 0.4 < sharp.draws.effective / len(sharp.draws.weights) < 1
     inputs, _, parity = pipeline.draw_posterior(sharp).axes
     (critical, *_) = sharp.summary()
     for patch, one in zip(inputs.patches, ("prior", "posterior"), strict=True):
@@ -356,24 +366,6 @@ def test_a_scatter_beyond_those_considered_is_cut_off_and_says_so():
     posterior = pipeline.posterior(ensemble(tests=wild), 0.02)
     assert posterior.cut_off == "above"
     assert posterior.as_dict()["inferred_scatter_cut_off"] == "above"
-
-
-def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
-    narrow = Unknown(CRITICAL.path, "normal", (418.15, 1.0), "K")
-    truth = np.array([418.15, 1.2e-15, 0.1, 5.5e-6])
-    narrowed = ensemble((narrow, LENGTH), tests=transitions(truth, 0.005))
-    other = ensemble((CRITICAL, LENGTH))
-    posterior = pipeline.posterior([other, narrowed], 0.005)
-    paths = [entry.path for entry in posterior.unknown]
-    assert paths == [f"1: {CRITICAL.path}", LENGTH.path, f"2: {CRITICAL.path}"]
-    first, length, second = posterior.summary()
-    assert first["posterior"]["sd"] == pytest.approx(first["prior"]["sd"], rel=0.1)  # untested
-    assert length["posterior"]["sd"] < 0.6 * length["prior"]["sd"]
-    assert second["posterior"]["sd"] < 1.05
-    assert posterior.sweep_draws(0).inputs.shape[1] == 2
-    longer = Unknown(LENGTH.path, "uniform", (3e-6, 7e-6), "m")
-    with pytest.raises(InputError, match=r"correlation_length is shared.*differ"):
-        pipeline.posterior([other, ensemble((CRITICAL, longer))])
 
 
 def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
