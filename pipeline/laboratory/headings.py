@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
+from pipeline.laboratory.machines import form_of as form_of
+from pipeline.laboratory.machines import read_form
 from pipeline.laboratory.spreadsheet import may_be_thousands as may_be_thousands
 from pipeline.laboratory.spreadsheet import read_rows as read_rows
 from pipeline.scene.headings import UNITS, Heading, Sheet, is_unit, listed, misfit, usual_unit
@@ -112,15 +116,20 @@ def _words(heading: Heading) -> str:
     return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
 
 
-def tidy(sheet: Sheet) -> None:
-    """Take units from a first row that holds nothing else, and a velocity from a rotation."""
+def tidy(sheet: Sheet, stem: str, given: Mapping[str, Any] | None) -> None:
+    """Take units from a first row that holds nothing else, and a velocity from a rotation.
+
+    Of tests, where quantities may be given, load and velocity are taken from a machine's form.
+    """
     first = sheet.rows[0].cells if sheet.rows else []
     units = [split_heading(f"x [{cell.strip('[]()')}]").unit for cell in first]
     if any(units) and all(is_unit(unit) for unit in units if unit):
         pairs = zip(sheet.headings, units, strict=True)
         sheet.headings = [replace(one, unit=one.unit or unit) for one, unit in pairs]
         del sheet.rows[0]
-    _take_velocity_of_turns(sheet)
+    has_runs = any(is_named(heading, "run") for heading in sheet.headings)
+    if given is None or not read_form(sheet, stem, given, has_runs):
+        _take_velocity_of_turns(sheet)
 
 
 def _take_velocity_of_turns(sheet: Sheet) -> None:
@@ -145,7 +154,7 @@ def _take_velocity_of_turns(sheet: Sheet) -> None:
         fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
         sheet.of_rows.append(fault)
         return
-    sheet.track = k
+    sheet.made_of = {k}
     sheet.headings[turn] = split_heading("velocity")
     for _, cells in sheet.rows:
         at = f" at {which} {cells[k]} {track.unit}" if cells[k] else ""

@@ -185,12 +185,12 @@ class Sheet:
     of_rows: list[str] = field(default_factory=list)  # faults of rows
     decimal: str = "."
     form: list[str] = field(default_factory=list)  # words on how the file was read
-    track: int | None = None  # column of the track, of which velocities were made
+    made_of: set[int] = field(default_factory=set)  # columns of which others were made
 
     @property
     def others(self) -> list[int]:
         """Columns of no wanted quantity."""
-        used = (*self.places.values(), self.track)
+        used = {*self.places.values(), *self.made_of}
         return [k for k in range(len(self.headings)) if k not in used]
 
     @property
@@ -280,14 +280,20 @@ def read_sheet(
     decimal: str | None = None,
     is_log: Callable[[Collection[str]], bool] = {"load", "velocity"}.issubset,
     sheet_name: str | None = None,
+    given: Mapping[str, Any] | None = None,
 ) -> Sheet:
-    """Read the rows of a file below headings; for the arguments see `columns_for`."""
+    """Read the rows of a file below headings; for the arguments see `columns_for`.
+
+    Where quantities are given, if only none, the rows are tests, perhaps in the form of a machine.
+    """
 
     def is_heading(cells: list[str]) -> bool:
-        places, faults = columns_for([*map(heading_of, cells)], wanted, named)
-        return is_log(places) and not (named and faults)
+        headings = [*map(heading_of, cells)]
+        places, faults = columns_for(headings, wanted, named)
+        is_form = given is not None and laboratory.form_of(headings) is not None
+        return is_form or (is_log(places) and not (named and faults))
 
-    needs_more = decimal or sheet_name or path.suffix.lower() != ".csv"
+    needs_more = decimal or sheet_name or given is not None or path.suffix.lower() != ".csv"
     laboratory = extras.module("laboratory", "headings") if needs_more else _laboratory()
     if laboratory:
         read = laboratory.read_rows(path, is_heading, decimal, sheet_name)
@@ -296,7 +302,7 @@ def read_sheet(
     headings = [*map(heading_of, read.heads)]
     sheet = Sheet(headings, [*read.rows], {}, [], [*read.faults], read.decimal, read.form)
     if laboratory:
-        laboratory.tidy(sheet)
+        laboratory.tidy(sheet, path.stem, given)
     return _placed_columns(sheet, wanted, needed, named)
 
 

@@ -82,7 +82,8 @@ def main():
     parser.add_argument("--scene", type=Path, default=SCENE)
     parser.add_argument("--store", type=Path, help="of the scene's samples; computed if not given")
     parser.add_argument("--direct", type=int, default=400)
-    parser.add_argument("--first", type=int, default=len(DESIGNS), help="number of designs")
+    every = range(1, len(DESIGNS) + 1)
+    parser.add_argument("--only", type=int, nargs="+", default=every, help="numbers of designs")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         store = options.store or Path(folder) / "samples.zarr"
@@ -93,7 +94,7 @@ def main():
         ds = pipeline.open_sweep(store)
         ensemble, scene_with = pipeline.Ensemble.of(ds), read_scene(ds)
     rows, scores, is_right = [], [], True
-    for path, load, velocity, risk in DESIGNS[: options.first]:
+    for path, load, velocity, risk in (DESIGNS[number - 1] for number in options.only):
         goal = Goal([Place(load, velocity)], risk)
         chances, limit, found = designed(ensemble, scene_with, path, goal)
         if found is None:

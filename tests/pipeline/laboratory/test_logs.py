@@ -197,7 +197,7 @@ def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab, 
 
 
 def test_a_scar_is_no_track_and_an_area_no_transition(tmp_path):
-    path = tmp_path / "four_ball.csv"
+    path = tmp_path / "scars.csv"
     log = "load [N],speed [rpm],wear scar diameter [mm],outcome\n400,1450,0.6,mild\n"
     *_, fault = read_log_faults(path, log)
     assert 'none of "wear scar diameter [mm]" is surely its track' in fault
