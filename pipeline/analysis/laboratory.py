@@ -148,7 +148,7 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     yield (
         f"each at its own friction and bulk; a transition agrees within {_DEVIATIONS:g} "
         f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none, a "
-        "test if its outcome is the computed one beyond the error of the temperature"
+        "test if its outcome is the computed one and lies outside the error of the temperature"
     )
 
 

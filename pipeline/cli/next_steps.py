@@ -89,7 +89,7 @@ def lines_on(commands: Sequence[str], by_model: bool = False) -> Iterator[str]:
     if more := len(commands[_MOST:]):
         yield f"and {more} more commands, which --json lists"
     if not commands:
-        yield "not decided by any accuracy: the point is nearer to the boundary than its error"
+        yield "no accuracy decides this: the point is within its error of the boundary"
 
 
 def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str, Any]) -> str:

@@ -158,7 +158,7 @@ def predict_stages(
     Parameters
     ----------
     pair : Pair
-        The test gears, with any oil and roughness, or gears of one's own in their place.
+        The test gears, with any oil and roughness, or other gears.
     critical : Critical
         Critical temperature.
     preset, workers, progress
